@@ -1,0 +1,181 @@
+"""One step of a trajectory: find the next event, move there, resolve it.
+
+The state between events is a plain tuple of numbers:
+
+    mode         1, 2, 3 a domain; 4, 5 a stick on belt 1, 2
+    at           1, 2 if the state is on that belt at the beginning of a flight, else 0
+    n, theta     phase: forcing periods completed, and Omega t mod 2 pi
+    x, v         position and velocity
+    Fb, Fa       acceleration; on a belt the accelerations F^(below) and F^(above) of both sides
+    S11 S12 S22  covariance of the error of (x, v) at a fixed time
+
+Time is carried as (n, theta) only: Omega t never loses digits however large t becomes.
+"""
+
+from __future__ import annotations
+
+from math import acos, cos, sin, sqrt
+
+from symosc.events import HIT, NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves
+from symosc.kernels._generated import acceleration
+from symosc.kernels.entire import EPS, SERIES_BELOW
+from symosc.sticks import belt_exit, force_noise
+from symosc.switching import BELT, DOMAIN_ABOVE, carried_error, resolve
+
+# What a step ends with; the first four are the kinds of events.
+CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
+
+TWO_PI = 2.0 * acos(-1.0)
+TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
+
+
+def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K):
+    """Advance a state to its next event, or to the end of a stretch without events.
+
+    Parameters
+    ----------
+    mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22 : the state, see the module's docstring.
+    n_end, theta_end : phase at which the simulation ends.
+    K : Constants
+
+    Returns
+    -------
+    (code, boundary, decided, t_error, state...)
+        code CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
+        REST (no event will come any more; at rest or in a steady motion) or FAILED. `decided` is False when the outcome
+        depends on less than the rounding error. t_error is the standard error of the event's time. The new state has
+        the same eleven entries.
+    """
+    left = ((n_end - n) * TWO_PI + (theta_end - theta)) / K.Om
+    tau_max = left if left < K.chunk else K.chunk
+    if mode > 3:
+        return advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_end, theta_end, K)
+    return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, left, tau_max, n_end, theta_end, K)
+
+
+def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n_end, theta_end, K):
+    """Advance through a domain; see `advance`."""
+    s0, c0 = sin(theta), cos(theta)
+    has_below, has_above = mode > 1, mode < 3
+    lower, upper = (K.belt1 if mode == 2 else K.belt2), (K.belt1 if mode == 1 else K.belt2)
+    on_below, on_above = at == mode - 1 and at > 0, at == mode
+    code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
+        tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
+    )
+    if tau > left:  # a contact that the last correction moved past the end
+        code, tau = NOTHING, left
+    slip = clock_error(theta, tau, K)
+    x_noise = 2.0 * EPS * (abs(x) + abs(dx)) + abs(v) * slip
+    v_noise = 4.0 * EPS * (abs(v) + abs(dv) + abs(a0 * E1) + abs(K.fB) * E2) + abs(a0) * slip
+    S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
+    x = x + dx
+    if code == NOTHING:
+        if tau >= left:
+            return END, 0, True, 0.0, mode, 0, n_end, theta_end, x, v + dv, a, a, S11, S12, S22
+        if never_leaves(v + dv, a, s, c, lower.v, upper.v, has_below, has_above, K):
+            # The end is reached from the last start, in one piece.
+            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22
+        n, theta = later(n, theta, tau, K)
+        v = v + dv
+        a = acceleration(x, v, cos(theta), K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
+        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22
+    n, theta = later(n, theta, tau, K)
+    boundary = mode - 1 if side < 0 else mode
+    belt = K.belt1 if boundary == 1 else K.belt2
+    v = belt.v
+    if code == STALLED:
+        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22
+    if code == TANGENCY:
+        zero = 0.0 * a
+        t_error = graze_error(S22, v_noise, a, theta, belt, K)
+        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
+    s, c = sin(theta), cos(theta)
+    if tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
+        a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
+    Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
+    decided = True
+    other = Fa if side > 0 else Fb
+    if belt.J > 0.0 and abs(other) < SERIES_BELOW * belt.J:
+        if abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
+            decided = False
+            Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
+    speed = abs(a)
+    t_error = sqrt(S22) / speed if speed > 0.0 else 0.0
+    where = resolve(v, Fb, Fa, s, c, K)
+    if where == BELT:
+        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, 0.0 * S12, 0.0 * S22
+    out = Fa if where == DOMAIN_ABOVE else Fb
+    ratio = out / a if speed > 0.0 else 1.0
+    target = boundary + 1 if where == DOMAIN_ABOVE else boundary
+    if target == mode:  # a hit whose speed is lost in rounding
+        zero = 0.0 * a
+        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
+    S12, S22 = ratio * S12, ratio * ratio * S22
+    return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22
+
+
+def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_end, theta_end, K):
+    """Advance along a belt; see `advance`."""
+    boundary = mode - 3
+    belt = K.belt1 if boundary == 1 else K.belt2
+    s0, c0 = sin(theta), cos(theta)
+    zero = 0.0 * Fb
+    code, side, tau, Delta, slope = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
+    if tau > left:
+        code, tau = NOTHING, left
+    noise = 2.0 * EPS * (abs(x) + abs(v) * tau) + abs(v) * clock_error(theta, tau, K)
+    S11 = S11 + noise * noise
+    x = x + v * tau
+    if code == NOTHING:
+        if tau >= left:
+            return END, 0, True, 0.0, mode, boundary, n_end, theta_end, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
+        if belt.drift == 0.0 and tau >= K.period:  # the forces repeat: no exit in one period means none ever
+            return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero
+        if tau >= K.period:
+            Delta = belt.drift * tau
+        n, theta = later(n, theta, tau, K)
+        return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
+    n, theta = later(n, theta, tau, K)
+    Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
+    if code == STALLED:
+        return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
+    if code == TANGENCY:
+        return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
+    t_error = exit_error(K.w0sq * sqrt(S11) + ROUNDING / 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0)), slope, theta, K)
+    target = boundary if side < 0 else boundary + 1
+    return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero
+
+
+def later(n, theta, tau, K):
+    """Return the phase `tau` later; a whole period leaves theta as it is, exactly."""
+    if tau == K.period:
+        return n + 1, theta
+    theta = theta + K.Om * tau
+    while theta >= TWO_PI:
+        theta = (theta - TWO_PI) - TWO_PI_REST
+        n = n + 1
+    if theta < 0.0:  # by the rest of 2 pi
+        theta = 0.0 * theta
+    return n, theta
+
+
+def clock_error(theta, tau, K):
+    """Return the error of a time that is read off a rounded phase."""
+    return 2.0 * EPS * (theta / K.Om + tau)
+
+
+def exit_error(force_error, slope, theta, K):
+    """Return the time within which a force passes 0, given its error and its first three derivatives."""
+    if force_error == 0.0:
+        return force_error
+    bend, third = abs(K.fB * K.Om * cos(theta)), abs(K.fB * K.Om * K.Om)
+    best = force_error / abs(slope) if slope != 0.0 else 1.0 / K.Om
+    if bend > 0.0:
+        best = min(best, sqrt(2.0 * force_error / bend))
+    return min(best, (6.0 * force_error / third) ** (1.0 / 3.0)) if third > 0.0 else best
+
+
+def graze_error(S22, v_noise, a, theta, belt, K):
+    """Return the standard error of the time of a tangency, where the acceleration passes 0 with slope G^(1)."""
+    slope = belt.drift - K.fB * sin(theta)
+    return exit_error(K.rate * (sqrt(S22) + v_noise), slope, theta, K)

@@ -1,0 +1,155 @@
+"""Motion within one domain, and on a belt: the constants of a parameter set and the evaluation of the flow.
+
+Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0 and acceleration
+a0; the displacement dx, the gain in velocity dv and the acceleration a after a time tau are the kernel `motion` of the
+entire functions at tau. Gains are returned rather than sums: a flight that starts on a belt leaves it by dv exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import atan2, pi, sqrt
+from typing import Any, NamedTuple
+
+from symosc.model import Parameters
+
+# Steady state and transient are told apart (in bounds, and in the closed form) when the response |i Omega - l1| |i Omega
+# - l2| is at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
+APART = Fraction(1, 5)
+
+LONGEST_PHASE = 50
+SIGMAS = Fraction(4)
+
+
+class BeltConstants(NamedTuple):
+    """What a stick on one belt needs: along it, m dF/dt = -(k v + B0 Omega sin(theta)) for both forces (model.md, 6)."""
+
+    v: Any  # speed of the belt
+    J: Any  # F^(below) - F^(above) = 2 mu FN/m
+    drift: Any  # -(k/m) v, the mean slope of both forces
+    turns: bool  # whether the slope changes sign, at sin(theta) = s_cr
+    s_cr: Any
+    c_cr: Any  # +sqrt(1 - s_cr^2)
+    angle: Any  # asin(s_cr) in (-pi/2, pi/2)
+
+
+class Constants(NamedTuple):
+    """A parameter set as the numbers that the fast paths use; floats or mpmath numbers, correctly rounded.
+
+    Units: 1/time for cm, h, w, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
+    """
+
+    cm: Any  # c/m
+    w0sq: Any  # k/m
+    f0: Any  # B0/m
+    Om: Any  # Omega
+    fB: Any  # B0 Omega/m
+    h: Any  # c/(2m)
+    w: Any  # sqrt(|k/m - h^2|)
+    w0: Any  # sqrt(k/m)
+    p: Any  # k/m - Omega^2
+    q: Any  # 2 h Omega
+    detuning: Any  # imaginary part of l1 - i Omega
+    l1: Any  # slow root, when not underdamped
+    l2: Any  # fast root, when not underdamped
+    rate0: Any  # larger |root|
+    rate: Any  # max(rate0, Omega)
+    under: bool  # underdamped
+    apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
+    steady: bool  # far from resonance: steady state and transient may be bounded one by one
+    A1: Any  # A_alpha/m
+    A2: Any
+    A3: Any
+    V0: Any  # amplitude of the steady velocity, when `steady`
+    Ss: Any  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
+    Sc: Any
+    period: Any  # 2 pi/Omega
+    chunk: Any  # longest time that is evaluated from one starting point
+    sigmas: Any  # how many standard errors of the state a decision must exceed
+    belt1: BeltConstants
+    belt2: BeltConstants
+
+
+def constants(
+    parameters: Parameters,
+    number: Callable[[Fraction], Any] = float,
+    root: Callable[[Any], Any] = sqrt,
+    angle: Callable[[Any, Any], Any] = atan2,
+    pi: Any = pi,
+) -> Constants:
+    """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    number : callable
+        Rounds a Fraction: ``float``, or a conversion to mpmath.
+    root, angle, pi :
+        Square root, atan2 and pi for what `number` returns.
+    """
+    m, Om = parameters.m, parameters.Omega
+    h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
+    square = w0sq - h * h
+    p, q = w0sq - Om * Om, 2 * h * Om
+    w = root(number(abs(square)))
+    under = square > 0
+    steady = p * p + q * q >= (APART * max(w0sq, Om * Om)) ** 2
+    response = number(p * p + q * q) if steady else number(Fraction(1))
+    slow, fast = number(Fraction(0)), -(number(h) + w)
+    if fast != 0:
+        slow = number(w0sq) / fast
+    rate0 = root(number(w0sq)) if under else -fast
+    period = 2 * pi / number(Om)
+    belts = [_belt_constants(parameters, boundary, number, root, angle) for boundary in (1, 2)]
+    return Constants(
+        cm=number(2 * h),
+        w0sq=number(w0sq),
+        f0=number(f0),
+        Om=number(Om),
+        fB=number(f0 * Om),
+        h=number(h),
+        w=w,
+        w0=root(number(w0sq)),
+        p=number(p),
+        q=number(q),
+        detuning=number(square - Om * Om) / (w + number(Om)) if under else -number(Om),
+        l1=slow,
+        l2=fast,
+        rate0=rate0,
+        rate=max(rate0, number(Om)),
+        under=under,
+        apart=under and steady,
+        steady=steady,
+        A1=number(parameters.A(1) / m),
+        A2=number(parameters.A(2) / m),
+        A3=number(parameters.A(3) / m),
+        V0=abs(number(f0 * Om)) / root(response) if steady else number(Fraction(0)),
+        Ss=number(-f0 * Om * p) / response,
+        Sc=number(f0 * Om * q) / response,
+        period=period,
+        # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
+        chunk=min(period, LONGEST_PHASE / rate0) if under else period,
+        sigmas=number(SIGMAS),
+        belt1=belts[0],
+        belt2=belts[1],
+    )
+
+
+def _belt_constants(
+    parameters: Parameters, boundary: int, number: Callable[..., Any], root: Callable[..., Any], angle: Callable[..., Any]
+) -> BeltConstants:
+    v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
+    pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
+    turns = abs(pull) < abs(drive)  # with equality the slope touches 0 and keeps its sign
+    sine = pull / drive if turns else Fraction(0)
+    s_cr, c_cr = number(sine), root(number(1 - sine * sine))
+    return BeltConstants(
+        v=number(v),
+        J=number(2 * mu * parameters.FN / parameters.m),
+        drift=number(pull / parameters.m),
+        turns=turns,
+        s_cr=s_cr,
+        c_cr=c_cr,
+        angle=angle(s_cr, c_cr),
+    )

@@ -1,0 +1,1 @@
+"""Arithmetic: the kernels that sympy printed, and the entire functions that they take as arguments."""

@@ -1,0 +1,118 @@
+"""The entire functions that the generated kernels take as arguments, in double precision and in every regime.
+
+With the characteristic roots l1, l2 of D^2 + (c/m) D + k/m, and e[...] the divided differences of exp,
+
+    E1 = tau e[l1 tau, l2 tau]               the impulse response S
+    E0 = dE1/dtau
+    E2 = tau^2 e[0, l1 tau, l2 tau]          its integral
+    Z  = tau^2 e[i Omega tau, l1 tau, l2 tau] = R2 + i I2
+
+are entire in tau, the roots and Omega: nothing happens to them at critical damping, at resonance or at k = 0. Only
+formulas fail there, by cancellation. Three are used, each where it loses less than a digit or two:
+
+- short times (rate * tau below SERIES_BELOW): the Taylor series in tau, whose coefficients obey the ODE;
+- the closed form in sin, cos and exp (`basis_apart`, printed by sympy), when the system is underdamped, the roots
+  are far from each other and from i Omega (`apart`) and tau is at least APART_ABOVE / w0;
+- otherwise divided differences over the pair of nodes that are farthest apart, the inner ones through expm1, so that
+  no difference of neighbouring values is ever formed (McCurdy, Ng and Parlett, Math. Comp. 43 (1984)).
+
+Time arguments are in the parameters' unit of time. The functions are scalar: CPython runs them, numba compiles them.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, expm1, sin
+
+from symosc.kernels._generated import basis_apart
+
+SERIES_BELOW = 0.8
+APART_ABOVE = 0.8
+EPS = 2.0**-53
+INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
+
+
+def basis(tau, K):
+    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K` (`symosc.flow.Constants`), tau >= 0."""
+    return basis_at(tau, sin(K.Om * tau), cos(K.Om * tau), K)
+
+
+def basis_at(tau, s, c, K):
+    """Return what `basis` returns, for a phase Omega tau whose sine and cosine are known better than from tau."""
+    if K.rate * tau < SERIES_BELOW:
+        E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
+    elif K.apart and K.w0 * tau >= APART_ABOVE:
+        w_tau = K.w * tau
+        decay = exp(-K.h * tau)
+        E0, E1, E2, R2, I2 = basis_apart(decay, sin(w_tau), cos(w_tau), s, c, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+    else:
+        E0, E1, E2, R2, I2 = careful(tau, s, c, K)
+    return E0, E1, E2, R2, I2, s, c
+
+
+def series(tau, cm, w0sq, Om):
+    """Return E0, E1, E2, R2, I2 from their Taylor series.
+
+    The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
+    """
+    before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
+    E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
+    r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!
+    R2, I2 = r, i
+    for n in range(1, 38):
+        slope = -cm * term - w0sq * tau * INVERSES[n] * before  # s[n+1] tau^n / n!: a term of E0
+        before, term = term, slope * tau * INVERSES[n + 1]
+        shorter = tau * INVERSES[n + 2]
+        r, i = (term - Om * i) * shorter, Om * r * shorter
+        E0 += slope
+        E1 += term
+        E2 += term * shorter
+        R2 += r
+        I2 += i
+        if abs(slope) <= EPS and abs(r) <= EPS * R2 and abs(i) <= EPS * abs(I2):
+            break
+    return E0, E1, E2, R2, I2
+
+
+def careful(tau, s_Om, c_Om, K):
+    """Return E0, E1, E2, R2, I2 by divided differences over the farthest pair of nodes."""
+    if K.under:
+        real1, imag1 = -K.h, K.w  # l1, the root nearer to i Omega
+        real2, imag2 = -K.h, -K.w
+        decay = exp(-K.h * tau)
+        s = sin(K.w * tau)
+        E1 = decay * s / K.w
+        E0 = decay * cos(K.w * tau) - K.h * E1
+    else:
+        real1, imag1 = K.l1, 0.0  # the slow root
+        real2, imag2 = K.l2, 0.0
+        gap = 2.0 * K.w
+        spread = -expm1(-gap * tau) / gap if gap > 0.0 else tau
+        decay = exp(K.l1 * tau)
+        E1 = decay * spread
+        E0 = decay * (K.l1 * spread + exp(-gap * tau))
+    if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
+        E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
+    else:
+        # (e[0, l1] - e[l1, l2]) / (0 - l2), real by symmetry
+        real, imag = expm1_over(real1, imag1, tau)
+        E2 = -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
+    # (e[i Om, l1] - e[l1, l2]) / (i Om - l2)
+    real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
+    top_real, top_imag = c_Om * real - s_Om * imag - E1, c_Om * imag + s_Om * real
+    real2, imag2 = -real2, K.Om - imag2
+    size = real2 * real2 + imag2 * imag2
+    R2 = (top_real * real2 + top_imag * imag2) / size
+    I2 = (top_imag * real2 - top_real * imag2) / size
+    return E0, E1, E2, R2, I2
+
+
+def expm1_over(real, imag, tau):
+    """Return the real and imaginary part of (exp(z tau) - 1) / z, z = real + i imag; `tau` at z = 0."""
+    size = real * real + imag * imag
+    if size == 0.0:
+        return tau, 0.0
+    half = sin(0.5 * imag * tau)
+    growth = expm1(real * tau)
+    top_real = growth * cos(imag * tau) - 2.0 * half * half
+    top_imag = (growth + 1.0) * sin(imag * tau)
+    return (top_real * real + top_imag * imag) / size, (top_imag * real - top_real * imag) / size

@@ -1,0 +1,106 @@
+"""The entire functions of `symosc.kernels.entire` in any number of digits.
+
+Close roots cost digits in divided differences. How many is known beforehand, so they are computed with as many more;
+coinciding roots are told from close ones in rational arithmetic. Short times use the Taylor series.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from symosc.model import Parameters
+
+SERIES_BELOW = 1
+
+
+class BasisMP:
+    """Callable with the signature of `symosc.kernels.entire.basis`, for an mpmath context.
+
+    Parameters
+    ----------
+    context : mpmath context
+        Its precision is the precision of the results.
+    parameters : Parameters
+    """
+
+    def __init__(self, context: Any, parameters: Parameters) -> None:
+        self.context = context
+        self.h = parameters.c / (2 * parameters.m)
+        self.w0sq = parameters.k / parameters.m
+        self.Om = parameters.Omega
+        self.guard_bits = self._guard_bits()
+
+    def _roots(self) -> tuple[Any, Any, Any]:
+        """Return l1 (the slow root, or the one above the real axis), l2 and i Omega in the current precision."""
+        context = self.context
+        h, w0sq, Om = (context.mpf(q.numerator) / q.denominator for q in (self.h, self.w0sq, self.Om))
+        square = self.w0sq - self.h * self.h
+        w = context.sqrt(abs(context.mpf(square.numerator) / square.denominator))
+        if square > 0:
+            l1, l2 = context.mpc(-h, w), context.mpc(-h, -w)
+        else:
+            l1, l2 = -w0sq / (h + w) if h else context.mpf(0), -(h + w)
+        if self.h == 0 and self.w0sq == self.Om * self.Om:  # undamped resonance, decided in rational numbers
+            return context.mpc(0, Om), context.mpc(0, -Om), context.mpc(0, Om)
+        return l1, l2, context.mpc(0, Om)
+
+    def _guard_bits(self) -> int:
+        with self.context.workprec(200):
+            nodes = (self.context.mpf(0), *self._roots())
+            size = max(abs(node) for node in nodes)
+            gaps = (abs(a - b) for i, a in enumerate(nodes) for b in nodes[:i])
+            return 20 + sum(int(math.ceil(float(self.context.log(size / gap, 2)))) for gap in gaps if gap)
+
+    def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
+        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
+        if K.rate * tau < SERIES_BELOW:
+            values = self._series(tau, K)
+        else:
+            with self.context.workprec(self.context.prec + self.guard_bits):
+                values = self._divided_differences(tau, K)
+        with self.context.workprec(self.context.prec + 10):
+            angle = K.Om * tau
+            values += (self.context.sin(angle), self.context.cos(angle))
+        return tuple(+value for value in values)
+
+    def _series(self, tau: Any, K: Any) -> tuple[Any, ...]:
+        one = self.context.mpf(1)
+        with self.context.workprec(self.context.prec + 10):
+            before, term = 0 * one, tau
+            E0, E1, E2 = one, tau, tau * tau / 2
+            r, i = E2, 0 * one
+            R2, I2 = r, i
+            n = 0
+            while True:
+                n += 1
+                slope = -K.cm * term - K.w0sq * tau * before / n
+                before, term = term, slope * tau / (n + 1)
+                shorter = tau / (n + 2)
+                r, i = (term - K.Om * i) * shorter, K.Om * r * shorter
+                E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
+                eps = self.context.eps
+                if n > 1 and abs(slope) <= eps and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
+                    return E0, E1, E2, R2, I2
+
+    def _divided_differences(self, tau: Any, K: Any) -> tuple[Any, ...]:
+        context, one = self.context, self.context.mpf(1)
+        l1, l2, i_Om = self._roots()
+        if l1 == l2:
+            decay = context.exp(l1 * tau)
+            inner, slope = tau * decay, (1 + l1 * tau) * decay
+        else:
+            exp1, exp2 = context.exp(l1 * tau), context.exp(l2 * tau)
+            inner, slope = (exp1 - exp2) / (l1 - l2), (l1 * exp1 - l2 * exp2) / (l1 - l2)
+        if l2 == 0:
+            E2 = tau * tau / 2 * one
+        else:
+            E2 = (self._first(0 * one, l1, tau) - inner) / (0 - l2)
+        Z = (self._first(i_Om, l1, tau) - inner) / (i_Om - l2)
+        return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z)
+
+    def _first(self, a: Any, b: Any, tau: Any) -> Any:
+        """Return tau e[a tau, b tau]."""
+        if a == b:
+            return tau * self.context.exp(a * tau)
+        return (self.context.exp(a * tau) - self.context.exp(b * tau)) / (a - b)

@@ -1,0 +1,102 @@
+"""The double-belt friction oscillator: parameters, domains, boundaries and forces (eqs. (1) to (9)).
+
+    m x'' + c x' + k x = A_alpha + B0 cos(Omega t)    in domain Omega_alpha, alpha = 1, 2, 3
+
+A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1) both belts drag
+it forward, between the belts (domain 2) they pull against each other, above v2 (domain 3) both hold it back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from typing import Any
+
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, show
+
+#: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
+MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
+
+#: The domains below and above each boundary (belt).
+SIDES = {1: (1, 2), 2: (2, 3)}
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Parameters:
+    """Parameters of the oscillator, each an exact Fraction.
+
+    Parameters
+    ----------
+    m, c, k : number
+        Mass, damper and spring; m > 0, c >= 0, k >= 0.
+    A0, B0, Omega : number
+        Constant force, excitation amplitude (any sign) and its angular frequency > 0.
+    v1, v2 : number
+        Belt speeds, v1 < v2.
+    mu1, mu2 : number
+        Friction coefficients of belt 1 and belt 2, >= 0. A belt with coefficient 0 is transparent.
+    FN : number
+        Normal force >= 0.
+
+    Any consistent system of units will do. A number is an int, a float (read as the decimal that it prints as), a
+    string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
+
+    Raises
+    ------
+    ParameterError
+        If a value is no finite number or is out of range; the message names it.
+    """
+
+    m: Fraction
+    c: Fraction
+    k: Fraction
+    A0: Fraction
+    B0: Fraction
+    Omega: Fraction
+    v1: Fraction
+    v2: Fraction
+    mu1: Fraction
+    mu2: Fraction
+    FN: Fraction
+
+    def __init__(
+        self, *, m: Any, c: Any, k: Any, A0: Any, B0: Any, Omega: Any, v1: Any, v2: Any, mu1: Any, mu2: Any, FN: Any
+    ) -> None:
+        given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
+        for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
+            object.__setattr__(self, name, read_exact(name, value))
+        for name in ("m", "Omega"):
+            if getattr(self, name) <= 0:
+                raise ParameterError(name, show(getattr(self, name)), "must be > 0")
+        for name in ("c", "k", "mu1", "mu2", "FN"):
+            if getattr(self, name) < 0:
+                raise ParameterError(name, show(getattr(self, name)), "must be >= 0")
+        if self.v1 >= self.v2:
+            raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
+
+    def replace(self, **changes: Any) -> Parameters:
+        """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
+        for name, value in changes.items():
+            if name not in PARAMETER_NAMES:
+                raise ParameterError(name, value, f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+        return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
+
+    def as_dict(self) -> dict[str, str]:
+        """Return the parameters as text that reads back exactly."""
+        return {name: show(getattr(self, name)) for name in PARAMETER_NAMES}
+
+    def A(self, alpha: int) -> Fraction:
+        """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1), (5))."""
+        friction = {1: self.mu1 + self.mu2, 2: self.mu2 - self.mu1, 3: -self.mu1 - self.mu2}[alpha]
+        return self.A0 + friction * self.FN
+
+    def belt(self, boundary: int) -> Fraction:
+        """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
+        return self.v1 if boundary == 1 else self.v2
+
+    def __repr__(self) -> str:
+        return f"Parameters({', '.join(f'{name}={value}' for name, value in self.as_dict().items())})"
+
+
+PARAMETER_NAMES = tuple(field.name for field in fields(Parameters))

@@ -1,0 +1,148 @@
+"""The same scalar source as CPython floats, as compiled code and in any number of digits.
+
+The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here their
+functions are bound to other globals: to mpmath's sin, cos, sqrt and precision, or to compiled versions of each
+other. Nothing is written twice.
+"""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from symosc import advance, events, sticks, switching
+from symosc.errors import MissingExtraError
+from symosc.flow import Constants, constants
+from symosc.kernels import _generated, entire
+from symosc.model import Parameters
+
+SOURCES = (_generated, entire, switching, events, sticks, advance)
+
+
+def functions_of_sources() -> dict[str, Any]:
+    """Return the functions of the fast paths by name."""
+    return {
+        name: value
+        for module in SOURCES
+        for name, value in vars(module).items()
+        if isinstance(value, types.FunctionType) and value.__module__ == module.__name__
+    }
+
+
+def rebind(wrap: Callable[[Any], Any], replaced: dict[str, Any]) -> dict[str, Any]:
+    """Return copies of the fast paths' functions that see `replaced` and each other instead of their modules' globals."""
+    shared: dict[str, Any] = {}
+    for module in SOURCES:
+        shared.update((name, value) for name, value in vars(module).items() if not name.startswith("__"))
+    for name, function in functions_of_sources().items():
+        shared[name] = wrap(types.FunctionType(function.__code__, shared, name, function.__defaults__))
+    shared.update(replaced)
+    return shared
+
+
+class Arithmetic:
+    """Numbers of one kind, with the fast paths bound to them.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    K : Constants
+    advance : callable
+        `symosc.advance.advance` for these numbers.
+    number : callable
+        Rounds a Fraction to such a number.
+    """
+
+    K: Constants
+    advance: Callable[..., Any]
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.parameters = parameters
+        self.K = constants(parameters)
+        self.namespace: dict[str, Any] = {**vars(events), **vars(sticks), **vars(switching), **vars(advance)}
+        self.advance = advance.advance
+
+    number: Callable[[Fraction], Any] = staticmethod(float)
+
+    def phase(self, t: Fraction) -> tuple[int, Any]:
+        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
+        angle = self.parameters.Omega * t
+        if angle == 0:
+            return 0, self.number(Fraction(0))
+        context = mp_context(60 + len(str(abs(angle.numerator))))
+        turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
+        periods = int(context.floor(turns))
+        return periods, self._rounded((turns - periods) * 2 * context.pi)
+
+    def _rounded(self, value: Any) -> Any:
+        return float(value)
+
+
+class MpArithmetic(Arithmetic):
+    """The fast paths with `digits` decimal digits (mpmath)."""
+
+    def __init__(self, parameters: Parameters, digits: int) -> None:
+        from symosc.kernels.entire_mp import BasisMP
+
+        context = mp_context(digits)
+        self.parameters, self.context, self.digits = parameters, context, digits
+        self.K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi)
+        eps = context.ldexp(1, -context.prec)
+        replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
+        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 3), "PI": +context.pi}
+        replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": BasisMP(context, parameters)}
+        self.namespace = rebind(lambda function: function, replaced)
+        self.advance = self.namespace["advance"]
+
+    def number(self, value: Fraction) -> Any:  # type: ignore[override]
+        """Round a Fraction to an mpf of this precision."""
+        return self.context.mpf(value.numerator) / value.denominator
+
+    def phase(self, t: Fraction) -> tuple[int, Any]:
+        """Return (periods, theta) as `Arithmetic.phase` does, in this precision."""
+        with self.context.workdps(self.digits + 20 + len(str(abs(int(self.parameters.Omega * t))))):
+            turns = self.context.mpf(1) * self.parameters.Omega.numerator * t.numerator
+            turns = turns / (self.parameters.Omega.denominator * t.denominator) / (2 * self.context.pi)
+            periods = int(self.context.floor(turns))
+            theta = (turns - periods) * 2 * self.context.pi
+        return periods, +theta
+
+
+@lru_cache(maxsize=32)
+def mp_context(digits: int) -> Any:
+    """Return an mpmath context of its own, so that nobody's global precision is touched."""
+    import mpmath
+
+    context = mpmath.mp.clone()
+    context.dps = digits
+    return context
+
+
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Any]:
+    """Return the fast paths compiled by numba.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    """
+    try:
+        import numba
+    except ImportError:
+        raise MissingExtraError("compiling", "fast") from None
+    # numba's disk cache notices a change of the file that a function is in, not of the files of the functions that
+    # it calls. So all are said to be in the file that was changed last.
+    newest = max((module.__file__ or "" for module in SOURCES), key=lambda path: math.floor(__import__("os").stat(path).st_mtime_ns))
+
+    def wrap(function: Any) -> Any:
+        code = function.__code__.replace(co_filename=newest)
+        return numba.njit(cache=True, error_model="numpy")(
+            types.FunctionType(code, function.__globals__, function.__name__, function.__defaults__)
+        )
+
+    return rebind(wrap, {})

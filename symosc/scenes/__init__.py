@@ -1,0 +1,118 @@
+"""Named scenes: parameters, a start and a source. The shipped ones are the TOML files beside this module."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from symosc.errors import ParameterError, SceneError
+from symosc.exact import read_exact, show
+from symosc.model import PARAMETER_NAMES, Parameters
+
+FOLDER = Path(__file__).parent
+START_NAMES = ("t0", "x0", "v0", "t_end")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A named initial value problem.
+
+    Parameters
+    ----------
+    name : str
+    parameters : Parameters
+    t0, x0, v0 : number
+        Start time, position and velocity, read exactly like parameters.
+    t_end : number
+        Where a simulation of the scene ends; later than t0.
+    structure : str, optional
+        Mapping structure of the periodic orbit that the scene is about, such as "P32".
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    ParameterError
+        If a number is not finite or t_end <= t0.
+    """
+
+    name: str
+    parameters: Parameters
+    t0: Fraction
+    x0: Fraction
+    v0: Fraction
+    t_end: Fraction
+    structure: str | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for name in START_NAMES:
+            object.__setattr__(self, name, read_exact(name, getattr(self, name)))
+        if self.t_end <= self.t0:
+            raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
+
+
+def scene_names() -> list[str]:
+    """Return the names of the shipped scenes in the order of the paper's figures."""
+    names = [path.stem for path in FOLDER.glob("*.toml")]
+    return sorted(names, key=lambda name: (int(name.removeprefix("fig").partition("-")[0]), len(name), name))
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Load a shipped scene by name, or a TOML file of the same form by path.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene, or the file is no TOML, or a key is missing or unknown.
+    ParameterError
+        If a number is out of range.
+    """
+    text = str(name_or_path)
+    path = FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
+    if path.suffix != ".toml" and not path.is_file():
+        raise SceneError(text, f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file")
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=Decimal)
+    except OSError as error:
+        raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise SceneError(text, "is not UTF-8 text") from None
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(text, f"is not valid TOML: {error}") from None
+    return _scene_from(data, default_name=path.stem, where=text)
+
+
+def _scene_from(data: dict[str, Any], default_name: str, where: str) -> Scene:
+    _check_keys(where, "", data, required=("start", "t_end", "parameters"), optional=("name", "structure", "source"))
+    for table in ("parameters", "start"):
+        if not isinstance(data[table], dict):
+            raise SceneError(where, f"[{table}] must be a table")
+    _check_keys(where, "parameters.", data["parameters"], required=PARAMETER_NAMES, optional=())
+    _check_keys(where, "start.", data["start"], required=START_NAMES[:3], optional=())
+    for key in ("name", "structure", "source"):
+        if key in data and not isinstance(data[key], str):
+            raise SceneError(where, f"{key} must be text")
+    return Scene(
+        name=data.get("name", default_name),
+        parameters=Parameters(**data["parameters"]),
+        t_end=data["t_end"],
+        structure=data.get("structure"),
+        source=data.get("source", ""),
+        **data["start"],
+    )
+
+
+def _check_keys(
+    where: str, prefix: str, table: dict[str, Any], required: tuple[str, ...], optional: tuple[str, ...]
+) -> None:
+    for key in required:
+        if key not in table:
+            raise SceneError(where, f"{prefix}{key} is missing")
+    for key in table:
+        if key not in required + optional:
+            raise SceneError(where, f"{prefix}{key} is unknown; known are {', '.join(required + optional)}")

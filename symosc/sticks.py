@@ -1,0 +1,126 @@
+"""The end of a stick, guaranteed: the first of its two exits.
+
+On belt lambda both forces change alike, dF/dt = -(k v_lambda + B0 Omega sin(theta))/m, so that after a time tau
+
+    F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
+    Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
+
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each, model.md
+section 3). Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7,
+where its value needs no trigonometric function. So each monotone piece is decided by the value at its end: no exit
+is missed, and the exit in a piece is its only root there.
+"""
+
+from __future__ import annotations
+
+from math import acos, cos, sin, sqrt
+
+from symosc.events import HIT, MOST_STEPS, NOTHING, ROUNDING, STALLED, TANGENCY
+from symosc.kernels._generated import stick_acceleration
+from symosc.kernels.entire import EPS
+
+PI = acos(-1.0)
+
+
+def gain(tau, s0, c0, belt, K):
+    """Return Delta(tau) and its derivative, without cancellation at small tau; s0, c0 belong to the phase at the start."""
+    half = 0.5 * K.Om * tau
+    s, c = sin(half), cos(half)
+    swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
+    Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
+    return Delta, belt.drift - K.fB * (s0 * (1.0 - 2.0 * s * s) + 2.0 * c0 * s * c)
+
+
+def wrapped(angle):
+    """Return an angle in [-2 pi, 4 pi] moved into [0, 2 pi)."""
+    if angle < 0.0:
+        angle = angle + 2.0 * PI
+    if angle >= 2.0 * PI:
+        angle = angle - 2.0 * PI
+    return angle
+
+
+def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
+    """Find the end of a stick within `tau_max` <= one forcing period.
+
+    Parameters
+    ----------
+    tau_max : time to search.
+    F_below, F_above : accelerations F^(below) >= 0 >= F^(above) at the start.
+    theta, s0, c0 : phase at the start in [0, 2 pi), its sine and cosine.
+    S11 : variance of the error of the position.
+    belt, K : BeltConstants, Constants
+
+    Returns
+    -------
+    (code, side, tau, Delta, slope)
+        NOTHING: the stick lasts (Delta at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1),
+        where Delta has `slope`. TANGENCY: a force touches 0 at tau as far as this precision tells.
+    """
+    zero = 0.0 * tau_max
+    tau, Delta = zero, zero
+    first, second = tau_max, tau_max
+    if belt.turns:
+        first = wrapped(belt.angle - theta) / K.Om
+        second = wrapped(PI - belt.angle - theta) / K.Om
+    c_first = belt.c_cr
+    if second < first:
+        first, second, c_first = second, first, -belt.c_cr
+    for piece in range(3):
+        end = first if piece == 0 else second if piece == 1 else tau_max
+        if end > tau_max:
+            end = tau_max
+        if end == tau:
+            continue
+        if belt.turns and end < tau_max:
+            c_end = c_first if piece == 0 else -c_first
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - c0, K.w0sq, K.f0)
+        else:
+            Delta_end, _ = gain(end, s0, c0, belt, K)
+        rising = Delta_end > Delta
+        force, side = (F_above, 1) if rising else (F_below, -1)
+        over = force + Delta_end if rising else -force - Delta_end
+        noise = force_noise(F_below, end, S11, belt, K)
+        if end < tau_max and abs(over) <= noise:
+            return TANGENCY, side, end, Delta_end, zero
+        if over >= 0.0:
+            return exit_root(force, side, tau, end, theta, s0, c0, belt, K)
+        tau, Delta = end, Delta_end
+    return NOTHING, 0, tau_max, Delta, zero
+
+
+def force_noise(F_below, tau, S11, belt, K):
+    """Return how far a force on the belt may be wrong `tau` after the start of the stick."""
+    size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
+    return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
+
+
+def exit_root(force, side, low, high, theta, s0, c0, belt, K):
+    """Return the only root of force + Delta in [low, high], on which Delta is monotone.
+
+    Newton's method from a side where it approaches monotonically: from the inflection of Delta (cos(theta) = 0) if that
+    lies inside and is steep, from `low` otherwise; halving when it leaves the bracket or is slow.
+    """
+    inflection = wrapped((0.5 if side * K.fB < 0.0 else 1.5) * PI - theta) / K.Om
+    tau = low if not low < inflection < high else inflection
+    step_before = high - low
+    for _ in range(MOST_STEPS):
+        Delta, slope = gain(tau, s0, c0, belt, K)
+        over = side * (force + Delta)
+        if over > 0.0:
+            high = tau
+        elif over < 0.0:
+            low = tau
+        else:
+            return HIT, side, tau, Delta, slope
+        step = -over / (side * slope) if side * slope > 0.0 else high - low
+        if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
+            middle = 0.5 * (low + high)
+            step = middle - tau
+        step_before = abs(step)
+        if abs(step) <= EPS * tau or tau + step == tau:
+            tau = tau + step
+            Delta, slope = gain(tau, s0, c0, belt, K)
+            return HIT, side, tau, Delta, slope
+        tau = tau + step
+    return STALLED, side, tau, Delta, slope

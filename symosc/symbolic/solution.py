@@ -1,0 +1,350 @@
+"""The motion in one domain, derived and proved by sympy, once for all domains and all damping regimes.
+
+    m x'' + c x' + k x = A + B0 cos(Omega t),    x(t_i) = x_i,  x'(t_i) = v_i,    A = A_alpha in domain alpha (eq. (5))
+
+Divided by m, with tau = t - t_i, cm = c/m, w0sq = k/m, f0 = B0/m and the phase theta_i = Omega t_i, the motion is a
+combination of five functions of tau with S the impulse response: S'' + cm S' + w0sq S = 0, S(0) = 0, S'(0) = 1:
+
+    E0 = S',   E1 = S,   E2 = int_0^tau S(u) du,   R2 + i I2 = int_0^tau S(u) exp(i Omega (tau - u)) du
+
+A damping regime is one row of `REGIMES`: the roots of the characteristic equation. Its closed forms follow from them as
+divided differences of z -> exp(z tau), equal roots included: no regime is a special case of the derivation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+Expr = Any  # sympy ships no types
+
+# The paper's letters. A stands for A_alpha, theta for Omega t mod 2 pi, and (x, v, t) for a point of the flow.
+m, Omega = sp.symbols("m Omega", positive=True)
+c, k, mu1, mu2, FN = sp.symbols("c k mu_1 mu_2 F_N", nonnegative=True)
+A, A0, B0, t, x, v, theta = sp.symbols("A A_0 B_0 t x v theta", real=True)
+t_i, x_i, v_i, tau = sp.symbols("t_i x_i v_i tau", real=True)
+
+# Divided by m; a_i is the acceleration at the start.
+cm, w0sq = sp.symbols("cm w0sq", nonnegative=True)
+A_m, f0, a_i, theta_i = sp.symbols("A_m f0 a_i theta_i", real=True)
+
+# The basis functions, and the letters of the regimes: decay rate h = c/2m and frequencies (eta: of sinh and cosh).
+BASIS = E0, E1, E2, R2, I2 = sp.symbols("E0 E1 E2 R2 I2", real=True)
+h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
+
+
+class Flow(NamedTuple):
+    """Displacement, velocity and acceleration at tau after the start."""
+
+    x: Expr
+    v: Expr
+    a: Expr
+
+
+def in_paper_letters(expr: Expr) -> Expr:
+    """Write an expression in m, c, k, A, B0, Omega, t, x_i, v_i, t_i instead of the quantities divided by m."""
+    expr = expr.xreplace({a_i: acceleration(x_i, v_i, theta_i)})
+    return expr.xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m, theta_i: Omega * t_i, theta: Omega * t})
+
+
+# --- forces and G-functions ---
+
+
+def force_constant(alpha: int) -> Expr:
+    """Return A_alpha: each belt drags the mass forward in the domains below it and holds it back above (eq. (1))."""
+    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[alpha]
+    return A0 + (drag1 * mu1 + drag2 * mu2) * FN
+
+
+def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
+    """Return F^(alpha)(x, v, theta) = A_m + f0 cos theta - w0sq x - cm v (eq. (9)); A_m = A_alpha/m."""
+    return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
+
+
+def along_flow(expr: Expr) -> Expr:
+    """Return d/dt of a function of (x, v, theta) along the flow of the domain."""
+    return sp.expand(v * expr.diff(x) + acceleration() * expr.diff(v) + Omega * expr.diff(theta))
+
+
+@cache
+def g_function(order: int) -> Expr:
+    """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda, d/dt of the order before (eqs. (18), (19))."""
+    return acceleration() if order == 0 else along_flow(g_function(order - 1))
+
+
+def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
+    """Return y2 of y2 + cm y1 + w0sq y0 = -forcing: G^(n) from G^(n-1), G^(n-2) and `forcing(n)`, with G^(-1) = v."""
+    return -cm * y1 - w0sq * y0 - forcing_n
+
+
+def forcing(n: int) -> Expr:
+    """Return -(d/dt)^n f0 cos theta."""
+    return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
+
+
+def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
+    """Return F^(alpha) at tau after it was `start` on a belt of speed v: x = x_i + v tau.
+
+    `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
+    """
+    here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
+    wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
+    return start + sp.collect(sp.expand(there - here), f0).subs(wave, cosines)
+
+
+# --- what holds for the basis functions in every regime ---
+
+
+@cache
+def definitions() -> dict[Expr, Expr]:
+    """Return the five basis functions as sympy knows them: by the impulse response S and integrals over it."""
+    S, u = sp.Function("S"), sp.Symbol("u", real=True)
+    integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
+    return dict(zip(BASIS, [S(tau).diff(tau), S(tau), *(sp.Integral(f, (u, 0, tau)) for f in integrals)], strict=True))
+
+
+@cache
+def rates() -> dict[Expr, Expr]:
+    """Return d/dtau of each basis function, by the ODE of S and Leibniz' rule, in terms of the basis functions."""
+    S = definitions()[E1]
+    ode = {S.diff(tau, 2): -cm * S.diff(tau) - w0sq * S}
+    names = {definition: symbol for symbol, definition in definitions().items()}
+    # factor_terms takes Omega out of the integrals
+    found = {symbol: sp.factor_terms(definition.diff(tau)) for symbol, definition in definitions().items()}
+    return {symbol: rate.xreplace(ode).xreplace(names) for symbol, rate in found.items()}
+
+
+def start_values() -> dict[Expr, Expr]:
+    """Return the basis functions at tau = 0: S(0) = 0, S'(0) = 1 and the integrals vanish."""
+    return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
+
+
+def time_derivative(expr: Expr) -> Expr:
+    """Differentiate an expression in tau and the basis functions with respect to tau."""
+    return expr.diff(tau) + sp.Add(*(expr.diff(symbol) * rate for symbol, rate in rates().items()))
+
+
+@cache
+def relations() -> tuple[Expr, Expr, Expr]:
+    """Return what vanishes in every regime: L E2 - 1 and L (R2 + i I2) - exp(i Omega tau), L = D^2 + cm D + w0sq."""
+
+    def relation(response: Expr, force: Expr) -> Expr:
+        first = time_derivative(response)
+        return sp.expand(time_derivative(first) + cm * first + w0sq * response - force)
+
+    return relation(E2, 1), relation(R2, sp.cos(Omega * tau)), relation(I2, sp.sin(Omega * tau))
+
+
+def use_relations(expr: Expr) -> Expr:
+    """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by the three relations, and expand it."""
+    step, real, imaginary = relations()
+    expr = sp.expand(expr, trig=True)
+    for relation, unwanted in ((real, sp.cos(Omega * tau)), (imaginary, sp.sin(Omega * tau)), (step, E0)):
+        expr = sp.expand(expr.xreplace({unwanted: sp.solve(relation, unwanted)[0]}))
+    return expr
+
+
+# --- the flow ---
+
+
+@cache
+def flow(regime: Regime | None = None) -> Flow:
+    """Return x, v, a at tau after (t_i, x_i, v_i), in terms of the basis functions or, for a regime, of tau.
+
+    Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
+    acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
+    sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
+    """
+    if regime is not None:
+        return Flow(*(expr.xreplace(regime.basis()).xreplace(regime.parameters()) for expr in flow()))
+    alpha, beta = sp.symbols("alpha beta")
+    shape = alpha * E0 + beta * E1 + A_m * E2 + f0 * (sp.cos(theta_i) * R2 - sp.sin(theta_i) * I2)
+    at_start = [expr.xreplace(start_values()) for expr in (shape - x_i, time_derivative(shape) - v_i)]
+    constants = sp.solve(at_start, [alpha, beta], dict=True)[0]
+    position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
+    velocity = use_relations(time_derivative(position))
+    acceleration_ = time_derivative(velocity)
+    return Flow(x_i + _by_cause(position - x_i), v_i + _by_cause(velocity - v_i), _by_cause(acceleration_))
+
+
+def _force_at_start() -> Expr:
+    """Return A_m as the acceleration a_i at the start tells it."""
+    return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
+
+
+def _by_cause(expr: Expr) -> Expr:
+    """Sort an expression that is linear in x_i, v_i, a_i and f0 by these causes."""
+    expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
+    return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
+
+
+def prove(regime: Regime | None = None) -> dict[str, Expr]:
+    """Return what has to vanish for the flow to be right, by name; each value is sympy's 0 when the proof holds.
+
+    Without a regime only the definitions of the basis functions are used. With one, its closed forms are put in as
+    functions of tau: they have to obey the definitions, and the flow eq. (5) and its start, in the paper's letters.
+    """
+    residuals = _prove_in_general() if regime is None else _prove_closed_forms(regime)
+    tidy = sp.expand if regime is None else collect_modes
+    return {name: tidy(sp.expand_trig(residual)) for name, residual in residuals.items()}
+
+
+def _prove_in_general() -> dict[str, Expr]:
+    step, real, imaginary = relations()
+    # From r(0) = 0 and r' = 0, and from z(0) = 0 and z' = i Omega z, follows r = 0 and z = 0.
+    turned = {"step": (step, 0), "real": (real, -Omega * imaginary), "imaginary": (imaginary, Omega * real)}
+    residuals = {f"{name} relation": time_derivative(r) - rate for name, (r, rate) in turned.items()}
+    at_start = start_values() | {tau: sp.Integer(0)}
+    residuals |= {f"{name} relation at t_i": r.xreplace(at_start) for name, (r, _) in turned.items()}
+    motion = flow()
+    force = acceleration(motion.x, motion.v, theta_i + Omega * tau).xreplace({A_m: _force_at_start()})
+    residuals |= {
+        "x' = v": use_relations(time_derivative(motion.x) - motion.v),
+        "v' = a": use_relations(time_derivative(motion.v) - motion.a),
+        "equation of motion": use_relations(motion.a - force),
+    }
+    starts = zip(Flow._fields, motion, (x_i, v_i, a_i), strict=True)
+    return residuals | {f"{name} at t_i": expr.xreplace(at_start) - start for name, expr, start in starts}
+
+
+def _prove_closed_forms(regime: Regime) -> dict[str, Expr]:
+    closed, parameters, at_start = regime.basis(), regime.parameters(), {tau: sp.Integer(0)}
+    residuals = {f"{f}'": closed[f].diff(tau) - rate.xreplace(closed | parameters) for f, rate in rates().items()}
+    residuals |= {f"{f} at t_i": closed[f].xreplace(at_start) - start for f, start in start_values().items()}
+    letters = {c: m * parameters[cm], k: m * parameters[w0sq]}
+    motion = Flow(*(in_paper_letters(expr).xreplace(letters) for expr in flow(regime)))
+    force = A + B0 * sp.cos(Omega * t_i + Omega * tau)
+    return residuals | {
+        "x' = v": motion.x.diff(tau) - motion.v,
+        "v' = a": motion.v.diff(tau) - motion.a,
+        "equation of motion": (m * motion.a + c * motion.v + k * motion.x - force).xreplace(letters),
+        "x at t_i": motion.x.xreplace(at_start) - x_i,
+        "v at t_i": motion.v.xreplace(at_start) - v_i,
+    }
+
+
+# --- the regimes ---
+
+
+@dataclass(frozen=True)
+class Regime:
+    """One damping regime: its condition, and the characteristic roots from which the closed forms follow.
+
+    Attributes
+    ----------
+    condition : sympy Boolean in m, c, k, Omega
+    centre, offset : centre +- offset solve lambda^2 + cm lambda + w0sq = 0, in the regime's own letters
+    letters : what these letters are in m, c, k
+    """
+
+    name: str
+    condition: Expr
+    centre: Expr
+    offset: Expr
+    letters: dict[Expr, Expr] = field(hash=False)
+
+    def parameters(self) -> dict[Expr, Expr]:
+        """Return cm = -(l1 + l2) and w0sq = l1 l2 in the regime's letters."""
+        return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
+
+    @cache  # noqa: B019 (the table of regimes lives as long as the program)
+    def basis(self) -> dict[Expr, Expr]:
+        """Return E0, E1, E2, R2, I2 as functions of tau."""
+        roots = self.centre + self.offset, self.centre - self.offset
+        S = collect_modes(divided_difference(*roots))
+        # Omega -> -Omega conjugates the response to exp(i Omega tau), since the operator is real.
+        Z, conjugate = (divided_difference(z, *roots) for z in (sp.I * Omega, -sp.I * Omega))
+        integral = divided_difference(sp.Integer(0), *roots)
+        closed = S.diff(tau), S, integral, (Z + conjugate) / 2, (Z - conjugate) / (2 * sp.I)
+        return {symbol: collect_modes(expr) for symbol, expr in zip(BASIS, closed, strict=True)}
+
+
+def divided_difference(*nodes: Expr) -> Expr:
+    """Return the divided difference of z -> exp(z tau) over nodes of which some may be equal.
+
+    Over the roots it is S; a further node z gives int_0^tau S(u) exp(z (tau - u)) du.
+    """
+
+    def difference(z: list[Expr]) -> Expr:
+        if z[0] == z[-1]:
+            return tau ** (len(z) - 1) * _mode(z[0]) / sp.factorial(len(z) - 1)
+        return (difference(z[1:]) - difference(z[:-1])) / (z[-1] - z[0])
+
+    return difference(sorted(nodes, key=sp.default_sort_key))  # puts equal nodes side by side
+
+
+def _mode(z: Expr) -> Expr:
+    """Write exp(z tau) with cos and sin for imaginary parts, cosh and sinh for eta."""
+    factors = []
+    for part in sp.Add.make_args(z):
+        if part.has(sp.I):
+            factors.append(sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau))
+        else:
+            factors.append(sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau))
+    return sp.Mul(*factors)
+
+
+def collect_modes(expr: Expr) -> Expr:
+    """Write an expression as a sum of modes (products of tau, exp, sin, cos, sinh, cosh) with factored coefficients.
+
+    Different modes are linearly independent functions, so what is 0 for all tau comes out as 0.
+    """
+    modes = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
+    stand_ins = [sp.Dummy() for _ in modes]
+    poly = sp.Poly(expr.xreplace(dict(zip(modes, stand_ins, strict=True))), *stand_ins, tau)
+    powers = [sp.Mul(*(f**n for f, n in zip([*modes, tau], exponents, strict=True))) for exponents in poly.monoms()]
+    return sp.Add(*(sp.factor(q) * mode for q, mode in zip(poly.coeffs(), powers, strict=True)))
+
+
+_h, _w, _i = c / (2 * m), sp.sqrt(k / m), sp.I
+_table = (
+    Regime("underdamped", (c > 0) & (c**2 < 4 * k * m), -h, _i * omega_d, {h: _h, omega_d: sp.sqrt(_w**2 - _h**2)}),
+    Regime("critical", (c > 0) & sp.Eq(c**2, 4 * k * m), -h, sp.Integer(0), {h: _h}),
+    Regime("overdamped", (k > 0) & (c**2 > 4 * k * m), -h, eta, {h: _h, eta: sp.sqrt(_h**2 - _w**2)}),
+    Regime("undamped", sp.Eq(c, 0) & (k > 0) & sp.Ne(k, m * Omega**2), sp.Integer(0), _i * omega_0, {omega_0: _w}),
+    Regime("resonance", sp.Eq(c, 0) & sp.Eq(k, m * Omega**2), sp.Integer(0), _i * Omega, {}),
+    Regime("no spring", (c > 0) & sp.Eq(k, 0), -h, h, {h: _h}),
+    Regime("free", sp.Eq(c, 0) & sp.Eq(k, 0), sp.Integer(0), sp.Integer(0), {}),
+)
+REGIMES = {regime.name: regime for regime in _table}
+
+
+class Join(NamedTuple):
+    """A border of two regimes: `source` turns into `target` when `letter` falls to 0 on `path`."""
+
+    source: str
+    target: str
+    letter: Expr
+    path: dict[Expr, Expr]
+
+
+_small = sp.Symbol("epsilon", positive=True)
+JOINS = (
+    Join("underdamped", "critical", omega_d, {}),
+    Join("overdamped", "critical", eta, {}),
+    Join("underdamped", "undamped", h, {omega_d: sp.sqrt(omega_0**2 - h**2)}),
+    Join("underdamped", "resonance", h, {omega_d: sp.sqrt(Omega**2 - h**2)}),
+    Join("undamped", "resonance", _small, {omega_0: Omega + _small}),
+    Join("undamped", "resonance", _small, {omega_0: Omega - _small}),
+    Join("overdamped", "no spring", _small, {eta: h - _small}),
+    Join("underdamped", "free", _small, {h: _small * h, omega_d: _small * omega_d}),
+    Join("overdamped", "free", _small, {h: _small * h, eta: _small * eta}),
+    Join("critical", "free", h, {}),
+    Join("undamped", "free", omega_0, {}),
+    Join("no spring", "free", h, {}),
+)
+
+
+def gaps(join: Join) -> dict[Expr, Expr]:
+    """Return limit minus value of cm, w0sq and the basis functions: 0 if the flow joins, a polynomial in them."""
+    source, target = REGIMES[join.source], REGIMES[join.target]
+    there = target.parameters() | target.basis()
+    found = {}
+    for symbol, expr in (source.parameters() | source.basis()).items():
+        # sympy's limits of cosh and sinh can be wrong (nan for E2, overdamped to no spring), those of exp are not.
+        on_path = expr.rewrite([sp.cosh, sp.sinh], sp.exp).xreplace(join.path)
+        found[symbol] = sp.simplify(sp.limit(on_path, join.letter, 0) - there[symbol])
+    return found

@@ -1,0 +1,330 @@
+"""The generated kernels: what they are made of, and that they solve the equation of motion."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import os
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from symosc.errors import OutputError
+from symosc.kernels import _generated as kernels
+from symosc.symbolic import codegen
+from symosc.symbolic import solution as s
+
+SIGNATURES = {
+    "motion": "v0, a0, s0, c0, cm, w0sq, f0, Om, E0, E1, E2, R2, I2",
+    "basis_apart": "e, s, c, sO, cO, h, w, w0sq, Om, p, q",
+    "acceleration": "x, v, c, A, cm, w0sq, f0",
+    "next_derivative": "y1, y0, forcing, cm, w0sq",
+    "stick_acceleration": "a0, v, tau, dc, w0sq, f0",
+}
+#: + - * / and signs in each kernel, as counted when its structure was accepted.
+OPERATIONS = {"motion": 32, "basis_apart": 23, "acceleration": 6, "next_derivative": 5, "stick_acceleration": 5}
+
+CASES = pytest.mark.parametrize(
+    ("regime", "seed"), [(regime, seed) for regime in s.REGIMES.values() for seed in range(4)], ids=str
+)
+KERNELS = pytest.mark.parametrize("name", SIGNATURES)
+
+
+def functions() -> dict[str, ast.FunctionDef]:
+    tree = ast.parse(codegen.PATH.read_text())
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+# --- what is committed ---
+
+
+def test_the_committed_module_is_what_codegen_prints() -> None:
+    difference = codegen.check()
+    assert not difference, f"run `symosc codegen` to accept this change of symosc/kernels/_generated.py:\n{difference}"
+
+
+def test_generation_does_not_depend_on_the_hash_seed() -> None:
+    program = "from symosc.symbolic.codegen import generate; print(generate(), end='')"
+    for seed in "17", "4242":
+        environment = os.environ | {"PYTHONHASHSEED": seed}
+        run = subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True
+        )
+        assert run.stdout == codegen.PATH.read_text()
+
+
+def test_the_header_says_where_it_comes_from() -> None:
+    header = ast.get_docstring(ast.parse(codegen.PATH.read_text())) or ""
+    for part in ("Generated", "symosc codegen", "symosc/symbolic/codegen.py", "not edit"):
+        assert part in header
+
+
+def test_the_module_is_arithmetic_only() -> None:
+    tree = ast.parse(codegen.PATH.read_text())
+    allowed = (ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Expr, ast.Assign, ast.Return, ast.Tuple)
+    allowed += (ast.Name, ast.Load, ast.Store, ast.BinOp, ast.UnaryOp, ast.Constant)
+    allowed += (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.USub)
+    strange = [ast.dump(node) for node in ast.walk(tree) if not isinstance(node, allowed)]
+    assert strange == []
+    constants = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    assert [value for value in constants if not isinstance(value, (int, str))] == []
+
+
+@KERNELS
+def test_signature_and_docstring(name: str) -> None:
+    function = getattr(kernels, name)
+    assert ", ".join(inspect.signature(function).parameters) == SIGNATURES[name]
+    assert function.__doc__
+    assert "\n" not in function.__doc__
+    assert list(functions()) == list(SIGNATURES)
+
+
+@KERNELS
+def test_number_of_operations(name: str) -> None:
+    count = sum(isinstance(node, (ast.BinOp, ast.UnaryOp)) for node in ast.walk(functions()[name]))
+    assert count == OPERATIONS[name]
+
+
+# --- what it computes ---
+
+
+class Case:
+    """A random parameter set of a regime and a random flight, to 60 digits."""
+
+    def __init__(self, regime: s.Regime, seed: int) -> None:
+        draw = random.Random(f"{regime.name} {seed}").uniform
+        letters = {letter: sp.Float(draw(0.2, 3), 60) for letter in (s.h, s.omega_d, s.omega_0, s.Omega, s.tau)}
+        letters[s.eta] = letters[s.h] * sp.Float(draw(0.1, 0.9), 60)
+        normalised = {symbol: expr.subs(letters) for symbol, expr in regime.parameters().items()}
+        self.cm, self.w0sq = (self.mpf(normalised[symbol]) for symbol in (s.cm, s.w0sq))
+        self.Om, self.tau = self.mpf(letters[s.Omega]), self.mpf(letters[s.tau])
+        self.m, self.A, self.B0 = (mpmath.mpf(draw(low, 5)) for low in (0.1, -5, -5))
+        self.x0, self.v0, self.t_i = (mpmath.mpf(draw(-5, 5)) for _ in range(3))
+        self.f0, self.A_m = self.B0 / self.m, self.A / self.m
+        self.basis = [self.mpf(closed.subs(letters).evalf(60)) for closed in regime.basis().values()]
+        theta = self.Om * self.t_i
+        self.s0, self.c0 = mpmath.sin(theta), mpmath.cos(theta)
+        self.a0 = kernels.acceleration(self.x0, self.v0, self.c0, self.A_m, self.cm, self.w0sq, self.f0)
+
+    @staticmethod
+    def mpf(value: Any) -> Any:
+        return mpmath.mpf(str(value))
+
+    def motion_arguments(self) -> list[Any]:
+        return [self.v0, self.a0, self.s0, self.c0, self.cm, self.w0sq, self.f0, self.Om, *self.basis]
+
+    def apart_arguments(self) -> list[Any]:
+        h, Om, tau = self.cm / 2, self.Om, self.tau
+        w = mpmath.sqrt(self.w0sq - h * h)
+        waves = [
+            mpmath.exp(-h * tau),
+            mpmath.sin(w * tau),
+            mpmath.cos(w * tau),
+            mpmath.sin(Om * tau),
+            mpmath.cos(Om * tau),
+        ]
+        return [*waves, h, w, self.w0sq, Om, self.w0sq - Om * Om, self.cm * Om]
+
+    def system(self) -> Any:
+        """The matrix of the linear system for (x, v, cos(Omega t), sin(Omega t), 1): the ODE as the paper has it."""
+        m, c, k = self.m, self.m * self.cm, self.m * self.w0sq
+        return mpmath.matrix(
+            [
+                [0, 1, 0, 0, 0],
+                [-k / m, -c / m, self.B0 / m, 0, self.A / m],
+                [0, 0, 0, -self.Om, 0],
+                [0, 0, self.Om, 0, 0],
+                [0, 0, 0, 0, 0],
+            ]
+        )
+
+    def start(self) -> Any:
+        return mpmath.matrix([self.x0, self.v0, self.c0, self.s0, 1])
+
+
+@pytest.fixture(autouse=True)
+def seventy_digits() -> Any:
+    with mpmath.workdps(70):
+        yield
+
+
+@CASES
+def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) -> None:
+    case = Case(regime, seed)
+    dx, dv, a = kernels.motion(*case.motion_arguments())
+    end = mpmath.expm(case.system() * case.tau) * case.start()
+    rate = case.system() * end
+    size = 1 + abs(case.x0) + abs(case.v0) + abs(case.a0) + abs(case.f0)
+    for value, truth in ((case.x0 + dx, end[0]), (case.v0 + dv, end[1]), (a, rate[1])):
+        assert abs(value - truth) < mpmath.mpf("1e-50") * size
+
+
+@CASES
+def test_g_functions_agree_with_the_linear_system(regime: s.Regime, seed: int) -> None:
+    case = Case(regime, seed)
+    derivative = case.start()
+    x_n = []
+    for _ in range(6):
+        x_n.append(derivative[0])
+        derivative = case.system() * derivative
+    before, G = case.v0, case.a0
+    assert abs(G - x_n[2]) < 1e-50
+    sines = [case.s0, case.c0, -case.s0]
+    for n, sine in enumerate(sines, start=1):
+        before, G = G, kernels.next_derivative(G, before, case.f0 * case.Om**n * sine, case.cm, case.w0sq)
+        assert abs(G - x_n[n + 2]) < 1e-50 * (1 + abs(G))
+
+
+@CASES
+def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, seed: int) -> None:
+    case = Case(regime, seed)
+    theta = case.Om * case.t_i
+    dc = mpmath.cos(theta + case.Om * case.tau) - mpmath.cos(theta)
+    found = kernels.stick_acceleration(case.a0, case.v0, case.tau, dc, case.w0sq, case.f0)
+    there = case.system() * mpmath.matrix([case.x0 + case.v0 * case.tau, case.v0, case.c0 + dc, 0, 1])
+    assert abs(found - there[1]) < 1e-50 * (1 + abs(case.a0))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_basis_apart_is_the_closed_form(seed: int) -> None:
+    case = Case(s.REGIMES["underdamped"], seed)
+    for cheap, closed in zip(kernels.basis_apart(*case.apart_arguments()), case.basis, strict=True):
+        assert abs(cheap - closed) < mpmath.mpf("1e-50")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
+    regimes = list(s.REGIMES.values())
+    case = Case(regimes[seed % len(regimes)], seed)
+    arguments = [float(value) for value in case.motion_arguments()]
+    sizes = [sum(map(abs, terms)) for terms in zip(*_terms(arguments), strict=True)]
+    for value, truth, size in zip(kernels.motion(*arguments), _at_sixty_digits(arguments), sizes, strict=True):
+        assert abs(value - truth) < 8 * 2.0**-53 * size
+
+
+def _terms(arguments: list[float]) -> list[tuple[float, float, float]]:
+    """The motion due to v0, a0, cos and sin alone; sums of their sizes measure what rounding can do."""
+    kept = range(8, len(arguments))
+    return [
+        kernels.motion(
+            *(value if i == j or i in (4, 5, 6, 7) or i in kept else 0.0 for i, value in enumerate(arguments))
+        )
+        for j in range(4)
+    ]
+
+
+def _at_sixty_digits(arguments: list[float]) -> Any:
+    return kernels.motion(*map(mpmath.mpf, arguments))
+
+
+@KERNELS
+def test_same_results_on_every_kind_of_number(name: str) -> None:
+    numba = pytest.importorskip("numba")
+    kernel, rng = getattr(kernels, name), np.random.default_rng(5)
+    compiled = numba.njit(kernel)
+    count = len(inspect.signature(kernel).parameters)
+    samples = rng.uniform(0.5, 2.0, (50, count))
+    on_arrays = np.atleast_2d(np.asarray(kernel(*samples.T)))
+    for i, sample in enumerate(samples.tolist()):
+        on_floats = np.atleast_1d(kernel(*sample))
+        assert np.all(on_floats == on_arrays[:, i])
+        np.testing.assert_allclose(np.atleast_1d(compiled(*sample)), on_floats, rtol=1e-14, atol=1e-14)
+        exact = kernel(*map(mpmath.mpf, sample))
+        for on_mpf, on_float in zip(exact if isinstance(exact, tuple) else [exact], on_floats, strict=True):
+            assert isinstance(on_mpf, mpmath.mpf)
+            assert math.isclose(float(on_mpf), on_float, rel_tol=1e-13, abs_tol=1e-13)
+
+
+# --- the printer ---
+
+a, b, c, d = sp.symbols("a b c d")
+
+
+def printed(returns: str, **steps: Any) -> str:
+    kernel = codegen.Kernel("f", "A test.", {"a": a, "b": b, "c": c, "d": d}, steps, tuple(returns.split()))
+    return codegen.function_source(kernel)
+
+
+@pytest.mark.parametrize(
+    ("formula", "text"),
+    [
+        (a + b * c + c * d, "a + (b * c + c * d)"),
+        (a - b * c - c * d, "a - (b * c + c * d)"),
+        (b * c - a, "b * c - a"),
+        (-a - b, "-(a + b)"),
+        (-a * b, "-a * b"),
+        (c * (a + b) / d, "c * (a + b) / d"),
+        (a / (b * c), "a / (b * c)"),
+        (a / (b + c), "a / (b + c)"),
+        (a**3 + 1, "1 + a * a * a"),
+        (a / 3 - 2 * b, "a / 3 - 2 * b"),
+        (1 / a, "1 / a"),
+        (d * (b - a), "d * (b - a)"),
+    ],
+)
+def test_printed_form(formula: Any, text: str) -> None:
+    assert f"    return {text}\n" in printed("y", y=formula)
+
+
+def test_no_rounded_constants_and_no_functions() -> None:
+    with pytest.raises(ValueError, match="rounded to a float"):
+        printed("y", y=a + sp.Rational(1, 3))
+    for formula in (sp.sqrt(a), sp.sin(a), (a + b) ** 2):
+        with pytest.raises(ValueError, match="make it an argument or a step"):
+            printed("y", y=formula + c)
+
+
+def test_a_formula_may_use_earlier_steps_only() -> None:
+    y, z = sp.symbols("y z")
+    assert "    z = a - y\n" in printed("y z", y=a * b, z=a - y)
+    with pytest.raises(ValueError, match="neither argument nor earlier step"):
+        printed("y z", y=a * z, z=a)
+
+
+def test_common_subexpressions_come_before_their_first_use() -> None:
+    source = printed("y z", y=sp.cos(a).diff(a) * 0 + a * b * c + d, z=a * b * c - d, w=a * b)
+    scope: dict[str, Any] = {}
+    exec(source, scope)
+    assert scope["f"](2.0, 3.0, 5.0, 7.0) == (37.0, 23.0)
+    assert source.count("a * b * c") + source.count("w * c") <= 1
+
+
+def test_long_lines_are_folded() -> None:
+    many = sp.symbols("coefficient_0:40")
+    kernel = codegen.Kernel(
+        "f", "A test.", {str(q): q for q in many}, {"y": sum(q * many[0] for q in many[1:])}, ("y",)
+    )
+    source = codegen.function_source(kernel)
+    assert max(map(len, source.splitlines())) <= codegen.WIDTH
+    scope: dict[str, Any] = {}
+    exec(source, scope)
+    assert scope["f"](*range(2, 42)) == 2 * sum(range(3, 42))
+
+
+# --- writing ---
+
+
+def test_write_brings_the_file_up_to_date(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
+    assert "+def motion(" in codegen.check()
+    assert codegen.write() == codegen.PATH
+    assert codegen.check() == ""
+    codegen.PATH.write_text(codegen.PATH.read_text().replace("a0 * E2", "a0 * E1"))
+    assert "-    dx = " in codegen.check()
+    assert "+    dx = " in codegen.check()
+
+
+def test_a_failed_write_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "_generated.py").mkdir()
+    monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
+    with pytest.raises(OutputError):
+        codegen.write()
+    assert [path.name for path in tmp_path.iterdir()] == ["_generated.py"]

@@ -1,0 +1,304 @@
+"""Scenes that break ordinary solvers, each against the oracle at 50 digits."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+from agreement import assert_agrees
+from oracle import OracleRun, flow_oracle, simulate_oracle
+
+from symosc import Parameters, simulate
+
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+# changes to BASE; t0, x0, v0, t_end; how many events of which kind the oracle must show, so that a case stays hard
+SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int]]] = {
+    "far from everything": ({}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "c^2 = 4km": ({"c": 2, "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
+    "c^2 = 4km (1 + 1e-8)^2": ({"c": "2.00000002", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
+    "c^2 = 4km (1 - 1e-8)^2": ({"c": "1.99999998", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
+    "overdamped": ({"c": 7, "B0": 15}, (0, 0, 0, 30), {"cross": 10, "stick": 10, "slip": 10}),
+    "undamped": ({"c": 0}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "undamped resonance": ({"c": 0, "k": "1.69"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "resonance, c = 1e-10": ({"c": "1e-10", "k": "1.69"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "resonance but for 1e-10": ({"c": 0, "k": "1.6900000001"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "k = 0": ({"k": 0}, (0, 0, 0, 30), {"cross": 15, "stick": 5, "slip": 5}),
+    "k = 0, c = 1e-9": ({"k": 0, "c": "1e-9"}, (0, 0, 0, 30), {"cross": 15, "stick": 4, "slip": 4}),
+    "k = c = 0": ({"k": 0, "c": 0}, (0, 0, 0, 30), {"cross": 15, "stick": 5, "slip": 5}),
+    "m = 1e-6, underdamped": ({"m": "1e-6", "c": "1e-4", "k": 1, "Omega": 40}, (0, 0, 0, "0.2"), {"stick": 1}),
+    "m = 1e-6, overdamped": ({"m": "1e-6", "Omega": 13}, (0, 0, 0, "0.6"), {"stick": 2, "slip": 2}),
+    "Omega = 1e3": ({"Omega": 1000, "B0": 3000}, (0, 0, 0, "0.1"), {"cross": 50}),
+    "Omega = 1e-3": ({"Omega": "1e-3"}, (0, 0, 0, 300), {"cross": 1, "stick": 1, "slip": 1}),
+    "mu1 = 0": ({"mu1": 0}, (0, 0, 0, 30), {"cross": 20}),
+    "mu2 = 0": ({"mu2": 0}, (0, 0, 0, 30), {"cross": 20}),
+    "mu1 = mu2 = 0": ({"mu1": 0, "mu2": 0}, (0, 0, 0, 30), {"cross": 20}),
+    "FN = 1e-9": ({"FN": "1e-9"}, (0, 0, 0, 30), {"cross": 20}),
+    "belt 1 at rest": ({"v1": 0, "A0": 0}, (0, 0, 1, 30), {"cross": 20, "stick": 1}),
+    "belt 2 at rest": ({"v2": 0, "A0": 0}, (0, 0, -1, 30), {"cross": 20, "stick": 1}),
+    "B0 = 0": ({"B0": 0, "A0": 2, "c": "0.05", "FN": "0.5"}, (0, 5, 0, 60), {"cross": 15}),
+    "B0 = 0, c = 0": ({"B0": 0, "A0": 2, "c": 0, "FN": "0.5"}, (0, 5, 0, 60), {"cross": 15}),
+    "B0 = 0, stops on belt 1": ({"B0": 0, "v1": 0}, (0, 5, 1, 40), {"cross": 2, "stick": 1}),
+    "B0 = 0, stops between belts": ({"B0": 0, "c": 2}, (0, 5, 1, 40), {"slip": 1}),
+    "B0 < 0": ({"B0": -4}, (0, 0, 0, 30), {"cross": 20}),
+}  # fmt: skip
+
+
+def oracle_of(p: Parameters, start: tuple[Any, Any, Any, Any], dps: int = 50) -> OracleRun:
+    t0, x0, v0, t_end = start
+    return simulate_oracle(p, t0, x0, v0, t_end, dps)
+
+
+def simulated(p: Parameters, start: tuple[Any, Any, Any, Any]) -> Any:
+    t0, x0, v0, t_end = start
+    trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    assert trajectory.status in ("t_end", "equilibrium")
+    return trajectory
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_hard_scenes(name: str) -> None:
+    changes, start, least = SCENES[name]
+    p = BASE.replace(**changes)
+    run = oracle_of(p, start)
+    for kind, count in least.items():
+        assert sum(event.kind == kind for event in run.events) >= count, kind
+    trajectory = simulated(p, start)
+    assert_agrees(trajectory, run)
+    end = trajectory(float(start[-1]))
+    assert abs(end[0] - run.x) <= 1e-11 * max(1, abs(run.x))
+    assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
+
+
+@pytest.mark.parametrize("t0", [10**8, -(10**8), "123456789.015625"])
+def test_a_late_start_loses_nothing(t0: Any) -> None:
+    """t itself is a double near 1e8, good to 1.5e-8; phases and positions keep 1e-12."""
+    start = (t0, 0, 0, Fraction(t0) + 30)
+    run, trajectory = oracle_of(BASE, start), simulated(BASE, start)
+    assert len(run.events) >= 20
+    assert [event[1:5] for event in run.events] == [(e.kind, e.boundary, e.source, e.target) for e in trajectory.events]
+    with mpmath.workdps(50):
+        for event, expected in zip(trajectory.events, run.events, strict=True):
+            assert abs(mpmath.mpf(event.t) - expected.t) <= 1.5e-8
+            assert abs(mpmath.mpf(event.x) - expected.x) <= 1e-12 * max(1, abs(expected.x))
+            turn = 2 * mpmath.pi
+            error = (mpmath.mpf(event.theta) - expected.t * BASE.Omega.numerator / BASE.Omega.denominator) % turn
+            assert min(error, turn - error) <= 1e-11
+            assert 0 <= event.theta < turn
+
+
+# -- near-grazes: a peak of known height beside a belt -----------------------------------------------------------------
+
+NEAR = Parameters(m=1, c="0.3", k=1, A0="0.2", B0=3, Omega=1, v1="-0.5", v2="0.8", mu1="0.4", mu2="0.3", FN=2)
+# mapping: domain, belt, side of the belt that is beyond, and a time t_m = theta where a contact from there grazes
+CONTACTS = {"P2": (1, 1, 1, "0.9"), "P3": (2, 1, -1, "4.1"), "P5": (2, 2, 1, "1.2"), "P6": (3, 2, -1, "4.6")}
+
+
+def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, flight: Fraction) -> tuple[Any, Any, Any]:
+    """Return t0, x0, v0 from which v - v_lambda peaks `height` beyond the belt (short of it if negative) at t_m."""
+    alpha, boundary, beyond, t_m = CONTACTS[mapping]
+    with mpmath.workdps(90):
+        v = p.belt(boundary) + beyond * height
+        theta = (
+            mpmath.mpf(Fraction(t_m).numerator) / Fraction(t_m).denominator * p.Omega.numerator / p.Omega.denominator
+        )
+        cosine = Fraction(mpmath.nstr(mpmath.cos(theta), 80))
+        x = (p.A(alpha) + p.B0 * cosine - p.c * v) / p.k  # the acceleration vanishes there
+    t0 = Fraction(t_m) - flight
+    x0, v0, _ = flow_oracle(p, alpha, t_m, x, v, -flight, 80)
+    with mpmath.workdps(80):
+        return t0, mpmath.nstr(x0, 60), mpmath.nstr(v0, 60)
+
+
+@pytest.mark.parametrize("exponent", [3, 5, 7, 9, 11, 13])
+@pytest.mark.parametrize("beyond", [True, False], ids=["beyond", "short"])
+@pytest.mark.parametrize("mapping", CONTACTS)
+def test_a_peak_beside_a_belt(mapping: str, beyond: bool, exponent: int) -> None:
+    alpha, boundary, _, t_m = CONTACTS[mapping]
+    height = Fraction(1 if beyond else -1, 10**exponent)
+    t0, x0, v0 = start_before_a_peak(NEAR, mapping, height, Fraction(1, 2))
+    start = (t0, x0, v0, Fraction(t_m) + Fraction(1, 4))
+    run = oracle_of(NEAR, start)
+    # at most 3e-2 before the peak of 1e-3, in proportion to the root of the height
+    near = [event for event in run.events if abs(event.t - float(Fraction(t_m))) < 3 * 10 ** (-exponent / 2)]
+    if beyond:
+        assert [(event.kind, event.boundary) for event in near] == [("stick", boundary), ("slip", boundary)]
+        assert near[1].target == f"Omega{alpha}"
+    assert len(run.events) == len(near) == (2 if beyond else 0)
+    assert_agrees(simulated(NEAR, start), run)
+
+
+@pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
+@pytest.mark.parametrize("friction", ["0", "1e-14"])
+@pytest.mark.parametrize("mapping", CONTACTS)
+def test_a_peak_through_a_transparent_belt(mapping: str, friction: str, exponent: int) -> None:
+    """Without friction (or next to none) there is no stick: the mass crosses and comes back."""
+    _, boundary, _, t_m = CONTACTS[mapping]
+    p = NEAR.replace(mu1=friction) if boundary == 1 else NEAR.replace(mu2=friction)
+    start = (
+        *start_before_a_peak(p, mapping, Fraction(1, 10**exponent), Fraction(1, 2)),
+        Fraction(t_m) + Fraction(1, 4),
+    )
+    run = oracle_of(p, start)
+    assert [(event.kind, event.boundary) for event in run.events] == [("cross", boundary)] * 2
+    assert run.events[1].t - run.events[0].t < 10 * 10 ** (-exponent / 2)
+    assert_agrees(simulated(p, start), run)
+
+
+@pytest.mark.parametrize("exponent", [5, 9, 13])
+@pytest.mark.parametrize("mapping", CONTACTS)
+def test_a_peak_soon_after_the_start(mapping: str, exponent: int) -> None:
+    for height in (Fraction(1, 10**exponent), Fraction(-1, 10**exponent)):
+        t_m = Fraction(CONTACTS[mapping][3])
+        start = (*start_before_a_peak(NEAR, mapping, height, Fraction(1, 100)), t_m + Fraction(1, 4))
+        run = oracle_of(NEAR, start)
+        # a peak of 1e-5 is lower than the start 0.01 earlier, which is about 1e-4 short of it
+        assert len(run.events) == (2 if height > 0 else 0)
+        assert_agrees(simulated(NEAR, start), run)
+
+
+# -- flights and sticks of 1e-7 ----------------------------------------------------------------------------------------
+
+
+def position_with_force(p: Parameters, alpha: int, boundary: int, t0: str, force: Fraction) -> str:
+    """Return the position on the belt where F^(alpha) is `force`, as a decimal of 60 digits."""
+    with mpmath.workdps(80):
+        theta = mpmath.mpf(t0) * p.Omega.numerator / p.Omega.denominator
+        cosine = Fraction(mpmath.nstr(mpmath.cos(theta), 70))
+        x = (p.A(alpha) + p.B0 * cosine - p.c * p.belt(boundary) - p.m * force) / p.k
+        return mpmath.nstr(mpmath.mpf(x.numerator) / x.denominator, 60)
+
+
+@pytest.mark.parametrize("scale", ["1e-3", "1e-7", "1e-9"])
+@pytest.mark.parametrize(("mapping", "t0"), [("P2", "4.1"), ("P3", "0.9"), ("P5", "4.6"), ("P6", "1.2")])
+def test_flights_of_a_tenth_of_a_microsecond(mapping: str, t0: str, scale: str) -> None:
+    """A mass that leaves its belt with a tiny acceleration against G^(1) is back at once."""
+    alpha, boundary, beyond, _ = CONTACTS[mapping]
+    x0 = position_with_force(NEAR, alpha, boundary, t0, -beyond * Fraction(scale))
+    start = (t0, x0, NEAR.belt(boundary), Fraction(t0) + Fraction(1, 2))
+    run = oracle_of(NEAR, start)
+    assert (run.events[0].kind, run.events[0].source) == ("stick", f"Omega{alpha}")
+    assert run.events[0].t - float(t0) < 10 * float(scale)
+    trajectory = simulated(NEAR, start)
+    assert_agrees(trajectory, run)
+    with mpmath.workdps(50):
+        flight = mpmath.mpf(trajectory.events[0].t) - mpmath.mpf(t0)
+        assert abs(flight - (run.events[0].t - mpmath.mpf(t0))) <= 1e-15 * mpmath.mpf(t0)
+
+
+@pytest.mark.parametrize("scale", ["1e-3", "1e-7", "1e-9"])
+@pytest.mark.parametrize("mapping", CONTACTS)
+def test_sticks_of_a_tenth_of_a_microsecond(mapping: str, scale: str) -> None:
+    """A mass that starts on its belt with a tiny F towards it, and falling, slips at once."""
+    alpha, boundary, beyond, t0 = CONTACTS[mapping]
+    x0 = position_with_force(NEAR, alpha, boundary, t0, beyond * Fraction(scale))
+    start = (t0, x0, NEAR.belt(boundary), Fraction(t0) + Fraction(1, 2))
+    run = oracle_of(NEAR, start)
+    first = run.events[0]
+    assert (first.kind, first.source, first.target) == ("slip", f"belt{boundary}", f"Omega{alpha}")
+    assert first.t - float(t0) < 10 * float(scale)
+    trajectory = simulated(NEAR, start)
+    assert trajectory.mode(float(t0)) == f"belt{boundary}"
+    assert_agrees(trajectory, run)
+
+
+# -- a force that dips through zero on a belt, or just not ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
+@pytest.mark.parametrize("slips", [True, False], ids=["slips", "holds"])
+@pytest.mark.parametrize(("boundary", "side"), [(1, "low"), (1, "high"), (2, "low"), (2, "high")])
+def test_an_extreme_force_on_a_belt(boundary: int, side: str, slips: bool, exponent: int) -> None:
+    """The force on a belt has an extremum where sin(theta) = -k v_lambda/(B0 Omega); it goes that far beyond 0."""
+    p, speed = NEAR, NEAR.belt(boundary)
+    outward = -1 if side == "low" else 1
+    height = Fraction(outward if slips else -outward, 10**exponent)
+    alpha = boundary + (side == "high")
+    with mpmath.workdps(90):
+        ratio = -p.k * speed / (p.B0 * p.Omega)
+        angle = mpmath.asin(mpmath.mpf(ratio.numerator) / ratio.denominator)
+        theta = mpmath.pi - angle if side == "low" else angle  # lowest where cos < 0, highest where cos > 0
+        t_m, cosine = (Fraction(mpmath.nstr(value, 80)) for value in (theta, mpmath.cos(theta)))
+        x_m = (p.A(alpha) + p.B0 * cosine - p.c * speed - p.m * height) / p.k
+        t0 = Fraction(int(10 * t_m) - 5, 10)
+        x0 = x_m - speed * (t_m - t0)
+        start = (t0, mpmath.nstr(mpmath.mpf(x0.numerator) / x0.denominator, 60), speed, t_m + Fraction(1, 2))
+    run = oracle_of(p, start)
+    early = [event for event in run.events if event.t < float(t_m) + 10 * 10 ** (-exponent / 2)]
+    expected = [("slip", f"belt{boundary}", f"Omega{alpha}"), ("stick", f"Omega{alpha}", f"belt{boundary}")]
+    assert [(event.kind, event.source, event.target) for event in early] == (expected if slips else [])
+    trajectory = simulated(p, start)
+    assert trajectory.mode(float(t0)) == f"belt{boundary}"
+    assert_agrees(trajectory, run)
+
+
+# -- starts on a boundary ----------------------------------------------------------------------------------------------
+
+
+def rational_start(p: Parameters, alpha: int, boundary: int, force: Fraction) -> Fraction:
+    """Return x0 where F^(alpha) is `force` on the belt at t = 0, exactly."""
+    return (p.A(alpha) + p.B0 - p.c * p.belt(boundary) - p.m * force) / p.k
+
+
+@pytest.mark.parametrize("boundary", [1, 2])
+@pytest.mark.parametrize(
+    ("side", "force", "mode"),
+    [
+        ("low", "0.3", "belt"),  # F below > 0 > F above
+        ("low", "-0.3", "below"),
+        ("high", "0.3", "above"),
+        ("high", "-0.3", "belt"),
+        ("low", "10", "above"),
+        ("high", "-10", "below"),
+    ],
+)
+def test_starts_on_a_boundary(boundary: int, side: str, force: str, mode: str) -> None:
+    x0 = rational_start(NEAR, boundary + (side == "high"), boundary, Fraction(force))
+    check_start(NEAR, boundary, x0, mode)
+
+
+# On the belt at t = 0, G^(1) = -(k/m) v_lambda: the sign of the belt's speed decides where F = 0.
+@pytest.mark.parametrize("boundary", [1, 2])
+@pytest.mark.parametrize(
+    ("side", "speed", "mode"),
+    [
+        ("low", "0.5", "below"),  # F below falls through 0
+        ("low", "-0.5", "belt"),  # F below rises from 0
+        ("high", "0.5", "belt"),
+        ("high", "-0.5", "above"),
+        ("low", "0", "below"),  # G^(1) = 0, G^(2) = -B0 Omega^2/m < 0
+        ("high", "0", "belt"),
+    ],
+)
+def test_starts_where_a_force_vanishes(boundary: int, side: str, speed: str, mode: str) -> None:
+    p = NEAR.replace(v1=speed, v2=5) if boundary == 1 else NEAR.replace(v1=-5, v2=speed)
+    check_start(p, boundary, rational_start(p, boundary + (side == "high"), boundary, Fraction(0)), mode)
+
+
+@pytest.mark.parametrize("boundary", [1, 2])
+@pytest.mark.parametrize(("speed", "mode"), [("0.5", "below"), ("-0.5", "above"), ("0", "below")])
+def test_starts_on_a_transparent_belt_where_the_force_vanishes(boundary: int, speed: str, mode: str) -> None:
+    p = NEAR.replace(v1=speed, v2=5, mu1=0) if boundary == 1 else NEAR.replace(v1=-5, v2=speed, mu2=0)
+    check_start(p, boundary, rational_start(p, boundary, boundary, Fraction(0)), mode)
+
+
+@pytest.mark.parametrize("third", [Fraction(1, 3), Fraction(-1, 3)])
+def test_a_force_that_vanishes_only_in_rational_numbers(third: Fraction) -> None:
+    """k = 1/3 and x0 = n/7 have no finite decimals; F = 0 all the same."""
+    p = NEAR.replace(k=Fraction(1, 3), m=Fraction(2, 7), v1=third)
+    check_start(p, 1, rational_start(p, 1, 1, Fraction(0)), "below" if third > 0 else "belt")
+
+
+def check_start(p: Parameters, boundary: int, x0: Fraction, mode: str) -> None:
+    name = {"below": f"Omega{boundary}", "above": f"Omega{boundary + 1}", "belt": f"belt{boundary}"}[mode]
+    start = (0, x0, p.belt(boundary), 12)
+    run, trajectory = oracle_of(p, start), simulated(p, start)
+    assert run.events[0].source == name
+    assert trajectory.mode(0.0) == name
+    assert all(event.t > 0 for event in trajectory.events)
+    assert_agrees(trajectory, run)
+    leaves = {"below": -1, "above": 1, "belt": 0}[mode]
+    gap = float(trajectory(float(run.events[0].t) / 1000)[1]) - float(p.belt(boundary))
+    assert (gap > 0) - (gap < 0) == leaves

@@ -1,0 +1,355 @@
+"""Parameters and scenes: exact reading, immutability, and an error for everything that is wrong."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+import subprocess
+import sys
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+
+from symosc.errors import ParameterError, SceneError, SymoscError
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.scenes import Scene, load_scene, scene_names
+
+VALUES = {"m": 1, "c": 1, "k": 1, "A0": -15, "B0": 10, "Omega": 1, "v1": 1, "v2": 5, "mu1": "0.8", "mu2": "0.6"}
+VALUES["FN"] = "9.81"
+SHIPPED = ["fig5", "fig6", "fig7", "fig7-corrected", "fig7-exact", "fig8", "fig8-exact"]
+SHIPPED += ["fig9", "fig9-orbit", "fig10", "fig10-orbit"]
+NOT_FINITE = [float("nan"), float("inf"), -np.inf, "nan", "-inf", Decimal("Infinity"), mpmath.inf, mpmath.nan]
+NOT_EXACT = ["", "one", "1,5", "0x10", "1/0", None, [1], 1j, True, sympy.sqrt(2), sympy.Symbol("x"), "1e99999999"]
+CONTRACT = ["Parameters", "Scene", "ParameterError", "load_scene", "scene_names"]
+CONTRACT += ["simulate", "simulate_many", "Trajectory", "Event"]
+
+
+def parameters(**changes: object) -> Parameters:
+    return Parameters(**(VALUES | changes))
+
+
+# -- exact reading ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        0.8,
+        "0.8",
+        " 4/5 ",
+        "8e-1",
+        Fraction(4, 5),
+        Decimal("0.80"),
+        sympy.Rational(4, 5),
+        np.float64(0.8),
+        np.float32(0.8),
+        np.array(0.8)[()],
+    ],
+    ids=repr,
+)
+def test_four_fifths_in_every_form(value: object) -> None:
+    assert parameters(mu1=value).mu1 == Fraction(4, 5)
+
+
+@pytest.mark.parametrize("value", [3, "3.000", Fraction(3), sympy.Integer(3), np.int64(3), np.uint8(3), mpmath.mpf(3)])
+def test_three_in_every_form(value: object) -> None:
+    read = parameters(k=value).k
+    assert type(read) is Fraction
+    assert (type(read.numerator), read.numerator, read.denominator) == (int, 3, 1)
+
+
+def test_an_mpf_keeps_every_bit() -> None:
+    with mpmath.workdps(60):
+        tenth = mpmath.mpf(1) / 10
+    read = parameters(c=tenth).c
+    assert read != Fraction(1, 10)
+    assert abs(read - Fraction(1, 10)) < Fraction(1, 10**59)
+    assert read.denominator & (read.denominator - 1) == 0
+
+
+def test_a_long_decimal_keeps_every_digit() -> None:
+    text = "-3.10490096305158165661870252120914982217742324"
+    assert load_scene("fig7-exact").x0 == Fraction(text)
+    assert load_scene("fig7-exact").x0 != Fraction(text[:-1])
+    assert Fraction(text) == parameters(A0=Decimal(text)).A0
+
+
+def test_floats_are_the_decimals_that_they_print_as() -> None:
+    p = parameters(FN=19.62, c=1e-10, k=5e-324)
+    assert (p.FN, p.c, p.k) == (Fraction(981, 50), Fraction(1, 10**10), Fraction(5, 10**324))
+
+
+def test_friction_forces_are_exact() -> None:
+    p = parameters()
+    assert [p.A(alpha) for alpha in (1, 2, 3)] == [Fraction("-1.266"), Fraction("-16.962"), Fraction("-28.734")]
+    assert p.A(1) - p.A(2) == 2 * p.mu1 * p.FN
+    assert p.A(2) - p.A(3) == 2 * p.mu2 * p.FN
+    assert (p.belt(1), p.belt(2)) == (1, 5)
+
+
+# -- values, not variables -------------------------------------------------------------------------------------------
+
+
+def test_parameters_are_frozen_hashable_values() -> None:
+    p, same = parameters(), parameters(mu1=0.8, m=Fraction(2, 2))
+    assert p == same
+    assert hash(p) == hash(same)
+    assert len({p, same, p.replace(c=2)}) == 2
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        p.c = Fraction(1)  # type: ignore[misc]
+    assert pickle.loads(pickle.dumps(p)) == p
+
+
+def test_repr_reads_back_exactly() -> None:
+    p = parameters(c=Fraction(1, 3), A0="-1e-20", B0="12345678901234567890.5")
+    assert eval(repr(p).replace("=", "='").replace(",", "',").replace(")", "')")) == p
+    assert Parameters(**p.as_dict()) == p
+
+
+def test_replace_changes_only_what_it_names() -> None:
+    p = parameters()
+    q = p.replace(c="0.3", v2=7)
+    assert (q.c, q.v2) == (Fraction(3, 10), 7)
+    assert {name for name in PARAMETER_NAMES if getattr(p, name) != getattr(q, name)} == {"c", "v2"}
+    assert q.replace(c=1, v2=5) == p
+    assert p.c == 1
+
+
+# -- errors ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", PARAMETER_NAMES)
+@pytest.mark.parametrize("value", NOT_FINITE)
+def test_non_finite_values(name: str, value: object) -> None:
+    with pytest.raises(ParameterError, match=name) as caught:
+        parameters(**{name: value})
+    assert caught.value.name == name
+
+
+@pytest.mark.parametrize("value", NOT_EXACT)
+def test_values_that_are_no_exact_numbers(value: object) -> None:
+    with pytest.raises(ParameterError, match="A0"):
+        parameters(A0=value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("m", 0), ("m", -1), ("Omega", 0), ("Omega", "-1e-9"), ("v1", 5), ("v1", "5.0000001")]
+    + [(name, "-1e-30") for name in ("c", "k", "mu1", "mu2", "FN")],
+)
+def test_values_out_of_range(name: str, value: object) -> None:
+    with pytest.raises(ParameterError, match=f"^{name} = ") as caught:
+        parameters(**{name: value})
+    assert isinstance(caught.value, ValueError)
+    assert isinstance(caught.value, SymoscError)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["c", "k", "mu1", "mu2", "FN", "A0", "B0"])
+def test_zero_is_in_range(name: str) -> None:
+    assert getattr(parameters(**{name: 0}), name) == 0
+
+
+@pytest.mark.parametrize("name", PARAMETER_NAMES)
+def test_a_missing_parameter(name: str) -> None:
+    with pytest.raises(TypeError, match=name):
+        Parameters(**{key: value for key, value in VALUES.items() if key != name})
+
+
+def test_an_unknown_parameter() -> None:
+    with pytest.raises(TypeError, match="omega"):
+        parameters(omega=1)
+    with pytest.raises(ParameterError, match="omega"):
+        parameters().replace(omega=1)
+
+
+@pytest.mark.parametrize("error", [ParameterError("m", 0, "must be > 0"), SceneError("fig11", "unknown")])
+def test_errors_survive_pickling(error: SymoscError) -> None:
+    copy = pickle.loads(pickle.dumps(error))
+    assert (type(copy), str(copy), vars(copy)) == (type(error), str(error), vars(error))
+
+
+# -- scenes ----------------------------------------------------------------------------------------------------------
+
+
+def test_shipped_scenes_in_the_order_of_the_figures() -> None:
+    assert sorted(scene_names()) == sorted(SHIPPED)
+    figures = [int(name.split("-")[0].removeprefix("fig")) for name in scene_names()]
+    assert figures == sorted(figures)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_scene_loads_and_is_sourced(name: str) -> None:
+    scene = load_scene(name)
+    assert scene.name == name
+    assert scene.t_end > scene.t0
+    assert "WSEAS" in scene.source
+    assert hash(scene) == hash(load_scene(name))
+
+
+PAPER = {  # A0, B0, Omega, c, k, m, v1, v2, mu1, mu2, FN; t0, x0, v0
+    "fig5": "-15 10 1 1 1 1 1 5 0.8 0.6 9.81 0 0 0",
+    "fig6": "5 10 0.1 1 1 1 1 5 0.8 0.6 9.81 0 0 5",
+    "fig7": "5 10 1 2 2 1 5 10 0.7 0.2 9.81 2.5 -3.1049 1.3369",
+    "fig8": "10 16 2 4 8 2 -4 4 0.8 0.5 19.62 2.5 5.8980 2.2580",
+    "fig9": "-2 9 4 0.2 3 0.1 1 25 0.3 0.2 10 0.1324 4.5447 1",
+    "fig10": "5 9 1.75 0.2 3 0.1 -12 1 0.5 0.3 10 0.4588 3.0837 1",
+}
+
+
+@pytest.mark.parametrize("name", PAPER)
+def test_scenes_hold_the_paper_s_numbers(name: str) -> None:
+    names = ("A0", "B0", "Omega", "c", "k", "m", "v1", "v2", "mu1", "mu2", "FN")
+    numbers = [Fraction(text) for text in PAPER[name].split()]
+    scene = load_scene(name)
+    assert scene.parameters == Parameters(**dict(zip(names, numbers[:11], strict=True)))
+    assert [scene.t0, scene.x0, scene.v0] == numbers[11:]
+
+
+def test_the_corrected_fig7_differs_only_in_A0() -> None:
+    printed, corrected, grazing = (load_scene(name) for name in ("fig7", "fig7-corrected", "fig7-exact"))
+    assert printed.parameters.replace(A0=10) == corrected.parameters == grazing.parameters
+    assert (printed.t0, printed.x0, printed.v0) == (corrected.t0, corrected.x0, corrected.v0)
+
+
+SCENE_TEXT = """
+name = "mine"
+t_end = 2.5
+[parameters]
+m = 1
+c = 0.2
+k = "4/5"
+A0 = 0.1
+B0 = 1e1
+Omega = 1
+v1 = -1
+v2 = 1
+mu1 = 0.3
+mu2 = 0.2
+FN = 9.81
+[start]
+t0 = 0
+x0 = 0.1000000000000000000000000000001
+v0 = 0
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path: Path) -> Path:
+    path = tmp_path / "some file.toml"
+    path.write_text(SCENE_TEXT, encoding="utf-8")
+    return path
+
+
+def test_a_scene_file_is_read_exactly(scene_file: Path) -> None:
+    for scene in (load_scene(scene_file), load_scene(str(scene_file))):
+        assert scene.name == "mine"
+        assert scene.parameters.k == Fraction(4, 5)
+        assert scene.parameters.B0 == 10
+        assert scene.x0 == Fraction(10**30 + 1, 10**31)
+        assert (scene.t_end, scene.structure, scene.source) == (Fraction(5, 2), None, "")
+
+
+def test_a_scene_without_a_name_is_called_like_its_file(scene_file: Path) -> None:
+    scene_file.write_text(SCENE_TEXT.replace('name = "mine"', ""), encoding="utf-8")
+    assert load_scene(scene_file).name == "some file"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("m = 1\n", "", "parameters.m is missing"),
+        ("m = 1\n", "m = 1\nmass = 2\n", "parameters.mass is unknown"),
+        ("x0 = 0.1000000000000000000000000000001\n", "", "start.x0 is missing"),
+        ("t0 = 0\n", "t0 = 0\ny0 = 0\n", "start.y0 is unknown"),
+        ("t_end = 2.5\n", "", "t_end is missing"),
+        ("t_end = 2.5\n", "t_end = 2.5\ntend = 3\n", "tend is unknown"),
+        ("[start]\n", "[begin]\n", "start is missing"),
+        ("m = 1\n", "m = \n", "not valid TOML"),
+        ("m = 1\n", "m = 1\nm = 2\n", "not valid TOML"),
+        ('name = "mine"', "name = 3", "name must be text"),
+        ('name = "mine"', "parameters = 3", "TOML|table"),
+    ],
+)
+def test_broken_scene_files(scene_file: Path, old: str, new: str, message: str) -> None:
+    assert old in SCENE_TEXT
+    scene_file.write_text(SCENE_TEXT.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(SceneError, match=message) as caught:
+        load_scene(scene_file)
+    assert caught.value.scene == str(scene_file)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("m = 1\n", "m = 0\n", "m"),
+        ("m = 1\n", "m = nan\n", "m"),
+        ("m = 1\n", "m = true\n", "m"),
+        ("m = 1\n", 'm = "heavy"\n', "m"),
+        ("v1 = -1\n", "v1 = 1\n", "v1"),
+        ("t0 = 0\n", "t0 = inf\n", "t0"),
+        ("t_end = 2.5\n", "t_end = 0\n", "t_end"),
+        ("t_end = 2.5\n", "t_end = 1979-05-27\n", "t_end"),
+    ],
+)
+def test_scene_files_with_bad_numbers(scene_file: Path, old: str, new: str, name: str) -> None:
+    scene_file.write_text(SCENE_TEXT.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(ParameterError) as caught:
+        load_scene(scene_file)
+    assert caught.value.name == name
+
+
+@pytest.mark.parametrize("name", ["fig11", "Fig5", "", "fig5.toml", "no/such/file.toml", "."])
+def test_unknown_scenes(name: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene(name)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_scene_names_the_shipped_ones() -> None:
+    with pytest.raises(SceneError, match=r"fig11: unknown; .*fig5.*fig10-orbit"):
+        load_scene("fig11")
+
+
+def test_a_scene_file_that_is_no_text(scene_file: Path) -> None:
+    scene_file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match="UTF-8"):
+        load_scene(scene_file)
+
+
+def test_a_scene_checks_its_start() -> None:
+    scene = Scene("s", parameters(), t0=0.1, x0="1/3", v0=0, t_end=Decimal("0.2"))
+    assert (scene.t0, scene.x0, scene.t_end) == (Fraction(1, 10), Fraction(1, 3), Fraction(1, 5))
+    with pytest.raises(ParameterError, match="t_end"):
+        Scene("s", parameters(), t0=1, x0=0, v0=0, t_end=1)
+    with pytest.raises(ParameterError, match="x0"):
+        Scene("s", parameters(), t0=0, x0=float("nan"), v0=0, t_end=1)
+
+
+# -- layers ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "code", ["import symosc", "import symosc; assert len(symosc.simulate(symosc.load_scene('fig5')).events) == 16"]
+)
+def test_the_numeric_path_loads_no_heavy_package(code: str) -> None:
+    program = f"{code}\nimport sys\nprint(*{{'sympy', 'matplotlib', 'numba'}} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "", "")
+
+
+def test_symosc_exposes_the_names_of_its_contract() -> None:
+    import symosc
+
+    for name in CONTRACT:
+        assert hasattr(symosc, name), name
+    assert symosc.Parameters is Parameters
+    assert symosc.ParameterError is ParameterError
+    with pytest.raises(AttributeError, match="no_such_name"):
+        symosc.no_such_name  # noqa: B018

@@ -1,0 +1,135 @@
+"""The paper's scenes: double precision against references of 35 digits, grazes, and fig8's endless micro-sticks."""
+
+from __future__ import annotations
+
+import json
+import re
+from fractions import Fraction
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from agreement import assert_agrees, assert_event_agrees
+from oracle import OracleRun, simulate_oracle
+
+from symosc import load_scene, simulate
+
+REFERENCE = Path(__file__).parent / "reference"
+TARGETS = {"1": "Omega1", "2": "Omega2", "3": "Omega3"}
+
+
+def reference(name: str) -> list[tuple[Any, str, Any, Any]]:
+    rows = json.loads((REFERENCE / f"{name}.json").read_text())
+    with mpmath.workdps(40):
+        return [(mpmath.mpf(t), kind, mpmath.mpf(x), mpmath.mpf(v)) for t, kind, x, v in rows]
+
+
+@pytest.mark.parametrize(("name", "count"), [("fig5", 16), ("fig7-corrected", 2), ("fig8", 22), ("fig10", 44)])
+def test_every_event_of_the_references(name: str, count: int) -> None:
+    expected, scene = reference(name), load_scene(name)
+    assert len(expected) == count
+    after = Fraction(str(expected[-1][0])) + Fraction(1, 10**6)
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=after)
+    assert trajectory.status == "t_end"
+    assert len(trajectory.events) == count
+    for event, (t, kind, x, v) in zip(trajectory.events, expected, strict=True):
+        with mpmath.workdps(40):
+            assert abs(mpmath.mpf(event.t) - t) <= 1e-12 * max(1, abs(t))
+            assert abs(mpmath.mpf(event.x) - x) <= 1e-12 * max(1, abs(x))
+            phase = mpmath.mpf(str(float(scene.parameters.Omega))) * t % (2 * mpmath.pi)
+            assert abs(mpmath.mpf(event.theta) - phase) <= 1e-12 * t
+        assert event.v == v
+        if kind == "stick onset":
+            assert (event.kind, event.target) == ("stick", f"belt{event.boundary}")
+        else:
+            assert (event.kind, event.target) == ("slip", TARGETS[kind[-1]])
+            assert event.source == f"belt{event.boundary}"
+        assert float(scene.parameters.belt(event.boundary)) == v
+
+
+@pytest.mark.parametrize(("name", "milliseconds"), [("fig8", 2.6), ("fig7-corrected", 0.9)])
+def test_printed_starts_show_their_micro_sticks(name: str, milliseconds: float) -> None:
+    onset, end = simulate(load_scene(name)).events[:2]
+    length = float(reference(name)[1][0] - reference(name)[0][0])
+    assert length == pytest.approx(milliseconds / 1000, abs=5e-5)
+    assert (onset.kind, end.kind, onset.boundary) == ("stick", "slip", 1)
+    assert end.t - onset.t == pytest.approx(length, abs=2e-12)
+
+
+@pytest.mark.parametrize(
+    "name", ["fig5", "fig6", "fig7", "fig7-corrected", "fig9", "fig9-orbit", "fig10", "fig10-orbit"]
+)
+def test_every_scene_to_its_end(name: str) -> None:
+    scene = load_scene(name)
+    trajectory = simulate(scene)
+    assert trajectory.status == "t_end"
+    assert_agrees(trajectory, simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end))
+
+
+@pytest.mark.parametrize("digits", [None, 40])
+@pytest.mark.parametrize(
+    ("name", "domain", "x"), [("fig7-exact", "Omega1", -0.5855), ("fig8-exact", "Omega2", 4.51425)]
+)
+def test_exact_starts_graze_and_do_not_stick(name: str, domain: str, x: float, digits: int | None) -> None:
+    scene = load_scene(name)
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=4, digits=digits)
+    assert [event.kind for event in trajectory.events] == ["graze"]
+    graze = trajectory.events[0]
+    assert (graze.boundary, graze.source, graze.target) == (1, domain, domain)
+    assert float(graze.t) == pytest.approx(pi, abs=1e-12)
+    assert float(graze.x) == pytest.approx(x, abs=1e-12)
+    assert graze.v == float(scene.parameters.v1)
+
+
+def test_exact_starts_never_stick_later() -> None:
+    for name in ("fig7-exact", "fig8-exact"):
+        kinds = {event.kind for event in simulate(load_scene(name)).events}
+        assert "graze" in kinds
+        assert "stick" not in kinds
+
+
+# -- fig8 for 50 periods: sticks shrink by 3/8 each half period and belts are grazed in the limit ----------------------
+
+FIFTY_PERIODS = Fraction("159.57963267948966")  # t0 + 50 periods of pi
+
+
+@pytest.fixture(scope="module")
+def fig8_oracle() -> OracleRun:
+    scene = load_scene("fig8")
+    return simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, FIFTY_PERIODS, 150)
+
+
+def test_fig8_ends_in_double_precision_and_says_when(fig8_oracle: OracleRun) -> None:
+    scene = load_scene("fig8")
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS)
+    assert trajectory.status == "undecidable"
+    assert 22 <= len(trajectory.events) < 196
+    for event, expected in zip(trajectory.events, fig8_oracle.events, strict=False):
+        assert_event_agrees(event, expected)
+    last = trajectory.events[-1].t
+    named = [float(number) for number in re.findall(r"\d+\.?\d*(?:e[+-]?\d+)?", trajectory.message)]
+    assert any(last - 1e-3 <= number <= float(fig8_oracle.events[len(trajectory.events)].t) + 1e-3 for number in named)
+
+
+def test_fig8_with_150_digits_shows_all_196_events(fig8_oracle: OracleRun) -> None:
+    scene = load_scene("fig8")
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS, digits=150)
+    assert trajectory.status == "t_end"
+    assert len(trajectory.events) == 196
+    with mpmath.workdps(150):
+        for event, expected in zip(trajectory.events, fig8_oracle.events, strict=True):
+            assert_event_agrees(event, expected, 1e-60)
+        sticks = [end.t - onset.t for onset, end in zip(trajectory.events, trajectory.events[1:], strict=False)
+                  if onset.kind == "stick"]  # fmt: skip
+        assert len(sticks) == 98
+        assert float(min(sticks)) == pytest.approx(9.3e-43, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
+def test_forty_digits_are_forty_digits(name: str) -> None:
+    scene = load_scene(name)
+    trajectory = simulate(scene, digits=40)
+    run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, 70)
+    assert_agrees(trajectory, run, 1e-39)

@@ -1,0 +1,173 @@
+"""The derivations of symosc.symbolic: each test asks sympy for an exact 0."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+
+from symosc.scenes import load_scene
+from symosc.symbolic import solution as s
+
+REGIMES = pytest.mark.parametrize("regime", s.REGIMES.values(), ids=lambda regime: regime.name)
+JOINS = pytest.mark.parametrize("join", s.JOINS, ids=lambda join: f"{join.source} to {join.target}")
+
+
+def left_over(residuals: dict) -> dict:
+    """The residuals that are not sympy's 0."""
+    return {name: residual for name, residual in residuals.items() if residual is not sp.S.Zero}
+
+
+# --- the flow ---
+
+
+def test_the_flow_solves_the_equation_of_motion_in_general() -> None:
+    residuals = s.prove()
+    assert {"equation of motion", "x at t_i", "v at t_i", "a at t_i"} < residuals.keys()
+    assert left_over(residuals) == {}
+
+
+@REGIMES
+def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None:
+    residuals = s.prove(regime)
+    assert {"equation of motion", "x at t_i", "v at t_i", *(f"{f}'" for f in s.BASIS)} < residuals.keys()
+    assert left_over(residuals) == {}
+
+
+@pytest.mark.parametrize("field", s.Flow._fields)
+def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = s.flow()
+    terms = sp.Add.make_args(getattr(right, field))
+    assert len(terms) >= 3
+    for term in terms:
+        wrong = right._replace(**{field: getattr(right, field) - 2 * term})
+        monkeypatch.setattr(s, "flow", lambda regime=None, wrong=wrong: wrong)
+        assert left_over(s.prove()), f"nobody noticed the sign of {term}"
+
+
+@REGIMES
+def test_the_proof_sees_a_wrong_closed_form(regime: s.Regime, monkeypatch: pytest.MonkeyPatch) -> None:
+    closed = regime.basis()
+    s.flow(regime)  # remembered, so that the wrong forms below are not
+    for f in s.BASIS:
+        monkeypatch.setattr(s.Regime, "basis", lambda self, f=f: closed | {f: closed[f] + s.tau**3})
+        assert f"{f}'" in left_over(s.prove(regime))
+
+
+def test_friction_enters_only_through_the_acceleration_at_the_start() -> None:
+    for expr in s.flow():
+        assert not expr.has(s.A_m)
+        assert expr.has(s.a_i)
+
+
+# --- the regimes ---
+
+
+@REGIMES
+def test_the_letters_of_a_regime_mean_what_they_say(regime: s.Regime) -> None:
+    # On the condition's equations (c^2 = 4 k m, k = 0, ...) the letters give back c/m and k/m.
+    solved = {}
+    for equation in regime.condition.atoms(sp.Eq):
+        unknown = s.k if equation.has(s.k) else s.c
+        solved[unknown] = sp.solve(equation, unknown)[0]
+    for symbol, meaning in ((s.cm, s.c / s.m), (s.w0sq, s.k / s.m)):
+        in_letters = regime.parameters()[symbol].xreplace(regime.letters)
+        assert sp.simplify((in_letters - meaning).xreplace(solved)) == 0
+
+
+def test_every_parameter_set_belongs_to_one_regime() -> None:
+    seen = set()
+    for c in (0, 1, 2, 3):
+        for k in (0, sp.Rational(1, 2), 1, 4):
+            values = {s.m: sp.Integer(1), s.c: sp.Integer(c), s.k: sp.sympify(k), s.Omega: sp.Integer(2)}
+            names = [regime.name for regime in s.REGIMES.values() if regime.condition.subs(values) == sp.true]
+            assert len(names) == 1, (c, k, names)
+            seen.update(names)
+    assert seen == set(s.REGIMES)
+
+
+@JOINS
+def test_regimes_join_continuously(join: s.Join) -> None:
+    gaps = s.gaps(join)
+    assert set(gaps) == {s.cm, s.w0sq, *s.BASIS}
+    assert left_over(gaps) == {}
+
+
+def test_the_joins_reach_every_regime() -> None:
+    reached, borders = {"free"}, {frozenset((join.source, join.target)) for join in s.JOINS}
+    for _ in s.REGIMES:
+        reached |= {name for border in borders if border & reached for name in border}
+    assert reached == set(s.REGIMES)
+
+
+def test_a_join_that_is_none_shows_a_gap() -> None:
+    wrong = s.Join("underdamped", "critical", s.h, {})
+    assert left_over(s.gaps(wrong))
+
+
+@REGIMES
+def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
+    # Repeated differentiation gives Taylor coefficients that are polynomials in cm, w0sq, Omega: no regime in sight.
+    for f in s.BASIS:
+        derivative, closed = f, regime.basis()[f]
+        for order in range(5):
+            universal = derivative.xreplace(s.start_values()).xreplace(regime.parameters())
+            special = closed.diff(s.tau, order).xreplace({s.tau: sp.Integer(0)})
+            assert sp.simplify(special - universal) == 0, (f, order)
+            derivative = sp.expand(s.time_derivative(derivative))
+
+
+# --- forces, G-functions, stick ---
+
+
+def test_force_constants_are_those_of_the_model() -> None:
+    parameters = load_scene("fig5").parameters
+    values = {s.A0: parameters.A0, s.mu1: parameters.mu1, s.mu2: parameters.mu2, s.FN: parameters.FN}
+    exact = {symbol: sp.Rational(value.numerator, value.denominator) for symbol, value in values.items()}
+    for alpha in (1, 2, 3):
+        assert Fraction(str(s.force_constant(alpha).xreplace(exact))) == parameters.A(alpha)
+    assert sp.expand(s.force_constant(1) - s.force_constant(2) - 2 * s.mu1 * s.FN) == 0
+    assert sp.expand(s.force_constant(2) - s.force_constant(3) - 2 * s.mu2 * s.FN) == 0
+
+
+def test_acceleration_in_the_papers_letters() -> None:
+    paper = (s.A + s.B0 * sp.cos(s.Omega * s.t) - s.k * s.x - s.c * s.v) / s.m
+    assert sp.expand(s.in_paper_letters(s.acceleration()) - paper) == 0
+
+
+def test_first_g_function_is_the_papers() -> None:
+    # (47) with (9), as in (66): the derivative of the acceleration along the flow
+    F = s.in_paper_letters(s.acceleration())
+    sine = sp.sin(s.Omega * s.t)
+    paper = -s.c / s.m * F - s.k / s.m * s.v - s.B0 * s.Omega / s.m * sine
+    assert sp.expand(s.in_paper_letters(s.g_function(1)) - paper) == 0
+
+
+@pytest.mark.parametrize("order", range(1, 7))
+def test_g_functions_by_recurrence(order: int) -> None:
+    before = s.g_function(order - 2) if order > 1 else s.v
+    found = s.next_derivative(s.g_function(order - 1), before, s.forcing(order))
+    assert sp.expand(found - s.g_function(order)) == 0
+
+
+def test_g_functions_are_the_derivatives_of_the_flow() -> None:
+    start = s.start_values() | {s.tau: sp.Integer(0)}
+    here = {s.x: s.x_i, s.v: s.v_i, s.theta: s.theta_i}
+    F_i = s.acceleration(s.x_i, s.v_i, s.theta_i)
+    derivative = s.flow().a
+    for order in range(4):
+        at_start = derivative.xreplace(start).xreplace({s.a_i: F_i})
+        assert sp.expand(at_start - s.g_function(order).xreplace(here)) == 0
+        derivative = s.time_derivative(derivative)
+
+
+def test_force_on_a_belt() -> None:
+    wave = sp.cos(s.theta_i + s.Omega * s.tau) - sp.cos(s.theta_i)
+    F_i = s.acceleration(s.x_i, s.v, s.theta_i)
+    on_belt = s.stick_acceleration(F_i, wave)
+    assert sp.expand(on_belt - s.acceleration(s.x_i + s.v * s.tau, s.v, s.theta_i + s.Omega * s.tau)) == 0
+    # model: m dF/dt = -(k v_lambda + B0 Omega sin Omega t)
+    rate = s.in_paper_letters(on_belt.diff(s.tau))
+    paper = -(s.k * s.v + s.B0 * s.Omega * sp.sin(s.Omega * s.t_i + s.Omega * s.tau)) / s.m
+    assert sp.expand(rate - paper) == 0
