@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import HIT, NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves
+from symosc.events import HIT, NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves, velocity_scale
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS, SERIES_BELOW
 from symosc.sticks import belt_exit, force_noise
@@ -66,7 +66,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
         code, tau = NOTHING, left
     slip = clock_error(theta, tau, K)
     x_noise = 2.0 * EPS * (abs(x) + abs(dx)) + abs(v) * slip
-    v_noise = 4.0 * EPS * (abs(v) + abs(dv) + abs(a0 * E1) + abs(K.fB) * E2) + abs(a0) * slip
+    v_noise = 4.0 * EPS * (abs(v) + velocity_scale(tau, v, a0, K)) + abs(a0) * slip
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:
@@ -89,7 +89,6 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
         zero = 0.0 * a
         t_error = graze_error(S22, v_noise, a, theta, belt, K)
         return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
-    s, c = sin(theta), cos(theta)
     if tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
         a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
     Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
@@ -101,7 +100,12 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
             Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
     speed = abs(a)
     t_error = sqrt(S22) / speed if speed > 0.0 else 0.0
-    where = resolve(v, Fb, Fa, s, c, K)
+    if Fa > 0.0:
+        where = DOMAIN_ABOVE
+    elif Fb > 0.0 and Fa < 0.0:
+        where = BELT
+    else:
+        where = resolve(v, Fb, Fa, sin(theta), cos(theta), K)
     if where == BELT:
         return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, 0.0 * S12, 0.0 * S22
     out = Fa if where == DOMAIN_ABOVE else Fb
@@ -131,8 +135,6 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_
             return END, 0, True, 0.0, mode, boundary, n_end, theta_end, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
         if belt.drift == 0.0 and tau >= K.period:  # the forces repeat: no exit in one period means none ever
             return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero
-        if tau >= K.period:
-            Delta = belt.drift * tau
         n, theta = later(n, theta, tau, K)
         return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
     n, theta = later(n, theta, tau, K)

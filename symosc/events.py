@@ -40,18 +40,21 @@ NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
 
 # A root is taken from the local polynomial when that places it within NEAR / rate: Taylor's formula then moves the
 # state there to full precision.
-NEAR = EPS ** (1.0 / 3.0)
+NEAR = EPS**0.25
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
 SHORT_STEP = 1e-3
 # How far a safe step stays before the root that it aims at, as a part of the step.
 SHRINK = 1e-3
+# A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
+FIRM = 3e-3
 # Error of the kernels, in units of EPS times the sum of the sizes of their terms (measured: at most 6).
 ROUNDING = 16.0
 MOST_STEPS = 20000
 # A root behind which the gap gets deeper than this part of its size needs no closer look.
 CLEAR_DEPTH = 1e-9
+# What a gap must exceed while marching, as a part of its size.
+MARCH_SLACK = 1e-10
 FAR = 1e300
-TINY = 1e-300
 
 
 def state_at(tau, v0, a0, s0, c0, K):
@@ -95,61 +98,74 @@ def positive_on(s, p0, p1, p2, p3, p4):
 def safe_step(cap, p0, p1, p2, p3, p4):
     """Return (s, root): P > 0 on [0, s] with s <= cap; `root` estimates the first root of P, cap if none comes before.
 
-    The root of the quadratic whose last coefficient takes in the higher terms at the current estimate is iterated.
+    First the root of the quadratic, then Halley's method; whatever they give is checked before it is used.
     """
     if p0 <= 0.0:
         return 0.0 * cap, cap
     root, found = cap, False
-    for _ in range(3):
-        top = p2 + (p3 + p4 * root) * root
-        square = p1 * p1 - 4.0 * p0 * top
-        if square < 0.0 or (top >= 0.0 and p1 >= 0.0):
-            found = False
-            break
+    square = p1 * p1 - 4.0 * p0 * p2
+    if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
         denominator = sqrt(square) - p1
-        found = 2.0 * p0 < cap * denominator
-        root = 2.0 * p0 / denominator if found else cap
-    if positive_on(root, p0, p1, p2, p3, p4):
-        return root, root if found else cap
-    s = root - SHRINK * root
+        if 2.0 * p0 < cap * denominator:
+            root = 2.0 * p0 / denominator
+    for _ in range(4):
+        value = p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root
+        slope = p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root
+        half_bend = p2 + (3.0 * p3 + 6.0 * p4 * root) * root
+        below = slope * slope - value * half_bend
+        if slope >= 0.0 or below <= 0.0:
+            break
+        shift = value * slope / below
+        if shift >= root:
+            break
+        root = root - shift
+        if root >= cap:
+            root = cap
+            break
+        found = abs(shift) < FIRM * root
+        if found:
+            break
+    s = root - SHRINK * root if found else root
     while not positive_on(s, p0, p1, p2, p3, p4):
         s = 0.5 * s
         found = False
     return s, root if found else cap
 
 
-def gap_step(cap, g, g1, g2, g3, M4, on_wall):
-    """Return (s, root, error, depth) for a gap with these derivatives.
-
-    The gap has no root on (0, s]. If its first root is near, `root` is that root up to `error`, and the gap would fall
-    to about -`depth` behind it; otherwise `error` is FAR. `on_wall`: the gap starts at 0, and that root does not count.
-    """
-    top = -M4 / 24.0
+def gap_polynomial(g, g1, g2, g3, M4, on_wall):
+    """Return P's coefficients and degree, divided by the root at the start if that is `on_wall`."""
+    top, zero = -M4 / 24.0, 0.0 * g
     if not on_wall:
-        p0, p1, p2, p3, p4, order = g, g1, 0.5 * g2, g3 / 6.0, top, 4
-    elif g1 > 0.0:
-        p0, p1, p2, p3, p4, order = g1, 0.5 * g2, g3 / 6.0, top, 0.0, 3
-    elif g2 > 0.0:
-        p0, p1, p2, p3, p4, order = 0.5 * g2, g3 / 6.0, top, 0.0, 0.0, 2
-    else:
-        p0, p1, p2, p3, p4, order = g3 / 6.0, top, 0.0, 0.0, 0.0, 1
-    s, root = safe_step(cap, p0, p1, p2, p3, p4)
-    if root >= cap or s < root - 2.0 * SHRINK * root:
-        return s, cap, FAR, FAR
+        return g, g1, 0.5 * g2, g3 / 6.0, top, 4
+    if g1 > 0.0:
+        return g1, 0.5 * g2, g3 / 6.0, top, zero, 3
+    if g2 > 0.0:
+        return 0.5 * g2, g3 / 6.0, top, zero, zero, 2
+    return g3 / 6.0, top, zero, zero, zero, 1
+
+
+def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
+    """Return (near, clear): whether the gap's first root is `root` within NEAR/rate, and the gap gets deep behind it.
+
+    One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
+    on what the safe step leaves open and on what it takes to make up for `missing` (Kantorovich).
+    """
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
     missing = M4 / 12.0
-    for _ in range(order):
+    for _ in range(degree):
         missing = missing * root
     missing = missing + abs(p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root)
-    # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
-    # sign on what the safe step leaves open and on what it takes to make up for `missing` (Kantorovich).
-    if slope <= 0.0 or 8.0 * SHRINK * root * bend > slope or 8.0 * missing * (bend + slope / root) > slope * slope:
-        return s, cap, FAR, FAR
-    depth = slope * slope / (2.0 * bend + TINY)
-    for _ in range(4 - order):  # back from the divided polynomial to the gap
+    near = (
+        slope > 0.0
+        and missing * K.rate < NEAR * slope
+        and 8.0 * SHRINK * root * bend < slope
+        and 8.0 * missing * (bend * root + slope) < slope * slope * root
+    )
+    depth = slope * slope
+    for _ in range(4 - degree):  # back from the divided polynomial to the gap
         depth = depth * root
-    return s, root, missing / slope, depth
+    return near, depth > 2.0 * CLEAR_DEPTH * size * bend
 
 
 def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
@@ -175,40 +191,50 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     b, w, j = derivatives(v0, a0, s0, c0, K)
     E0, E1, E2 = 1.0 + zero, zero, zero
     crossing = False  # whether the minimum of the gap ahead is known to be negative
-    if (on_below or on_above) and a0 == 0.0:
-        # After a tangency or the end of a stick. A derivative within rounding of 0 is 0 there: its sign would be noise.
-        if abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
-            b = zero
-        if b == 0.0 and abs(w) <= abs(j) * K.chunk * EPS * ROUNDING + NEAR * NEAR * abs(K.fB) * K.Om:
-            tau = quartic_start(j, w, s0, c0, K)
-            if tau > tau_max:
-                tau = tau_max
-            dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
+    flat = (on_below or on_above) and a0 == 0.0 and abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
+    if flat:  # after a tangency or the end of a stick; a derivative within rounding of 0 is 0 there, its sign is noise
+        b = zero
+        flat = abs(w) <= abs(j) * K.chunk * EPS * ROUNDING + NEAR * NEAR * abs(K.fB) * K.Om
+    if flat:
+        tau = quartic_start(j, w, s0, c0, K)
+        if tau > tau_max:
+            tau = tau_max
+        dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
+    M4 = fourth_derivative_bound(w, j, s, c, K)
+    if K.apart and not flat:
+        tau, dv, a, b, w, M4 = march(
+            tau_max, v0, a0, b, w, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
+        )
     for _ in range(MOST_STEPS):
         if tau >= tau_max:
             return NOTHING, 0, tau, dx, dv, a, b, s, c, E0, E1, E2
-        M4 = fourth_derivative_bound(w, j, s, c, K)
         cap = tau_max - tau
         if not K.steady and cap * K.Om > 1.0:
             cap = 1.0 / K.Om
-        step, root, error, depth, side = cap, cap, FAR, FAR, 0
-        if has_below:
-            step, root, error, depth = gap_step(cap, below + dv, a, b, w, M4, on_below and tau == 0.0)
-            side = -1
-        if has_above:
-            step_up, root_up, error_up, depth_up = gap_step(cap, above - dv, -a, -b, -w, M4, on_above and tau == 0.0)
-            if side == 0 or step_up < step:
-                if side != 0 and step < root_up:
-                    error_up = FAR
-                step, root, error, depth, side = step_up, root_up, error_up, depth_up, 1
-            elif step_up < root:
-                error = FAR
+        side = -1 if has_below else 1
         start_gap = below if side < 0 else above
-        clear = crossing or depth > CLEAR_DEPTH * (start_gap + abs(dv) + abs(a) * root)
-        if clear and error * K.rate < NEAR:
+        on_wall = tau == 0.0 and (on_below if side < 0 else on_above)
+        gap = below + dv if side < 0 else above - dv
+        p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * a, -side * b, -side * w, M4, on_wall)
+        step, root = safe_step(cap, p0, p1, p2, p3, p4)
+        if has_below and has_above:  # the upper wall counts only if the lower one's step is too long for it
+            on_wall = tau == 0.0 and on_above
+            q0, q1, q2, q3, q4, q_degree = gap_polynomial(above - dv, -a, -b, -w, M4, on_wall)
+            if not positive_on(root if root < cap else step, q0, q1, q2, q3, q4):
+                q_step, q_root = safe_step(cap, q0, q1, q2, q3, q4)
+                if q_step < step:
+                    other, side, start_gap = step, 1, above
+                    p0, p1, p2, p3, p4, degree, step, root = q0, q1, q2, q3, q4, q_degree, q_step, q_root
+                    root = cap if other < q_root else root
+                else:
+                    root = cap
+        near, clear = False, True
+        if root < cap:
+            near, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, start_gap + abs(dv) + abs(a) * root, K)
+        if near and (clear or crossing):
             return polish(tau + root, side, v0, a0, s0, c0, below, above, K)
         if (step * K.rate < SHORT_STEP or not clear) and not crossing and (start_gap > 0.0 or tau > 0.0):
-            verdict, tau_min = closest_approach(tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+            verdict, tau_min = closest_approach(tau, tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
             if verdict == TANGENCY:
                 dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
                 return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
@@ -220,9 +246,57 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
             break
         tau = tau + step if step < tau_max - tau else tau_max
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
-        if (has_below and below + dv <= 0.0) or (has_above and above - dv <= 0.0):  # by rounding: the root is here
+        M4 = fourth_derivative_bound(w, j, s, c, K)
+        if (has_below and below + dv <= 0.0) or (has_above and above - dv <= 0.0):
+            # By rounding: P has no root here. So there is a root within rounding, or a touch.
+            if not crossing:
+                verdict, tau_min = closest_approach(
+                    tau, tau - step, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K
+                )
+                if verdict == TANGENCY:
+                    dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
+                    return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
             return polish(tau, side, v0, a0, s0, c0, below, above, K)
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+
+
+def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K):
+    """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
+
+    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle, so
+    the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
+
+    Returns
+    -------
+    (tau, dv, a, b, w, M4)
+        A time up to which no wall is met, and velocity gain, derivatives and bound there.
+    """
+    M = K.march
+    Om2 = K.Om * K.Om
+    v_steady, u_steady = K.Ss * s0 + K.Sc * c0, K.Ss * c0 - K.Sc * s0
+    v_free, a_free = v0 - v_steady, a - K.Om * u_steady
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free))
+    tau = 0.0 * tau_max
+    dv = tau
+    while tau + M.step < tau_max:
+        if has_below:
+            p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, a, b, w, M4, on_below and tau == 0.0)
+            if not positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4):
+                break
+        if has_above:
+            p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -a, -b, -w, M4, on_above and tau == 0.0)
+            if not positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4):
+                break
+        tau = tau + M.step
+        v_free, a_free = M.C * v_free + M.E1 * a_free, M.D * v_free + M.E0 * a_free
+        v_steady, u_steady = M.c * v_steady + M.s * u_steady, M.c * u_steady - M.s * v_steady
+        b_free = -K.cm * a_free - K.w0sq * v_free
+        w_free = -K.cm * b_free - K.w0sq * a_free
+        j_free = -K.cm * w_free - K.w0sq * b_free
+        M4 = K.V0 * Om2 * Om2 + sqrt(j_free * j_free + K.w0sq * w_free * w_free)
+        dv = v_free + v_steady - v0
+        a, b, w = a_free + K.Om * u_steady, b_free - Om2 * v_steady, w_free - Om2 * K.Om * u_steady
+    return tau, dv, a, b, w, M4
 
 
 def quartic_start(j, w, s, c, K):
@@ -251,23 +325,39 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
                     shift = shift - (over + (a + (0.5 * b + w * shift / 6.0) * shift) * shift) / slope
             dx = dx + (v0 + dv + (0.5 * a + b * shift / 6.0) * shift) * shift
             a = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
+            turn = K.Om * shift
+            half = 0.5 * turn * turn
+            s, c = s + (c - s * 0.5 * turn) * turn - c * turn * half / 3.0, c - (s + c * 0.5 * turn) * turn + s * turn * half / 3.0
             tau = tau + shift
             return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
         tau = tau + shift
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
 
-def tolerance(tau, start_gap, v0, a0, s0, c0, S11, S12, S22, K):
+def velocity_scale(tau, v0, a0, K):
+    """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
+
+    Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
+    """
+    rise = 0.5 * tau * tau
+    drive = abs(K.fB) * rise
+    if K.steady and 2.0 * K.V0 < drive:
+        drive = 2.0 * K.V0
+    if K.w0 * tau < 1.0:
+        return abs(a0) * tau + K.w0sq * abs(v0) * rise + drive
+    return abs(a0) / K.w0 + 2.0 * abs(v0) + drive
+
+
+def tolerance(tau, start_gap, v0, a0, S11, S12, S22, K):
     """Return how far a gap may be wrong `tau` after a start: rounding, plus what the errors of the start have become."""
-    E0, E1, E2, R2, I2, _, _ = basis(tau, K)
-    size = abs(a0 * E1) + K.w0sq * abs(v0) * E2 + abs(K.fB) * (abs(s0 * R2) + abs(c0 * I2)) + start_gap
+    E0, E1, _, _, _, _, _ = basis(tau, K)
     pull = -K.w0sq * E1
     variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22
-    return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
+    return ROUNDING * EPS * (velocity_scale(tau, v0, a0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
 
 
-def closest_approach(tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-    """Look for a minimum of the gap after `tau`, by Newton steps on its slope.
+def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+    """Look for a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
 
     Returns
     -------
@@ -280,7 +370,7 @@ def closest_approach(tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22,
     for _ in range(400):
         _, dv, a, b, w, _, _, _, _, _, _ = state_at(tau, v0, a0, s0, c0, K)
         gap, slope, bend = (below + dv if side < 0 else above - dv), sign * a, sign * b
-        allowed = tolerance(tau, below if side < 0 else above, v0, a0, s0, c0, S11, S12, S22, K)
+        allowed = tolerance(tau, below if side < 0 else above, v0, a0, S11, S12, S22, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
         shift = -slope / bend if bend > 0.0 else 0.0 * slope
@@ -297,7 +387,7 @@ def closest_approach(tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22,
                 return TANGENCY, tau
         last = abs(shift)
         tau = tau + shift
-        if tau < start:
+        if tau < earliest:
             return STALLED, start
     return STALLED, tau
 

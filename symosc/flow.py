@@ -20,6 +20,8 @@ APART = Fraction(1, 5)
 
 LONGEST_PHASE = 50
 SIGMAS = Fraction(4)
+# Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in the middle of a flight.
+MARCH_STEP = 1.0
 
 
 class BeltConstants(NamedTuple):
@@ -32,6 +34,18 @@ class BeltConstants(NamedTuple):
     s_cr: Any
     c_cr: Any  # +sqrt(1 - s_cr^2)
     angle: Any  # asin(s_cr) in (-pi/2, pi/2)
+
+
+class MarchConstants(NamedTuple):
+    """Motion over one fixed step: how transient and steady state turn into what they are a step later."""
+
+    step: Any
+    C: Any  # transient velocity from transient velocity: 1 - (k/m) E2
+    E1: Any  # transient velocity from transient acceleration
+    D: Any  # transient acceleration from transient velocity: -(k/m) E1
+    E0: Any  # transient acceleration from transient acceleration
+    s: Any  # sine and cosine of Omega step
+    c: Any
 
 
 class Constants(NamedTuple):
@@ -69,6 +83,7 @@ class Constants(NamedTuple):
     sigmas: Any  # how many standard errors of the state a decision must exceed
     belt1: BeltConstants
     belt2: BeltConstants
+    march: MarchConstants
 
 
 def constants(
@@ -133,7 +148,15 @@ def constants(
         sigmas=number(SIGMAS),
         belt1=belts[0],
         belt2=belts[1],
+        march=MarchConstants(*[number(Fraction(0))] * 7),
     )
+
+
+def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constants:
+    """Return K with the constants for marching, from the entire functions at one step."""
+    step = MARCH_STEP / K.rate
+    E0, E1, E2, _, _, s, c = basis(step, K)
+    return K._replace(march=MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c))
 
 
 def _belt_constants(

@@ -7,20 +7,24 @@ other. Nothing is written twice.
 
 from __future__ import annotations
 
-import math
+import os
 import types
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, events, sticks, switching
+from symosc import advance, events, loop, sticks, switching
 from symosc.errors import MissingExtraError
-from symosc.flow import Constants, constants
+from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, switching, events, sticks, advance)
+SOURCES = (_generated, entire, switching, events, sticks, advance, loop)
+
+
+# Called from several places and rarely: not worth a copy in each.
+OUTLINED = {"closest_approach", "quartic_start", "series", "careful", "resolve", "tolerance", "follow_all"}
 
 
 def functions_of_sources() -> dict[str, Any]:
@@ -35,7 +39,7 @@ def functions_of_sources() -> dict[str, Any]:
 
 def rebind(wrap: Callable[[Any], Any], replaced: dict[str, Any]) -> dict[str, Any]:
     """Return copies of the fast paths' functions that see `replaced` and each other instead of their modules' globals."""
-    shared: dict[str, Any] = {}
+    shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
     for module in SOURCES:
         shared.update((name, value) for name, value in vars(module).items() if not name.startswith("__"))
     for name, function in functions_of_sources().items():
@@ -62,7 +66,7 @@ class Arithmetic:
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
-        self.K = constants(parameters)
+        self.K = with_march(constants(parameters), entire.basis)
         self.namespace: dict[str, Any] = {**vars(events), **vars(sticks), **vars(switching), **vars(advance)}
         self.advance = advance.advance
 
@@ -90,15 +94,16 @@ class MpArithmetic(Arithmetic):
 
         context = mp_context(digits)
         self.parameters, self.context, self.digits = parameters, context, digits
-        self.K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi)
+        basis = BasisMP(context, parameters)
+        self.K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 3), "PI": +context.pi}
-        replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": BasisMP(context, parameters)}
+        replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
         self.namespace = rebind(lambda function: function, replaced)
         self.advance = self.namespace["advance"]
 
-    def number(self, value: Fraction) -> Any:  # type: ignore[override]
+    def number(self, value: Fraction) -> Any:
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
 
@@ -137,11 +142,11 @@ def compiled() -> dict[str, Any]:
         raise MissingExtraError("compiling", "fast") from None
     # numba's disk cache notices a change of the file that a function is in, not of the files of the functions that
     # it calls. So all are said to be in the file that was changed last.
-    newest = max((module.__file__ or "" for module in SOURCES), key=lambda path: math.floor(__import__("os").stat(path).st_mtime_ns))
+    newest = max(__file__, *(str(module.__file__) for module in SOURCES), key=os.path.getmtime)
 
     def wrap(function: Any) -> Any:
         code = function.__code__.replace(co_filename=newest)
-        return numba.njit(cache=True, error_model="numpy")(
+        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ not in OUTLINED)(
             types.FunctionType(code, function.__globals__, function.__name__, function.__defaults__)
         )
 

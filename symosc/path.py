@@ -102,11 +102,11 @@ class Path:
         exact = MpArithmetic(start.parameters, digits or START_DIGITS)
         self.arithmetic: Arithmetic = exact if digits else Arithmetic(start.parameters)
         self.state = first_state(start, exact)
-        self._n0, self._theta0 = self.state.n, self.arithmetic.phase(start.t0)[1]
         self.n_end, self.theta_end = self.arithmetic.phase(start.t_end)
         self.t0 = self.arithmetic.number(start.t0)
         if not digits:
             self.state = rounded(self.state)
+        self._n0, self._theta0 = self.state.n, self.state.theta
         self.K = self.arithmetic.K
         self.two_pi = self.arithmetic.namespace["TWO_PI"]
         self.events: list[Event] = []
@@ -175,8 +175,9 @@ def rounded(state: State) -> State:
     """Return a state in double precision, with the rounding as its error."""
     numbers = [float(value) for value in state.as_tuple()[3:8]]
     eps = 2.0**-53
-    _, x, v = numbers[:3]
-    return State(state.mode, state.at, state.n, *numbers, (eps * x) ** 2, 0.0, 0.0 if state.at else (eps * v) ** 2)
+    theta, x, v, Fb, Fa = numbers
+    v_error = 0.0 if state.at else eps * v
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, (eps * x) ** 2, 0.0, v_error**2)
 
 
 def rounded_event(event: Event) -> Event:

@@ -110,14 +110,14 @@ def _double(start: Start, most: int) -> Trajectory:
         path.step()
         in_doubt = not path.decided or path.code == FAILED
         inexact = trusted and len(path.events) > before and _inexact(path.events[-1])
+        if before and len(path.events) > before and path.events[-1].t <= path.events[-2].t:
+            return _unresolved(path)
         if not in_doubt and not inexact:
             continue
         backup = backup or Backup(start)
         outcome = backup.follow(before + 1)
         if outcome == FOLLOWED:
             path.adopt(backup.path)
-            if len(path.events) > 1 and path.events[-1].t <= path.events[-2].t:
-                return _unresolved(path, backup.digits)
         elif outcome == TOO_FAR and not in_doubt:
             # From here on accuracy is given up, and decisions are about this path, not about the true one nearby.
             trusted, path.K = False, path.K._replace(sigmas=0.0)
@@ -201,10 +201,10 @@ def _ending(path: Path) -> tuple[str, str]:
     return "t_end", f"reached t_end = {show(path.start.t_end)}"
 
 
-def _unresolved(path: Path, digits: int) -> Trajectory:
-    """End a trajectory before two events that double precision cannot tell apart."""
+def _unresolved(path: Path) -> Trajectory:
+    """End a trajectory at two events whose times double precision cannot tell apart."""
     del path.events[-1:]
-    message = f"after t = {path.events[-1].t!r} events follow each other within one ulp; ask for more digits: digits={digits}"
+    message = f"the events after t = {path.events[-1].t!r} follow each other within one ulp; ask for digits={BACKUP_DIGITS}"
     return _trajectory(path, "undecidable", message)
 
 

@@ -23,19 +23,20 @@ PI = acos(-1.0)
 
 
 def gain(tau, s0, c0, belt, K):
-    """Return Delta(tau) and its derivative, without cancellation at small tau; s0, c0 belong to the phase at the start."""
+    """Return Delta(tau), Delta' and Delta'', without cancellation at small tau; s0, c0 belong to the phase at the start."""
     half = 0.5 * K.Om * tau
     s, c = sin(half), cos(half)
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
-    return Delta, belt.drift - K.fB * (s0 * (1.0 - 2.0 * s * s) + 2.0 * c0 * s * c)
+    s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
+    return Delta, belt.drift - K.fB * (s0 * c_Om + c0 * s_Om), -K.fB * K.Om * (c0 * c_Om - s0 * s_Om)
 
 
 def wrapped(angle):
-    """Return an angle in [-2 pi, 4 pi] moved into [0, 2 pi)."""
-    if angle < 0.0:
+    """Return an angle moved into [0, 2 pi)."""
+    while angle < 0.0:
         angle = angle + 2.0 * PI
-    if angle >= 2.0 * PI:
+    while angle >= 2.0 * PI:
         angle = angle - 2.0 * PI
     return angle
 
@@ -75,8 +76,10 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
         if belt.turns and end < tau_max:
             c_end = c_first if piece == 0 else -c_first
             Delta_end = stick_acceleration(zero, belt.v, end, c_end - c0, K.w0sq, K.f0)
+        elif end == K.period:
+            Delta_end = belt.drift * end
         else:
-            Delta_end, _ = gain(end, s0, c0, belt, K)
+            Delta_end, _, _ = gain(end, s0, c0, belt, K)
         rising = Delta_end > Delta
         force, side = (F_above, 1) if rising else (F_below, -1)
         over = force + Delta_end if rising else -force - Delta_end
@@ -98,29 +101,28 @@ def force_noise(F_below, tau, S11, belt, K):
 def exit_root(force, side, low, high, theta, s0, c0, belt, K):
     """Return the only root of force + Delta in [low, high], on which Delta is monotone.
 
-    Newton's method from a side where it approaches monotonically: from the inflection of Delta (cos(theta) = 0) if that
-    lies inside and is steep, from `low` otherwise; halving when it leaves the bracket or is slow.
+    Halley's method from the inflection of Delta (cos(theta) = 0) if that lies inside, where Delta is steepest, from `low`
+    otherwise; halving when a step leaves the bracket or the steps do not shrink.
     """
     inflection = wrapped((0.5 if side * K.fB < 0.0 else 1.5) * PI - theta) / K.Om
     tau = low if not low < inflection < high else inflection
-    step_before = high - low
+    third, step_before = abs(K.fB) * K.Om * K.Om, high - low
     for _ in range(MOST_STEPS):
-        Delta, slope = gain(tau, s0, c0, belt, K)
-        over = side * (force + Delta)
-        if over > 0.0:
+        Delta, slope, bend = gain(tau, s0, c0, belt, K)
+        over = force + Delta
+        if side * over > 0.0:
             high = tau
-        elif over < 0.0:
-            low = tau
         else:
-            return HIT, side, tau, Delta, slope
-        step = -over / (side * slope) if side * slope > 0.0 else high - low
-        if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
-            middle = 0.5 * (low + high)
-            step = middle - tau
+            low = tau
+        below = 2.0 * slope * slope - over * bend
+        step = -2.0 * over * slope / below if below > 0.0 else high - low
+        size = abs(step)
+        # Halley's error after this step.
+        error = (bend * bend + abs(slope) * third) * size * size * size
+        if error <= EPS * tau * slope * slope or tau + step == tau:
+            return HIT, side, tau + step, -force, slope + bend * step
+        if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
+            step = 0.5 * (low + high) - tau
         step_before = abs(step)
-        if abs(step) <= EPS * tau or tau + step == tau:
-            tau = tau + step
-            Delta, slope = gain(tau, s0, c0, belt, K)
-            return HIT, side, tau, Delta, slope
         tau = tau + step
     return STALLED, side, tau, Delta, slope

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import pi, sqrt
 from typing import Any
 
 import mpmath
@@ -22,6 +23,8 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
     "c^2 = 4km (1 - 1e-8)^2": ({"c": "1.99999998", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
     "overdamped": ({"c": 7, "B0": 15}, (0, 0, 0, 30), {"cross": 10, "stick": 10, "slip": 10}),
     "undamped": ({"c": 0}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
+    "undamped, slower than the drive": ({"c": 0, "k": "0.05"}, (0, 0, 0, 30), {"cross": 20}),
+    "c = k = m = Omega = 1": ({"c": 1, "k": 1, "Omega": 1}, (0, 0, 0, 30), {"cross": 10}),
     "undamped resonance": ({"c": 0, "k": "1.69"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
     "resonance, c = 1e-10": ({"c": "1e-10", "k": "1.69"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
     "resonance but for 1e-10": ({"c": 0, "k": "1.6900000001"}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
@@ -157,6 +160,20 @@ def test_a_peak_soon_after_the_start(mapping: str, exponent: int) -> None:
         # a peak of 1e-5 is lower than the start 0.01 earlier, which is about 1e-4 short of it
         assert len(run.events) == (2 if height > 0 else 0)
         assert_agrees(simulated(NEAR, start), run)
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+@pytest.mark.parametrize(("mapping", "v1", "v2"), [("P2", 1, 5), ("P3", -1, 5), ("P5", -5, 1), ("P6", -5, -1)])
+def test_an_orbit_that_grazes_for_ever(mapping: str, v1: int, v2: int, digits: int | None) -> None:
+    """Without drive and damper a mass that leaves its belt with F = 0 is back after each 2 pi sqrt(m/k)."""
+    alpha, boundary, _, _ = CONTACTS[mapping]
+    p = BASE.replace(c=0, B0=0, k=2, FN="0.5", v1=v1, v2=v2)
+    trajectory = simulate(p, t0=0, x0=p.A(alpha) / p.k, v0=p.belt(boundary), t_end=20, digits=digits)
+    expected = [("graze", boundary, f"Omega{alpha}", f"Omega{alpha}")] * 4
+    assert [(event.kind, event.boundary, event.source, event.target) for event in trajectory.events] == expected
+    for n, event in enumerate(trajectory.events, 1):
+        assert abs(event.t - n * 2 * pi / sqrt(2)) < 1e-12 * event.t
+    assert trajectory.status == "t_end"
 
 
 # -- flights and sticks of 1e-7 ----------------------------------------------------------------------------------------

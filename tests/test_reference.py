@@ -65,7 +65,9 @@ def test_every_scene_to_its_end(name: str) -> None:
     scene = load_scene(name)
     trajectory = simulate(scene)
     assert trajectory.status == "t_end"
-    assert_agrees(trajectory, simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end))
+    # an orbit's start is known to 25 digits: with 28 the oracle, too, takes a force of 1e-24 there for 0
+    digits = 28 if name.endswith("orbit") else 50
+    assert_agrees(trajectory, simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, digits))
 
 
 @pytest.mark.parametrize("digits", [None, 40])

@@ -58,6 +58,7 @@ def series(tau, cm, w0sq, Om):
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
     r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!
     R2, I2 = r, i
+    small_before = False
     for n in range(1, 38):
         slope = -cm * term - w0sq * tau * INVERSES[n] * before  # s[n+1] tau^n / n!: a term of E0
         before, term = term, slope * tau * INVERSES[n + 1]
@@ -68,8 +69,11 @@ def series(tau, cm, w0sq, Om):
         E2 += term * shorter
         R2 += r
         I2 += i
-        if abs(slope) <= EPS and abs(r) <= EPS * R2 and abs(i) <= EPS * abs(I2):
+        small = abs(slope) <= EPS
+        # Single terms may be 0 by accident; two terms of S in a row and Z's make all later ones small.
+        if small and small_before and abs(r) <= EPS * R2 and abs(i) <= EPS * abs(I2):
             break
+        small_before = small
     return E0, E1, E2, R2, I2
 
 

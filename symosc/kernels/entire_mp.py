@@ -71,7 +71,7 @@ class BasisMP:
             E0, E1, E2 = one, tau, tau * tau / 2
             r, i = E2, 0 * one
             R2, I2 = r, i
-            n = 0
+            n, small_before = 0, False
             while True:
                 n += 1
                 slope = -K.cm * term - K.w0sq * tau * before / n
@@ -80,8 +80,10 @@ class BasisMP:
                 r, i = (term - K.Om * i) * shorter, K.Om * r * shorter
                 E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
                 eps = self.context.eps
-                if n > 1 and abs(slope) <= eps and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
+                small = abs(slope) <= eps
+                if small and small_before and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
                     return E0, E1, E2, R2, I2
+                small_before = small  # single terms may be 0 by accident
 
     def _divided_differences(self, tau: Any, K: Any) -> tuple[Any, ...]:
         context, one = self.context, self.context.mpf(1)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import difflib
 import itertools
-import os
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from pathlib import Path
 
 import sympy as sp
 
-from symosc.errors import OutputError
+from symosc.files import write_text
 from symosc.symbolic import solution
 from symosc.symbolic.solution import E0, E1, E2, I2, R2, REGIMES, Expr, Omega, cm, f0, h, omega_d, tau, theta_i, w0sq
 
@@ -160,14 +159,7 @@ def write() -> Path:
     OutputError
         If it cannot be written.
     """
-    source, draft = generate(), PATH.with_suffix(".draft")
-    try:
-        draft.write_text(source, encoding="utf-8")
-        os.replace(draft, PATH)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise OutputError(str(PATH), error.strerror or str(error)) from error
-    return PATH
+    return write_text(PATH, generate())
 
 
 def function_source(kernel: Kernel) -> str:

@@ -1,0 +1,70 @@
+"""Many trajectories in one loop, events into columns: what `simulate_many` compiles."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from symosc.advance import FAILED, GRAZE, MOVED, TWO_PI, advance
+
+# Columns of a row of STATE, OUT_FLOAT and OUT_INT.
+STATE_WIDTH = 14  # mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, then theta0, n_end, theta_end
+FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
+INT_COLUMNS = ("trajectory", "kind", "boundary", "source", "target")
+# What a trajectory ended with, beside the codes of `advance`.
+RUNNING, FULL, IN_DOUBT = 0, -1, -2
+
+
+def follow_all(begin, states, t0, counts, codes, most, out_float, out_int, K):
+    """Follow trajectories from number `begin` on, until all are done or the output is full.
+
+    Parameters
+    ----------
+    begin : first trajectory to follow; it may have been begun before.
+    states : (n, STATE_WIDTH) array, updated; n counts periods since t0.
+    t0 : (n,) start times.
+    counts, codes : (n,) events so far, and what each trajectory ended with; updated.
+    most : events after which a trajectory is FULL.
+    out_float, out_int : output rows, (capacity, 6) and (capacity, 5).
+    K : Constants
+
+    Returns
+    -------
+    (next, rows)
+        The trajectory to go on with, and the number of rows that were filled.
+    """
+    rows = 0
+    for i in range(begin, states.shape[0]):
+        mode, at, n = int(states[i, 0]), int(states[i, 1]), int(states[i, 2])
+        theta, x, v, Fb, Fa = states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7]
+        S11, S12, S22 = states[i, 8], states[i, 9], states[i, 10]
+        theta0, n_end, theta_end = states[i, 11], int(states[i, 12]), states[i, 13]
+        code = RUNNING
+        while code == RUNNING:
+            if counts[i] >= most:
+                code = FULL
+                break
+            if rows >= out_float.shape[0]:
+                break
+            source = mode
+            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22 = advance(
+                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K
+            )
+            if not decided or step == FAILED:
+                code = IN_DOUBT
+            elif step <= GRAZE:
+                out_float[rows, 0] = t0[i] + (n * TWO_PI + (theta - theta0)) / K.Om
+                out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = x, v, theta
+                out_float[rows, 4], out_float[rows, 5] = t_error, abs(v) * t_error + sqrt(S11)
+                out_int[rows, 0], out_int[rows, 1], out_int[rows, 2] = i, step, boundary
+                out_int[rows, 3], out_int[rows, 4] = source, mode
+                rows += 1
+                counts[i] += 1
+            elif step != MOVED:
+                code = step
+        states[i, 0], states[i, 1], states[i, 2] = mode, at, n
+        states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7] = theta, x, v, Fb, Fa
+        states[i, 8], states[i, 9], states[i, 10] = S11, S12, S22
+        codes[i] = code
+        if code == RUNNING:
+            return i, rows
+    return states.shape[0], rows

@@ -1,0 +1,257 @@
+"""What the panels of a figure show: the mass, the belts, the forces, and a dot for each event."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from math import floor, log10, pi, sqrt
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from symosc.model import SIDES
+from symosc.trajectory import Segment, Trajectory
+
+BELT, MASS = "black", "#d7191c"
+ONSET, END, SWITCH = "#1f3fd6", "#0f8a2a", "#d7191c"
+FORCE_BELOW, FORCE_ABOVE = ONSET, END
+
+POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 60, 40, 20_000
+# A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
+SHORT_STICK = 0.01
+# A belt is drawn if that stretches the velocity axis by no more than this fraction.
+BELT_STRETCH = 0.65
+# How far beyond a contact the belt's displacement is drawn, as a fraction of the time axis.
+BELT_REACH = 0.06
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A dot: what it is, and the event that it stands for."""
+
+    label: str
+    color: str
+    t: float
+
+
+@dataclass(frozen=True)
+class View:
+    """Everything that the panels draw."""
+
+    trajectory: Trajectory
+    boundary: int
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    marks: tuple[Mark, ...]
+
+    @property
+    def domains(self) -> tuple[int, int]:
+        """The domains below and above the boundary."""
+        return SIDES[self.boundary]
+
+    def belts(self) -> list[int]:
+        """Return the belts whose speed is near enough to the velocities to be drawn."""
+        low, high = self.v.min(), self.v.max()
+        p, allowed = self.trajectory.parameters, BELT_STRETCH * (high - low)
+        near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
+        return sorted({*near, self.boundary})
+
+
+def view_of(trajectory: Trajectory, boundary: int | None) -> View:
+    """Sample a trajectory and choose the boundary whose forces are drawn, by default that of the first event."""
+    t = _sample_times(trajectory)
+    x, v = trajectory(t)
+    if boundary is None:
+        p, events = trajectory.parameters, trajectory.events
+        on_belt = trajectory.segments[0].mode.removeprefix("belt")
+        nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
+        boundary = int(on_belt) if on_belt in "12" else events[0].boundary if events else nearest
+    return View(trajectory, boundary, t, x, v, _marks(trajectory))
+
+
+def _sample_times(trajectory: Trajectory) -> np.ndarray:
+    """Return times that resolve every segment, denser after its start, with the events among them."""
+    p = trajectory.parameters
+    period = 2 * pi / max(float(p.Omega), sqrt(p.k / p.m))
+    edges = [float(segment.t_start) for segment in trajectory.segments] + [float(trajectory.t_end)]
+    step = max(period / POINTS_PER_PERIOD, (edges[-1] - edges[0]) / MOST_POINTS)
+    start = np.linspace(0, 1, LEAST_POINTS // 2) ** 4
+    times = []
+    for low, high in pairwise(edges):
+        even = np.linspace(0, 1, int(min(max((high - low) / step, LEAST_POINTS), MOST_POINTS)))
+        times.append(low + (high - low) * np.union1d(even, start))
+    return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
+
+
+def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
+    start = float(trajectory.t_start)
+    on_belt = trajectory.segments[0].mode.startswith("belt")
+    marks = [Mark("onset of stick", ONSET, start) if on_belt else Mark("start", "white", start)]
+    kinds = {
+        "stick": ("onset of stick", ONSET),
+        "slip": ("end of stick", END),
+        "cross": ("crossing", SWITCH),
+        "graze": ("grazing point", SWITCH),
+    }
+    marks += [Mark(*kinds[event.kind], float(event.t)) for event in trajectory.events]
+    return tuple(marks)
+
+
+# --- the panels ---
+
+
+def _displacement(ax: Axes, view: View) -> None:
+    """Panel (a): the mass, and the points of the belts that it sticks to or grazes (black)."""
+    _curve(ax, view, view.t, view.x, "displacement $x$")
+    low, high = ax.get_ylim()
+    reach = BELT_REACH * (view.t[-1] - view.t[0])
+    for since, until, x, speed in _contacts(view.trajectory):
+        ends = np.array([since - reach, until + reach])
+        ax.plot(ends, x + speed * (ends - since), color=BELT, lw=0.6, zorder=3, label="belt")
+    ax.set_ylim(low, high)
+    _dots(ax, view, lambda t: t, lambda t: view.trajectory(t)[0])
+    _time_axis(ax, view)
+
+
+def _velocity(ax: Axes, view: View) -> None:
+    _curve(ax, view, view.t, view.v, r"velocity $\dot{x}$")
+    _belt_lines(ax, view)
+    _dots(ax, view, lambda t: t, lambda t: view.trajectory(t)[1])
+    _time_axis(ax, view)
+    _insets(ax, view)
+
+
+def _phase_plane(ax: Axes, view: View) -> None:
+    _curve(ax, view, view.x, view.v, r"velocity $\dot{x}$")
+    _belt_lines(ax, view)
+    _dots(ax, view, lambda t: view.trajectory(t)[0], lambda t: view.trajectory(t)[1])
+    ax.set_xlabel("displacement $x$")
+
+
+def _forces_in_time(ax: Axes, view: View) -> None:
+    _forces(ax, view, view.t, lambda t: t)
+    _time_axis(ax, view)
+
+
+def _forces_in_displacement(ax: Axes, view: View) -> None:
+    _forces(ax, view, view.x, lambda t: view.trajectory(t)[0])
+    ax.set_xlabel("displacement $x$")
+
+
+def _forces_in_velocity(ax: Axes, view: View) -> None:
+    _forces(ax, view, view.v, lambda t: view.trajectory(t)[1])
+    for belt in view.belts():
+        speed = float(view.trajectory.parameters.belt(belt))
+        ax.axvline(speed, color=BELT, lw=0.6, zorder=1, label="belt")
+        ax.annotate(f"$v_{belt}$", (speed, 1), (0, 2), ("data", "axes fraction"), "offset points", ha="center")
+    ax.set_xlabel(r"velocity $\dot{x}$")
+
+
+PANELS: dict[str, Callable[[Axes, View], None]] = {
+    "a": _displacement,
+    "b": _velocity,
+    "c": _phase_plane,
+    "d": _forces_in_time,
+    "e": _forces_in_displacement,
+    "f": _forces_in_velocity,
+}
+
+
+# --- what they are made of ---
+
+
+def _curve(ax: Axes, view: View, across: np.ndarray, up: np.ndarray, label: str) -> None:
+    ax.plot(across, up, color=MASS, lw=1.3, label="mass")
+    ax.set_ylabel(label)
+
+
+def _time_axis(ax: Axes, view: View) -> None:
+    ax.set_xlim(view.t[0], view.t[-1])
+    ax.set_xlabel("time $t$")
+
+
+def _belt_lines(ax: Axes, view: View) -> None:
+    # Above the mass, but thinner: in a stick both are seen.
+    for belt in view.belts():
+        speed = float(view.trajectory.parameters.belt(belt))
+        ax.axhline(speed, color=BELT, lw=0.6, zorder=3, label="belt")
+        ax.annotate(f"$v_{belt}$", (1, speed), (2, 0), ("axes fraction", "data"), "offset points", va="center")
+
+
+def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any]) -> None:
+    below, above = view.domains
+    force = view.trajectory.force
+    ax.axhline(0, color="0.6", lw=0.6, zorder=0)
+    for domain, color in ((below, FORCE_BELOW), (above, FORCE_ABOVE)):
+        ax.plot(across, force(domain, view.t), color=color, lw=1.0, label=f"$F^{{({domain})}}$")
+    for domain in (below, above):
+        _dots(ax, view, place, lambda t, domain=domain: force(domain, t), start=False)  # type: ignore[misc]
+    ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
+
+
+def _dots(ax: Axes, view: View, across: Callable[[Any], Any], up: Callable[[Any], Any], start: bool = True) -> None:
+    for label, color in dict.fromkeys((mark.label, mark.color) for mark in view.marks):
+        if label == "start" and not start:
+            continue
+        times = np.array([mark.t for mark in view.marks if mark.label == label])
+        # The end of a stick is smaller: over its onset it leaves a blue ring.
+        size, edge, width, level = (4.2, "black", 0.8, 4) if label == "start" else (5.4, "white", 0.4, 5)
+        size, level = (4.0, 6) if color == END else (size, level)
+        style: dict[str, Any] = {"ms": size, "mfc": color, "mec": edge, "mew": width, "zorder": level}
+        ax.plot(across(times), up(times), linestyle="none", marker="o", clip_on=False, label=label, **style)
+
+
+def _contacts(trajectory: Trajectory) -> list[tuple[float, float, float, float]]:
+    """Return sticks and grazes as (first time, last time, x at the first, speed of the belt)."""
+    spans = [(float(s.t_start), float(s.t_end), s.mode[-1]) for s in trajectory.segments if s.mode[:4] == "belt"]
+    spans += [(float(e.t), float(e.t), str(e.boundary)) for e in trajectory.events if e.kind == "graze"]
+    speed = trajectory.parameters.belt
+    return [(since, until, float(trajectory(since)[0]), float(speed(int(belt)))) for since, until, belt in spans]
+
+
+def short_sticks(view: View) -> list[Segment]:
+    """Return the sticks that are too short to be seen, the two shortest ones at most, in order of time."""
+    longest = SHORT_STICK * (view.t[-1] - view.t[0])
+    sticks = [s for s in view.trajectory.segments[:-1] if s.mode[:4] == "belt" and 0 < s.t_end - s.t_start < longest]
+    shortest = sorted(sticks, key=lambda s: s.t_end - s.t_start)[:2]
+    return sorted(shortest, key=lambda s: s.t_start)
+
+
+def _insets(ax: Axes, view: View) -> None:
+    """Magnify sticks that are too short to be seen, in room made above the curve."""
+    short = short_sticks(view)
+    if not short:
+        return
+    low, high = ax.get_ylim()
+    ticks = [tick for tick in ax.get_yticks() if low <= tick <= high]
+    ax.set_ylim(low, high + 0.9 * (high - low))
+    ax.set_yticks(ticks)
+    for stick, left in zip(short, (0.14, 0.62) if len(short) == 2 else (0.33,), strict=True):
+        _inset(ax, view, stick, (left, 0.6, 0.34, 0.26))
+
+
+def _inset(ax: Axes, view: View, stick: Segment, box: tuple[float, float, float, float]) -> None:
+    since, until, belt = float(stick.t_start), float(stick.t_end), int(stick.mode[-1])
+    length, speed = until - since, float(view.trajectory.parameters.belt(belt))
+    times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
+    times = np.union1d(times, [since, until])
+    away = view.trajectory(times)[1] - speed
+    shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
+    inset = ax.inset_axes(box)
+    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS, lw=1.3)
+    inset.axhline(0, color=BELT, lw=0.6, zorder=3)
+    for time, color, size in ((since, ONSET, 5.4), (until, END, 4.0)):
+        inset.plot((time - since) / 10.0**shift, 0, "o", color=color, ms=size, mec="white", mew=0.4, zorder=5)
+    inset.margins(x=0, y=0.2)
+    # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
+    inset.xaxis.tick_top()
+    inset.xaxis.set_label_position("top")
+    inset.set_xlabel(f"$10^{{{-shift}}}\\,(t - {since:.6f})$", fontsize=7.5, labelpad=2)
+    inset.set_ylabel(f"$10^{{{-scale}}}\\,(\\dot{{x}} - v_{belt})$", fontsize=7.5, labelpad=2)
+    inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
+    for corner in (box[0], box[0] + box[2]):
+        style = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
+        ax.annotate("", (since, speed), (corner, box[1]), "data", "axes fraction", style, zorder=0)

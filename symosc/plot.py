@@ -1,0 +1,173 @@
+"""Figures of trajectories, in the form of the paper's Figs. 5 to 10.
+
+A figure is built without pyplot, so that nothing global changes and nothing stays open.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from symosc.errors import OutputError, ParameterError
+from symosc.files import write_whole
+from symosc.panels import PANELS, View, short_sticks, view_of
+from symosc.scenes import Scene, load_scene
+from symosc.simulate import simulate
+from symosc.trajectory import Trajectory
+
+SUFFIXES = (".pdf", ".svg", ".png")
+
+#: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
+SPANS = {"fig5": 14.0, "fig6": 5.0, "fig8": 9.0}
+#: A periodic scene is shown for this many periods of the excitation.
+PERIODS_SHOWN = 2.5
+
+LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
+
+STYLE = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.formatter.use_mathtext": True,
+    "axes.unicode_minus": False,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 8.0,
+    "lines.solid_capstyle": "round",
+    "savefig.dpi": 200.0,
+    "figure.dpi": 100.0,
+    "pdf.fonttype": 42,  # TrueType: text stays text
+    "svg.fonttype": "path",  # drawn letters: the same on machines without these fonts
+    "svg.hashsalt": "symosc",  # the same figure gives the same file
+}
+
+
+def figure(
+    subject: Trajectory | Scene | str,
+    *,
+    t_end: Any = None,
+    panels: str | None = None,
+    boundary: int | None = None,
+    columns: int = 2,
+) -> Figure:
+    """Draw a trajectory: displacement, velocity, phase plane and forces.
+
+    Parameters
+    ----------
+    subject : Trajectory, Scene or str
+        A scene (or its name) is simulated first.
+    t_end : number, optional
+        End of the time axis, for scenes only. Default: the scene's own end, a few periods for a scene with a periodic
+        structure, and for the paper's scenes what the paper speaks of.
+    panels : str, optional
+        Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against x, f forces
+        against x'. Default: "abcd", for scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10).
+    boundary : int, optional
+        1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the boundary of the
+        first event.
+    columns : int, optional
+        2: panels side by side, for the width of a page (7 in). 1: above each other, for one column of it (3.4 in).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of range.
+    """
+    structure = None
+    if not isinstance(subject, Trajectory):
+        scene = load_scene(subject) if isinstance(subject, str) else subject
+        structure = scene.structure
+        subject = simulate(scene, t_end=default_end(scene) if t_end is None else t_end)
+    elif t_end is not None:
+        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
+    panels = panels or ("abcdef" if structure else "abcd")
+    if set(panels) - set(PANELS) or len(set(panels)) < len(panels):
+        raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
+    if boundary not in (None, 1, 2):
+        raise ParameterError("boundary", boundary, "must be 1 or 2")
+    if columns not in (1, 2):
+        raise ParameterError("columns", columns, "must be 1 or 2")
+    view = view_of(subject, boundary)
+    with rc_context(STYLE):
+        return _draw(view, panels, min(columns, len(panels)), width=7.0 if columns == 2 else 3.4)
+
+
+def default_end(scene: Scene) -> Any:
+    """Return where a figure of a scene ends if nobody says where."""
+    end: Any = SPANS.get(scene.name, scene.t_end)
+    if scene.structure:
+        end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
+    return min(end, scene.t_end) if end > scene.t0 else scene.t_end
+
+
+def check_suffix(path: str | Path) -> None:
+    """Raise OutputError unless figures can be written to a file of that name."""
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise OutputError(str(path), f"a figure's name must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+
+
+def save(drawing: Figure, path: str | Path) -> Path:
+    """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the suffix is another one or the file cannot be written.
+    """
+    check_suffix(path)
+    kind = Path(path).suffix.lower().removeprefix(".")
+    # No date in the file: drawing it again gives the same bytes.
+    metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": None}[kind]
+
+    def write(draft: Path) -> None:
+        with rc_context(STYLE):
+            drawing.savefig(draft, format=kind, metadata=metadata)
+
+    return write_whole(path, write)
+
+
+def _draw(view: View, panels: str, columns: int, width: float) -> Figure:
+    rows = -(-len(panels) // columns)
+    heights = [2.0] * rows
+    if "b" in panels and short_sticks(view):
+        heights[panels.index("b") // columns] = 2.8  # room for the insets
+    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
+    drawing = Figure(figsize=(width, sum(heights) + 0.35), layout=layout)
+    grid = drawing.add_gridspec(rows, columns, height_ratios=heights)
+    entries: dict[str, Any] = {}
+    for number, letter in enumerate(panels):
+        ax = drawing.add_subplot(grid[number // columns, number % columns])
+        PANELS[letter](ax, view)
+        ax.set_title(f"({'abcdef'[number]})", loc="left", x=-0.12, pad=4)
+        ax.tick_params(labelfontfamily="STIXGeneral")
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    order = [label for label in LEGEND_ORDER if label in entries]
+    order += [label for label in entries if label not in order]  # the forces
+    drawing.legend(
+        [entries[label] for label in order],
+        order,
+        loc="outside lower center",
+        ncols=min(len(order), 7 if width > 5 else 3),
+        frameon=False,
+        handlelength=1.6,
+        columnspacing=1.4,
+        borderpad=0.1,
+    )
+    return drawing
