@@ -9,10 +9,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from symosc.batch import EventTable, simulate_many
     from symosc.errors import MissingExtraError, OutputError, ParameterError, SceneError, SymoscError
     from symosc.model import Parameters
     from symosc.scenes import Scene, load_scene, scene_names
-    from symosc.simulate import simulate
+    from symosc.simulation import simulate
     from symosc.trajectory import Event, Segment, Trajectory
 
 __version__ = "0.1.0"
@@ -27,7 +28,9 @@ _HOMES = {
     "Scene": "scenes",
     "load_scene": "scenes",
     "scene_names": "scenes",
-    "simulate": "simulate",
+    "simulate": "simulation",
+    "simulate_many": "batch",
+    "EventTable": "batch",
     "Event": "trajectory",
     "Segment": "trajectory",
     "Trajectory": "trajectory",
@@ -35,6 +38,7 @@ _HOMES = {
 
 __all__ = [
     "Event",
+    "EventTable",
     "MissingExtraError",
     "OutputError",
     "ParameterError",
@@ -47,13 +51,13 @@ __all__ = [
     "load_scene",
     "scene_names",
     "simulate",
+    "simulate_many",
 ]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'symosc' has no attribute {name!r}")
-    # The function `simulate` replaces the submodule of that name as an attribute; both stay importable.
     value = getattr(import_module(f"symosc.{_HOMES[name]}"), name)
     globals()[name] = value
     return value

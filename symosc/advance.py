@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import HIT, NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves, velocity_scale
+from symosc.events import NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves
+from symosc.flow import velocity_scale
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS, SERIES_BELOW
 from symosc.sticks import belt_exit, force_noise
@@ -27,6 +28,8 @@ CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
+# A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
+NEAR_FORCE = 0.5
 
 
 def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K):
@@ -94,10 +97,10 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
     decided = True
     other = Fa if side > 0 else Fb
-    if belt.J > 0.0 and abs(other) < SERIES_BELOW * belt.J:
-        if abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
-            decided = False
-            Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
+    small = abs(other) < NEAR_FORCE * belt.J
+    if small and abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
+        decided = False
+        Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
     speed = abs(a)
     t_error = sqrt(S22) / speed if speed > 0.0 else 0.0
     if Fa > 0.0:
@@ -107,7 +110,8 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     else:
         where = resolve(v, Fb, Fa, sin(theta), cos(theta), K)
     if where == BELT:
-        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, 0.0 * S12, 0.0 * S22
+        S12, S22 = 0.0 * S12, 0.0 * S22  # the belt takes the error of the velocity away
+        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22
     out = Fa if where == DOMAIN_ABOVE else Fb
     ratio = out / a if speed > 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
@@ -143,7 +147,8 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_
         return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
     if code == TANGENCY:
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
-    t_error = exit_error(K.w0sq * sqrt(S11) + ROUNDING / 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0)), slope, theta, K)
+    force_error = K.w0sq * sqrt(S11) + ROUNDING / 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
+    t_error = exit_error(force_error, slope, theta, K)
     target = boundary if side < 0 else boundary + 1
     return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero
 

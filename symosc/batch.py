@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import acos
+from math import cos
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +17,269 @@ from symosc.advance import END, REST
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact
 from symosc.files import write_whole
+from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, Parameters
-from symosc.numerics import Arithmetic, compiled
-from symosc.path import EVENT_KINDS, START_DIGITS, Start, first_state, rounded
-from symosc.numerics import MpArithmetic
-from symosc.simulate import MOST_EVENTS, simulate, whole_number
+from symosc.numerics import Arithmetic, MpArithmetic, compiled
+from symosc.path import EVENT_KINDS, START_DIGITS, Start, State, first_state, rounded
+from symosc.simulation import ACCURACY, LONGEST_BACKUP, MOST_EVENTS, simulate, whole_number
+from symosc.trajectory import Event
 
 CAPACITY = 1 << 16
-#: Names of the codes in the columns of an EventTable.
-KIND_NAMES = {code: name for code, name in EVENT_KINDS.items()}
 STATUS_NAMES = {END: "t_end", REST: "t_end", loop.FULL: "max_events", loop.IN_DOUBT: "undecidable"}
+#: Kinds of events by code.
+KIND_NAMES = EVENT_KINDS
+# A force on a belt at the start that is smaller than this part of its terms is looked at with more digits.
+CLEAR_FORCE = 1e-9
+
+
+@dataclass(frozen=True)
+class EventTable:
+    """Events of many trajectories, one row per event, in order of trajectory and time.
+
+    Attributes
+    ----------
+    trajectory : (rows,) int array
+        Number of the trajectory, an index into `status`.
+    t, x, v, theta, t_error, x_error : (rows,) float arrays
+        As in `Event`.
+    boundary : (rows,) int array
+    kind, source, target : (rows,) arrays of str
+        As in `Event`; made on access from the columns kind_code, source_code and target_code (see KIND_NAMES and
+        MODE_NAMES).
+    status : list of str
+        Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
+    """
+
+    trajectory: np.ndarray
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    theta: np.ndarray
+    t_error: np.ndarray
+    x_error: np.ndarray
+    boundary: np.ndarray
+    kind_code: np.ndarray
+    source_code: np.ndarray
+    target_code: np.ndarray
+    status: list[str]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def kind(self) -> np.ndarray:
+        """Kinds of the events."""
+        return _names(KIND_NAMES)[self.kind_code]
+
+    @property
+    def source(self) -> np.ndarray:
+        """Modes before the events."""
+        return _names(MODE_NAMES)[self.source_code]
+
+    @property
+    def target(self) -> np.ndarray:
+        """Modes after the events."""
+        return _names(MODE_NAMES)[self.target_code]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the columns by name, names instead of codes."""
+        plain = {name: getattr(self, name) for name in ("trajectory", *loop.FLOAT_COLUMNS, "boundary")}
+        return plain | {"kind": self.kind, "source": self.source, "target": self.target}
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the rows as CSV with a header; raises OutputError if the file cannot be written."""
+
+        def write(draft: Path) -> None:
+            with draft.open("w", encoding="utf-8", newline="") as file:
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerow(self.columns())
+                writer.writerows(zip(*(column.tolist() for column in self.columns().values()), strict=True))
+
+        write_whole(path, write)
+
+
+def simulate_many(
+    parameters: Parameters | Sequence[Parameters],
+    starts: Any,
+    t_end: Any,
+    *,
+    max_events: int | None = None,
+    use_numba: bool | None = None,
+) -> EventTable:
+    """Follow many motions in double precision; the event loop is compiled when numba is installed (extra `fast`).
+
+    Parameters
+    ----------
+    parameters : Parameters or sequence of n Parameters
+    starts : array_like, shape (n, 3) or (3,)
+        Rows of t0, x0, v0; floats are read as the decimals that they print as. One row serves for all parameters.
+    t_end : number or array_like, shape (n,)
+    max_events : int, optional
+        Per trajectory (default 1,000,000).
+    use_numba : bool, optional
+        None: if it is installed. The same source runs without it, slower, with the same results.
+
+    Returns
+    -------
+    EventTable
+
+    Raises
+    ------
+    ParameterError
+        If a number is not finite, shapes do not fit or a t_end is not later than its t0.
+    MissingExtraError
+        If `use_numba` is True and numba is missing.
+
+    Notes
+    -----
+    A trajectory with a contact that double precision cannot decide, and a short one that lost accuracy, is followed
+    once more by `simulate`. In the others decisions refer to the computed path; how far that may be from the true one
+    is what t_error and x_error estimate.
+    """
+    sets, problems = _read_problems(parameters, starts, t_end)
+    most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
+    follow = _follow_all(use_numba)
+    floats: list[np.ndarray] = []
+    ints: list[np.ndarray] = []
+    codes = np.zeros(len(sets), np.int64)
+    groups: dict[Parameters, list[int]] = {}
+    for i, p in enumerate(sets):
+        groups.setdefault(p, []).append(i)
+    for p, members in groups.items():
+        arithmetic = Arithmetic(p)
+        K = arithmetic.K._replace(sigmas=0.0)
+        states = np.array([_initial_row(Start(p, *problems[i]), arithmetic) for i in members])
+        t0 = np.array([float(problems[i][0]) for i in members])
+        counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
+        begin = 0
+        while begin < len(members):
+            out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int64)
+            begin, rows = follow(begin, states, t0, counts, ends, most, out_float, out_int, K)
+            out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
+            floats.append(out_float[:rows].copy())
+            ints.append(out_int[:rows].copy())
+        codes[members] = ends
+    status = [STATUS_NAMES[code] for code in codes.tolist()]
+    return _with_closer_looks(_table(floats, ints, status), sets, problems, most)
+
+
+def _follow_all(use_numba: bool | None) -> Any:
+    if use_numba is False:
+        return loop.follow_all
+    try:
+        return compiled()["follow_all"]
+    except MissingExtraError:
+        if use_numba:
+            raise
+        return loop.follow_all
+
+
+def _read_problems(parameters: Any, starts: Any, t_end: Any) -> tuple[list[Parameters], list[tuple[Fraction, ...]]]:
+    sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
+    for p in sets:
+        if not isinstance(p, Parameters):
+            raise ParameterError("parameters", p, "give Parameters or a sequence of them")
+    rows = np.asarray(starts, dtype=object)
+    rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise ParameterError("starts", rows.shape, "must have shape (n, 3): rows of t0, x0, v0")
+    ends = np.atleast_1d(np.asarray(t_end, dtype=object))
+    count = max(len(sets), len(rows), len(ends))
+    for name, length in (("parameters", len(sets)), ("starts", len(rows)), ("t_end", len(ends))):
+        if length not in (1, count):
+            raise ParameterError(name, length, f"must have 1 or {count} entries, as the others")
+    names = ("t0", "x0", "v0")
+    exact: dict[Any, Fraction] = {}
+
+    def read(name: str, value: Any) -> Fraction:
+        if value not in exact:
+            exact[value] = read_exact(name, value)
+        return exact[value]
+
+    problems = []
+    for i in range(count):
+        row, end = rows[i % len(rows)], read("t_end", ends[i % len(ends)])
+        start = tuple(read(name, value) for name, value in zip(names, row, strict=True))
+        if end <= start[0]:
+            raise ParameterError("t_end", float(end), f"must be later than t0 = {float(start[0])}")
+        problems.append((*start, end))
+    return [sets[i % len(sets)] for i in range(count)], problems
+
+
+def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
+    """Return a row of `symosc.loop`'s states; only a start on a belt with a force near 0 needs more than floats."""
+    p, K = start.parameters, arithmetic.K
+    n, theta = arithmetic.phase(start.t0)
+    n_end, theta_end = arithmetic.phase(start.t_end)
+    x, v, c = float(start.x0), float(start.v0), cos(theta)
+    at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
+    mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
+    lowest, highest = (at, at + 1) if at else (mode, mode)
+    A = (K.A1, K.A2, K.A3)
+    Fb, Fa = (acceleration(x, v, c, A[domain - 1], K.cm, K.w0sq, K.f0) for domain in (lowest, highest))
+    eps = 2.0**-53
+    S11, S22 = (eps * x) ** 2, 0.0 if at else (eps * v) ** 2
+    if at:
+        size = CLEAR_FORCE * (abs(A[lowest - 1]) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v))
+        if min(abs(Fb), abs(Fa)) <= size:
+            state = rounded(first_state(start, MpArithmetic(p, START_DIGITS)))
+        else:
+            mode = at + 1 if Fa > 0.0 else at if Fb < 0.0 else 3 + at
+            Fb, Fa = (Fb, Fa) if mode > 3 else (Fa, Fa) if mode > at else (Fb, Fb)
+            state = State(mode, at, n, theta, x, v, Fb, Fa, S11, 0.0, S22)
+    else:
+        state = State(mode, at, n, theta, x, v, Fb, Fa, S11, 0.0, S22)
+    entries = [float(entry) for entry in state.as_tuple()]
+    entries[2] = 0.0
+    return [*entries, state.theta, float(n_end - state.n), theta_end]
+
+
+def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str]) -> EventTable:
+    numbers, codes = np.concatenate(floats), np.concatenate(ints)
+    if np.any(np.diff(codes[:, 0]) < 0):  # several parameter sets
+        order = np.argsort(codes[:, 0], kind="stable")
+        numbers, codes = numbers[order], codes[order]
+    columns = dict(zip(loop.FLOAT_COLUMNS, numbers.T, strict=True))
+    columns |= dict(zip(("trajectory", "kind_code", "boundary", "source_code", "target_code"), codes.T, strict=True))
+    return EventTable(**columns, status=status)
+
+
+def _names(by_code: dict[int, str]) -> np.ndarray:
+    return np.array([by_code.get(code, "") for code in range(max(by_code) + 1)])
+
+
+def _with_closer_looks(
+    table: EventTable, sets: list[Parameters], problems: list[tuple[Fraction, ...]], most: int
+) -> EventTable:
+    """Replace trajectories that ended in doubt, and short ones that lost accuracy, by what `simulate` says of them."""
+    inexact = (table.t_error > ACCURACY * np.maximum(1.0, np.abs(table.t))) | (
+        table.x_error > ACCURACY * np.maximum(1.0, np.abs(table.x))
+    )
+    short = np.bincount(table.trajectory, minlength=len(sets)) <= LONGEST_BACKUP
+    doubtful = {i for i, status in enumerate(table.status) if status == "undecidable"}
+    doubtful |= {int(i) for i in np.unique(table.trajectory[inexact]) if short[i]}
+    if not doubtful:
+        return table
+    kept = ~np.isin(table.trajectory, list(doubtful))
+    columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
+    for i in sorted(doubtful):
+        t0, x0, v0, t_end = problems[i]
+        trajectory = simulate(sets[i], t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=most)
+        table.status[i] = trajectory.status
+        _append(columns, i, trajectory.events)
+    joined = {name: np.concatenate(parts) for name, parts in columns.items()}
+    order = np.argsort(joined["trajectory"], kind="stable")
+    return EventTable(**{name: column[order] for name, column in joined.items()}, status=table.status)
+
+
+def _append(columns: dict[str, list[np.ndarray]], i: int, events: Iterable[Event]) -> None:
+    rows = list(events)
+    codes = {name: code for names in (KIND_NAMES, MODE_NAMES) for code, name in names.items()}
+    for name, parts in columns.items():
+        if name == "trajectory":
+            values = [i] * len(rows)
+        elif name.endswith("_code"):
+            values = [codes[getattr(event, name.removesuffix("_code"))] for event in rows]
+        else:
+            values = [getattr(event, name) for event in rows]
+        parts.append(np.array(values, dtype=parts[0].dtype))

@@ -15,10 +15,11 @@ M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^2/m over the next 1/Omega of time, and no
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
-and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its Bernstein
-coefficients, which are all positive. Near a simple root P tells its place to fourth order, so the steps converge on
-it from the left, and two of them suffice. At a start on the wall the known root is divided out of P (one factor s for
-each derivative that vanishes), so a start is never mistaken for a hit and an immediate return is not missed.
+and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its
+Bernstein coefficients, which are all positive. Near a simple root P tells its place to fourth order, so the steps
+converge on it from the left, and two of them suffice. At a start on the wall the known root is divided out of P (one
+factor s for each derivative that vanishes), so a start is never mistaken for a hit and an immediate return is not
+missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
 
 Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
 gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken
@@ -32,140 +33,21 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.kernels._generated import motion, next_derivative
+from symosc.bounds import NEAR, fourth_derivative_bound, gap_polynomial, is_near, positive_on, quartic_start, safe_step
+from symosc.flow import derivatives, state_at, velocity_scale
 from symosc.kernels.entire import EPS, basis
 
 # What a search ends with.
 NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
 
-# A root is taken from the local polynomial when that places it within NEAR / rate: Taylor's formula then moves the
-# state there to full precision.
-NEAR = EPS**0.25
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
-SHORT_STEP = 1e-3
-# How far a safe step stays before the root that it aims at, as a part of the step.
-SHRINK = 1e-3
-# A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
-FIRM = 3e-3
+SHORT_STEP = 4e-3
 # Error of the kernels, in units of EPS times the sum of the sizes of their terms (measured: at most 6).
 ROUNDING = 16.0
 MOST_STEPS = 20000
-# A root behind which the gap gets deeper than this part of its size needs no closer look.
-CLEAR_DEPTH = 1e-9
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
 FAR = 1e300
-
-
-def state_at(tau, v0, a0, s0, c0, K):
-    """Return dx, dv, a, b, w, j, s, c, E0, E1, E2 at `tau` after a start.
-
-    dx and dv are increments, a to j the derivatives of v, s and c the sine and cosine of the phase.
-    """
-    E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
-    dx, dv, a = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
-    b, w, j = derivatives(v0 + dv, a, s, c, K)
-    return dx, dv, a, b, w, j, s, c, E0, E1, E2
-
-
-def derivatives(v, a, s, c, K):
-    """Return v'', v''' and v'''' (that is G^(1), G^(2), G^(3)) from v, a and the sine and cosine of the phase."""
-    b = next_derivative(a, v, K.fB * s, K.cm, K.w0sq)
-    w = next_derivative(b, a, K.fB * K.Om * c, K.cm, K.w0sq)
-    j = next_derivative(w, b, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
-    return b, w, j
-
-
-def fourth_derivative_bound(w, j, s, c, K):
-    """Return M4 >= |v''''| from here on, when K.steady; over the next 1/Omega otherwise."""
-    if not K.steady:
-        return sqrt(j * j + K.w0sq * w * w) + abs(K.fB) * K.Om * K.Om
-    Om3 = K.Om * K.Om * K.Om
-    w_transient = w - Om3 * (K.Sc * s - K.Ss * c)
-    j_transient = j - Om3 * K.Om * (K.Ss * s + K.Sc * c)
-    return K.V0 * Om3 * K.Om + sqrt(j_transient * j_transient + K.w0sq * w_transient * w_transient)
-
-
-def positive_on(s, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s] is shown by its Bernstein coefficients."""
-    t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
-    if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + t2 / 6.0 <= 0.0:
-        return False
-    return p0 + 0.75 * t1 + 0.5 * t2 + 0.25 * t3 > 0.0 and p0 + t1 + t2 + t3 + p4 * s * s * s * s > 0.0
-
-
-def safe_step(cap, p0, p1, p2, p3, p4):
-    """Return (s, root): P > 0 on [0, s] with s <= cap; `root` estimates the first root of P, cap if none comes before.
-
-    First the root of the quadratic, then Halley's method; whatever they give is checked before it is used.
-    """
-    if p0 <= 0.0:
-        return 0.0 * cap, cap
-    root, found = cap, False
-    square = p1 * p1 - 4.0 * p0 * p2
-    if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
-        denominator = sqrt(square) - p1
-        if 2.0 * p0 < cap * denominator:
-            root = 2.0 * p0 / denominator
-    for _ in range(4):
-        value = p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root
-        slope = p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root
-        half_bend = p2 + (3.0 * p3 + 6.0 * p4 * root) * root
-        below = slope * slope - value * half_bend
-        if slope >= 0.0 or below <= 0.0:
-            break
-        shift = value * slope / below
-        if shift >= root:
-            break
-        root = root - shift
-        if root >= cap:
-            root = cap
-            break
-        found = abs(shift) < FIRM * root
-        if found:
-            break
-    s = root - SHRINK * root if found else root
-    while not positive_on(s, p0, p1, p2, p3, p4):
-        s = 0.5 * s
-        found = False
-    return s, root if found else cap
-
-
-def gap_polynomial(g, g1, g2, g3, M4, on_wall):
-    """Return P's coefficients and degree, divided by the root at the start if that is `on_wall`."""
-    top, zero = -M4 / 24.0, 0.0 * g
-    if not on_wall:
-        return g, g1, 0.5 * g2, g3 / 6.0, top, 4
-    if g1 > 0.0:
-        return g1, 0.5 * g2, g3 / 6.0, top, zero, 3
-    if g2 > 0.0:
-        return 0.5 * g2, g3 / 6.0, top, zero, zero, 2
-    return g3 / 6.0, top, zero, zero, zero, 1
-
-
-def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
-    """Return (near, clear): whether the gap's first root is `root` within NEAR/rate, and the gap gets deep behind it.
-
-    One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
-    on what the safe step leaves open and on what it takes to make up for `missing` (Kantorovich).
-    """
-    slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
-    bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
-    missing = M4 / 12.0
-    for _ in range(degree):
-        missing = missing * root
-    missing = missing + abs(p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root)
-    near = (
-        slope > 0.0
-        and missing * K.rate < NEAR * slope
-        and 8.0 * SHRINK * root * bend < slope
-        and 8.0 * missing * (bend * root + slope) < slope * slope * root
-    )
-    depth = slope * slope
-    for _ in range(4 - degree):  # back from the divided polynomial to the gap
-        depth = depth * root
-    return near, depth > 2.0 * CLEAR_DEPTH * size * bend
 
 
 def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
@@ -263,8 +145,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
 def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K):
     """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
 
-    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle, so
-    the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
+    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
+    so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
 
     Returns
     -------
@@ -299,19 +181,6 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
     return tau, dv, a, b, w, M4
 
 
-def quartic_start(j, w, s, c, K):
-    """Return a time before which a gap that starts like j tau^4/24 has no other root; the fifth derivative is bounded."""
-    Om4 = K.Om * K.Om * K.Om * K.Om
-    fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
-    if K.steady:
-        j_transient = j - Om4 * (K.Ss * s + K.Sc * c)
-        fifth_transient = fifth - Om4 * K.Om * (K.Ss * c - K.Sc * s)
-        M5 = K.V0 * Om4 * K.Om + sqrt(fifth_transient * fifth_transient + K.w0sq * j_transient * j_transient)
-        return 4.0 * abs(j) / M5 if M5 > 0.0 else K.chunk
-    bound = 4.0 * abs(j) / (sqrt(fifth * fifth + K.w0sq * j * j) + abs(K.fB) * K.Om * K.Om * K.Om)
-    return bound if bound * K.Om < 1.0 else 1.0 / K.Om
-
-
 def polish(tau, side, v0, a0, s0, c0, below, above, K):
     """Return the contact near `tau`, by Newton steps on the exact flow; the last one by Taylor's formula."""
     for _ in range(60):
@@ -325,31 +194,21 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
                     shift = shift - (over + (a + (0.5 * b + w * shift / 6.0) * shift) * shift) / slope
             dx = dx + (v0 + dv + (0.5 * a + b * shift / 6.0) * shift) * shift
             a = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
-            turn = K.Om * shift
-            half = 0.5 * turn * turn
-            s, c = s + (c - s * 0.5 * turn) * turn - c * turn * half / 3.0, c - (s + c * 0.5 * turn) * turn + s * turn * half / 3.0
+            s, c = turned(s, c, K.Om * shift)
             tau = tau + shift
             return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
         tau = tau + shift
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
 
-def velocity_scale(tau, v0, a0, K):
-    """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
-
-    Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
-    """
-    rise = 0.5 * tau * tau
-    drive = abs(K.fB) * rise
-    if K.steady and 2.0 * K.V0 < drive:
-        drive = 2.0 * K.V0
-    if K.w0 * tau < 1.0:
-        return abs(a0) * tau + K.w0sq * abs(v0) * rise + drive
-    return abs(a0) / K.w0 + 2.0 * abs(v0) + drive
+def turned(s, c, angle):
+    """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
+    half, sixth = 0.5 * angle, angle * angle / 6.0
+    return s + (c - (s * half + c * sixth)) * angle, c - (s + (c * half - s * sixth)) * angle
 
 
 def tolerance(tau, start_gap, v0, a0, S11, S12, S22, K):
-    """Return how far a gap may be wrong `tau` after a start: rounding, plus what the errors of the start have become."""
+    """Return how far a gap may be wrong `tau` after a start: rounding, and what the errors of the start have become."""
     E0, E1, _, _, _, _, _ = basis(tau, K)
     pull = -K.w0sq * E1
     variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22

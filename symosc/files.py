@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from symosc.errors import OutputError
@@ -46,7 +47,11 @@ def write_whole(path: str | Path, write: Callable[[Path], None]) -> Path:
 
 def write_text(path: str | Path, text: str) -> Path:
     """Write text (UTF-8) whole or not at all; see `write_whole`."""
-    return write_whole(path, lambda draft: draft.write_text(text, encoding="utf-8") and None)
+    return write_whole(path, partial(_fill, text))
+
+
+def _fill(text: str, draft: Path) -> None:
+    draft.write_text(text, encoding="utf-8")
 
 
 def _umask() -> int:

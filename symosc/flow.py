@@ -12,20 +12,21 @@ from fractions import Fraction
 from math import atan2, pi, sqrt
 from typing import Any, NamedTuple
 
+from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels.entire import basis
 from symosc.model import Parameters
 
-# Steady state and transient are told apart (in bounds, and in the closed form) when the response |i Omega - l1| |i Omega
-# - l2| is at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
+# Steady state and transient are told apart (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
+# at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
 APART = Fraction(1, 5)
-
 LONGEST_PHASE = 50
 SIGMAS = Fraction(4)
-# Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in the middle of a flight.
+# Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
 MARCH_STEP = 1.0
 
 
 class BeltConstants(NamedTuple):
-    """What a stick on one belt needs: along it, m dF/dt = -(k v + B0 Omega sin(theta)) for both forces (model.md, 6)."""
+    """What a stick on one belt needs; along it m dF/dt = -(k v + B0 Omega sin(theta)) for both forces."""
 
     v: Any  # speed of the belt
     J: Any  # F^(below) - F^(above) = 2 mu FN/m
@@ -160,7 +161,11 @@ def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constant
 
 
 def _belt_constants(
-    parameters: Parameters, boundary: int, number: Callable[..., Any], root: Callable[..., Any], angle: Callable[..., Any]
+    parameters: Parameters,
+    boundary: int,
+    number: Callable[..., Any],
+    root: Callable[..., Any],
+    angle: Callable[..., Any],
 ) -> BeltConstants:
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
@@ -176,3 +181,37 @@ def _belt_constants(
         c_cr=c_cr,
         angle=angle(s_cr, c_cr),
     )
+
+
+def state_at(tau, v0, a0, s0, c0, K):
+    """Return dx, dv, a, b, w, j, s, c, E0, E1, E2 at `tau` after a start.
+
+    dx and dv are increments, a to j the derivatives of v, s and c the sine and cosine of the phase.
+    """
+    E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
+    dx, dv, a = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+    b, w, j = derivatives(v0 + dv, a, s, c, K)
+    return dx, dv, a, b, w, j, s, c, E0, E1, E2
+
+
+def derivatives(v, a, s, c, K):
+    """Return v'', v''' and v'''' (that is G^(1), G^(2), G^(3)) from v, a and the sine and cosine of the phase."""
+    b = next_derivative(a, v, K.fB * s, K.cm, K.w0sq)
+    w = next_derivative(b, a, K.fB * K.Om * c, K.cm, K.w0sq)
+    j = next_derivative(w, b, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
+    return b, w, j
+
+
+def velocity_scale(tau, v0, a0, K):
+    """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
+
+    Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
+    """
+    rise = 0.5 * tau * tau
+    drive = abs(K.fB) * rise
+    if K.steady and drive > 2.0 * K.V0:
+        drive = 2.0 * K.V0
+    if K.w0 * tau < 1.0:
+        return abs(a0) * tau + K.w0sq * abs(v0) * rise + drive
+    return abs(a0) / K.w0 + 2.0 * abs(v0) + drive

@@ -35,9 +35,11 @@ def follow_all(begin, states, t0, counts, codes, most, out_float, out_int, K):
     rows = 0
     for i in range(begin, states.shape[0]):
         mode, at, n = int(states[i, 0]), int(states[i, 1]), int(states[i, 2])
-        theta, x, v, Fb, Fa = states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7]
-        S11, S12, S22 = states[i, 8], states[i, 9], states[i, 10]
-        theta0, n_end, theta_end = states[i, 11], int(states[i, 12]), states[i, 13]
+        # float() and int(): under CPython numpy's own scalars would be slower.
+        theta, x, v = float(states[i, 3]), float(states[i, 4]), float(states[i, 5])
+        Fb, Fa = float(states[i, 6]), float(states[i, 7])
+        S11, S12, S22 = float(states[i, 8]), float(states[i, 9]), float(states[i, 10])
+        theta0, n_end, theta_end = float(states[i, 11]), int(states[i, 12]), float(states[i, 13])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:

@@ -14,13 +14,13 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, events, loop, sticks, switching
+from symosc import advance, bounds, events, flow, loop, sticks, switching
 from symosc.errors import MissingExtraError
 from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, switching, events, sticks, advance, loop)
+SOURCES = (_generated, entire, flow, switching, bounds, events, sticks, advance, loop)
 
 
 # Called from several places and rarely: not worth a copy in each.
@@ -38,7 +38,7 @@ def functions_of_sources() -> dict[str, Any]:
 
 
 def rebind(wrap: Callable[[Any], Any], replaced: dict[str, Any]) -> dict[str, Any]:
-    """Return copies of the fast paths' functions that see `replaced` and each other instead of their modules' globals."""
+    """Return copies of the fast paths' functions that see `replaced` and each other, not their modules' globals."""
     shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
     for module in SOURCES:
         shared.update((name, value) for name, value in vars(module).items() if not name.startswith("__"))

@@ -117,9 +117,11 @@ class Path:
         self._record()
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many digits the least accurate event lacks of `digits` (relative to max(1, |value|)); mpmath only."""
+        """Return how many of `digits` digits the least accurate event lacks (relative to max(1, |value|))."""
+        if self._worst == 0:
+            return 0
         context = mp_context(15)
-        return 0 if self._worst == 0 else int(context.ceil(context.log10(SAFETY * context.convert(self._worst)))) + digits
+        return int(context.ceil(context.log10(SAFETY * context.convert(self._worst)))) + digits
 
     @property
     def elapsed(self) -> Any:

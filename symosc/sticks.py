@@ -5,10 +5,10 @@ On belt lambda both forces change alike, dF/dt = -(k v_lambda + B0 Omega sin(the
     F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
     Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
 
-The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each, model.md
-section 3). Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7,
-where its value needs no trigonometric function. So each monotone piece is decided by the value at its end: no exit
-is missed, and the exit in a piece is its only root there.
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each).
+Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7, where its
+value needs no trigonometric function. So each monotone piece is decided by the value at its end: no exit is missed, and
+the exit in a piece is its only root there.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ PI = acos(-1.0)
 
 
 def gain(tau, s0, c0, belt, K):
-    """Return Delta(tau), Delta' and Delta'', without cancellation at small tau; s0, c0 belong to the phase at the start."""
+    """Return Delta, Delta' and Delta'' at tau, without cancellation at small tau; s0, c0 belong to the start."""
     half = 0.5 * K.Om * tau
     s, c = sin(half), cos(half)
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
@@ -101,7 +101,7 @@ def force_noise(F_below, tau, S11, belt, K):
 def exit_root(force, side, low, high, theta, s0, c0, belt, K):
     """Return the only root of force + Delta in [low, high], on which Delta is monotone.
 
-    Halley's method from the inflection of Delta (cos(theta) = 0) if that lies inside, where Delta is steepest, from `low`
+    Halley's method from the inflection of Delta (cos(theta) = 0), where it is steepest, if that lies inside, from `low`
     otherwise; halving when a step leaves the bracket or the steps do not shrink.
     """
     inflection = wrapped((0.5 if side * K.fB < 0.0 else 1.5) * PI - theta) / K.Om

@@ -7,7 +7,8 @@ At a point of the boundary with domain `below` and domain `above` (n = (0, 1), s
 - where a force vanishes, the sign of its first G-function that does not vanish takes its place (Luo): it is the
   sign that the force has immediately afterwards.
 
-A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order, from above a positive one.
+A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order, one from above a
+positive one.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
 # Orders that are looked at before a force is taken to vanish for ever. The recurrence of the G-functions has four
 # terms of history (position in the plane and two of the drive), so more than five zeros in a row mean all.
 HIGHEST_ORDER = 6
-# A G-function below this times EPS and the sum of its terms is taken as 0, where its zero is the exact case in question.
+# A G-function below this times EPS and the sum of its terms is taken as 0: its zero is the exact case in question.
 G_ROUNDING = 32.0
 
 
@@ -58,7 +59,7 @@ def power(base, exponent):
 def resolve(v, F_below, F_above, s, c, K):
     """Return where the motion goes from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4 and 5).
 
-    F_below >= F_above always (model.md, section 1), so the flow cannot leave on both sides at once.
+    F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     """
     below, _ = following_sign(v, F_below, s, c, K)
     above, _ = following_sign(v, F_above, s, c, K)

@@ -21,7 +21,7 @@ from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
 
-#: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one (model.md, section 4).
+#: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {
     (1, "belt1", 1): "P1",
     (1, "Omega1", 1): "P2",
@@ -163,7 +163,7 @@ class Trajectory:
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
     def force(self, alpha: int, t: Any) -> Any:
-        """Return F^(alpha), the acceleration that domain `alpha` would give (eq. (9)), at times `t` along the trajectory."""
+        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` would give, at times `t`."""
         times, K = np.asarray(t, dtype=float), self._K
         A = (K.A1, K.A2, K.A3)[alpha - 1]
         values = [
@@ -224,7 +224,8 @@ class Trajectory:
         write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
 
     def __repr__(self) -> str:
-        return f"<Trajectory t = {float(self.t_start):g} … {float(self.t_end):g}, {len(self.events)} events: {self.status}>"
+        span = f"t = {float(self.t_start):g} … {float(self.t_end):g}"
+        return f"<Trajectory {span}, {len(self.events)} events: {self.status}>"
 
 
 EVENT_COLUMNS = tuple(field.name for field in fields(Event))

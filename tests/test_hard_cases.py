@@ -21,6 +21,7 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
     "c^2 = 4km": ({"c": 2, "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
     "c^2 = 4km (1 + 1e-8)^2": ({"c": "2.00000002", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
     "c^2 = 4km (1 - 1e-8)^2": ({"c": "1.99999998", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
+    "c^2 = 4km in thirds": ({"m": "0.3", "c": "1.1", "k": "121/120"}, (0, 0, 0, 30), {"stick": 10, "slip": 10}),
     "overdamped": ({"c": 7, "B0": 15}, (0, 0, 0, 30), {"cross": 10, "stick": 10, "slip": 10}),
     "undamped": ({"c": 0}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
     "undamped, slower than the drive": ({"c": 0, "k": "0.05"}, (0, 0, 0, 30), {"cross": 20}),
@@ -73,6 +74,15 @@ def test_hard_scenes(name: str) -> None:
     end = trajectory(float(start[-1]))
     assert abs(end[0] - run.x) <= 1e-11 * max(1, abs(run.x))
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_hard_scenes_with_digits(name: str) -> None:
+    changes, (t0, x0, v0, t_end), _ = SCENES[name]
+    p = BASE.replace(**changes)
+    run = simulate_oracle(p, t0, x0, v0, t_end, 50, max_events=8)
+    trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end, digits=25, max_events=len(run.events) or None)
+    assert_agrees(trajectory, run, 1e-24)
 
 
 @pytest.mark.parametrize("t0", [10**8, -(10**8), "123456789.015625"])

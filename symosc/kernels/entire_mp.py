@@ -50,7 +50,7 @@ class BasisMP:
             nodes = (self.context.mpf(0), *self._roots())
             size = max(abs(node) for node in nodes)
             gaps = (abs(a - b) for i, a in enumerate(nodes) for b in nodes[:i])
-            return 20 + sum(int(math.ceil(float(self.context.log(size / gap, 2)))) for gap in gaps if gap)
+            return 20 + sum(math.ceil(float(self.context.log(size / gap, 2))) for gap in gaps if gap)
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
@@ -94,10 +94,7 @@ class BasisMP:
         else:
             exp1, exp2 = context.exp(l1 * tau), context.exp(l2 * tau)
             inner, slope = (exp1 - exp2) / (l1 - l2), (l1 * exp1 - l2 * exp2) / (l1 - l2)
-        if l2 == 0:
-            E2 = tau * tau / 2 * one
-        else:
-            E2 = (self._first(0 * one, l1, tau) - inner) / (0 - l2)
+        E2 = tau * tau / 2 if l2 == 0 else (self._first(0 * one, l1, tau) - inner) / (0 - l2)
         Z = (self._first(i_Om, l1, tau) - inner) / (i_Om - l2)
         return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z)
 

@@ -3,8 +3,8 @@
 In double precision each step brings an estimate of its error along. When a contact cannot be decided, or an event is
 known to less than ACCURACY, the same algorithm is run with BACKUP_DIGITS digits from the exact start up to there,
 and takes over; the double path goes on from its rounded result. A contact that stays open with BACKUP_DIGITS digits is
-looked at with twice as many: open still, it is a graze; decided only there, the trajectory ends as "undecidable", because
-from here on double precision, backed up as it is, would guess.
+looked at with twice as many: open still, it is a graze; decided only there, the trajectory ends as "undecidable",
+because from here on double precision, backed up as it is, would guess.
 
 With `digits` the working precision is raised until every event is known to that many digits.
 """
@@ -67,10 +67,10 @@ def simulate(
         If a number is missing, not finite or out of range.
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end})
-    most = MOST_EVENTS if max_events is None else _whole("max_events", max_events, 1, None)
+    most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
         return _double(start, most)
-    return _with_digits(start, most, _whole("digits", digits, 5, MOST_DIGITS))
+    return _with_digits(start, most, whole_number("digits", digits, 5, MOST_DIGITS))
 
 
 def _read_start(scene: Scene | Parameters | str, given: dict[str, Any]) -> Start:
@@ -92,7 +92,8 @@ def _read_start(scene: Scene | Parameters | str, given: dict[str, Any]) -> Start
     return start
 
 
-def _whole(name: str, value: Any, least: int, most: int | None) -> int:
+def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise ParameterError(name, value, allowed)
@@ -155,7 +156,7 @@ class Backup:
         return FOLLOWED
 
     def _is_exact_touch(self, before: int) -> bool:
-        """Return whether the contact after `before` events is open with twice the digits too; take its place from there."""
+        """Tell whether the contact after `before` events is open with twice the digits too; if so, take that one."""
         self.finer = self.finer or Path(self.start, 2 * self.digits)
         finer = self.finer
         while len(finer.events) <= before and not finer.ended:
@@ -204,7 +205,8 @@ def _ending(path: Path) -> tuple[str, str]:
 def _unresolved(path: Path) -> Trajectory:
     """End a trajectory at two events whose times double precision cannot tell apart."""
     del path.events[-1:]
-    message = f"the events after t = {path.events[-1].t!r} follow each other within one ulp; ask for digits={BACKUP_DIGITS}"
+    when = f"the events after t = {path.events[-1].t!r} follow each other within one ulp"
+    message = f"{when}; ask for more digits, such as digits={BACKUP_DIGITS}"
     return _trajectory(path, "undecidable", message)
 
 

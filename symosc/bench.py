@@ -1,0 +1,179 @@
+"""How fast, and how exact: the figures that the README quotes, measured in one run.
+
+The unit is one evaluation of the closed-form flow (one exp, the sine and cosine of two angles, and the arithmetic that
+makes position and velocity of them), timed in the same process. Times are the best of several repeats; a first call,
+which compiles or loads the compiled code, is reported apart.
+"""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from math import cos, exp, sin
+from typing import Any
+
+from symosc import __version__
+from symosc.batch import simulate_many
+from symosc.errors import MissingExtraError
+from symosc.numerics import compiled
+from symosc.scenes import load_scene
+from symosc.simulation import simulate
+
+SCENES = ("fig5", "fig9", "fig10")
+EVENTS = 200_000
+QUICK_EVENTS = 100_000
+PYTHON_EVENTS = 2_000
+FLOOR_EVALUATIONS = 300_000
+REPEATS = 7
+DIGITS = 40
+
+
+def floor(count, h, w, Om, P, Q, R, S):
+    """Evaluate the closed form x = P sin + Q cos + exp (R cos + S sin), and its derivative, `count` times."""
+    total = 0.0
+    for i in range(count):
+        tau = 1e-3 * (i % 3000)
+        decay, s, c, sO, cO = exp(-h * tau), sin(w * tau), cos(w * tau), sin(Om * tau), cos(Om * tau)
+        x = P * sO + Q * cO + decay * (R * c + S * s)
+        v = Om * (P * cO - Q * sO) + decay * ((S * w - R * h) * c - (R * w + S * h) * s)
+        total += x + v
+    return total
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """Measure and return a plain dictionary: machine, floor and one row per scene.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer repeats and events.
+
+    Notes
+    -----
+    Keys of a row: scene, events, ns_per_event, evaluations_per_event (its multiple of the floor), first_call_s,
+    python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40 digits),
+    max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
+    """
+    repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
+    floor_ns = _floor(repeats)
+    rows = [_scene(name, events, repeats, floor_ns) for name in SCENES]
+    return {"machine": _machine(), "floor_ns": floor_ns, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
+
+
+def _machine() -> dict[str, str]:
+    import mpmath
+    import numpy
+
+    versions = {"symosc": __version__, "python": platform.python_version(), "numpy": numpy.__version__}
+    versions["mpmath"] = mpmath.__version__
+    try:
+        import numba
+
+        versions["numba"] = numba.__version__
+    except ImportError:
+        versions["numba"] = "not installed"
+    return {"processor": platform.processor() or platform.machine(), **versions}
+
+
+def _best(action: Callable[[], Any], repeats: int) -> float:
+    times = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def _floor(repeats: int) -> float:
+    """Return nanoseconds per evaluation of the closed form: compiled if numba is there, as the event loop is."""
+    evaluate: Any = floor
+    try:
+        import numba
+
+        evaluate = numba.njit(floor)
+    except ImportError:
+        pass
+    arguments = (0.5, 0.866, 1.0, 1.0, 2.0, 3.0, 4.0)
+    evaluate(10, *arguments)
+    return _best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), repeats) / FLOOR_EVALUATIONS * 1e9
+
+
+def _scene(name: str, events: int, repeats: int, floor_ns: float) -> dict[str, Any]:
+    scene = load_scene(name)
+    start, far = [float(scene.t0), float(scene.x0), float(scene.v0)], float(scene.t0) + 1e7
+
+    def many(count: int, use_numba: bool) -> Any:
+        return simulate_many(scene.parameters, start, far, max_events=count, use_numba=use_numba)
+
+    row: dict[str, Any] = {"scene": name}
+    try:
+        compiled()
+        begin = time.perf_counter()
+        many(10, True)
+        row["first_call_s"] = time.perf_counter() - begin
+        seconds = _best(lambda: many(events, True), repeats)
+        row |= {"events": events, "ns_per_event": seconds / events * 1e9}
+        row["evaluations_per_event"] = row["ns_per_event"] / floor_ns
+    except MissingExtraError:
+        row |= {"first_call_s": None, "events": 0, "ns_per_event": None, "evaluations_per_event": None}
+    row["python_us_per_event"] = _best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
+    exact, double = simulate(scene, digits=DIGITS), simulate(scene)
+    pairs = list(zip(double.events, exact.events, strict=True))
+    row["max_error"] = max(max(_error(a.t, b.t), _error(a.x, b.x)) for a, b in pairs)
+    row["max_error_estimate"] = max(max(a.t_error / max(1, abs(a.t)), a.x_error / max(1, abs(a.x))) for a, _ in pairs)
+    row["compared"] = len(pairs)
+    return row
+
+
+def _error(value: float, exact: Any) -> float:
+    return float(abs(exact - value) / max(1, abs(exact)))
+
+
+def _cold_start(repeats: int) -> dict[str, float]:
+    """Return seconds of a new process: importing numpy, and `symosc simulate fig5` from the shell."""
+    commands = {"import_numpy_s": ["-c", "import numpy"], "simulate_fig5_s": ["-m", "symosc", "simulate", "fig5"]}
+
+    def call(arguments: list[str]) -> None:
+        subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+
+    return {name: _best(partial(call, arguments), repeats) for name, arguments in commands.items()}
+
+
+def table(result: dict[str, Any]) -> str:
+    """Return the result of `run` as text."""
+    from tabulate import tabulate
+
+    def number(value: float | None, form: str) -> str:
+        return "needs numba" if value is None else format(value, form)
+
+    rows = [
+        [
+            row["scene"],
+            row["events"],
+            number(row["evaluations_per_event"], ".1f"),
+            number(row["ns_per_event"], ".0f"),
+            number(row["first_call_s"], ".2f"),
+            format(row["python_us_per_event"], ".0f"),
+            format(row["max_error"], ".1e"),
+            format(row["max_error_estimate"], ".1e"),
+        ]
+        for row in result["rows"]
+    ]
+    heads = ["scene", "events", "flow evaluations per event", "ns per event", "first call [s]"]
+    heads += ["CPython [us per event]", "largest error", "estimated error"]
+    cold = result["cold_start"]
+    machine = ", ".join(f"{name} {version}" for name, version in result["machine"].items())
+    return "\n".join(
+        [
+            tabulate(rows, heads, disable_numparse=True, colalign=("left", *["right"] * 7)),
+            "",
+            f"one closed-form flow evaluation: {result['floor_ns']:.1f} ns (the unit of the third column)",
+            f"errors: against {DIGITS} digits over the scene, relative to max(1, |value|)",
+            f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
+            machine,
+        ]
+    )
