@@ -24,7 +24,7 @@ from symosc.path import EVENT_KINDS, START_DIGITS, Start, State, first_state, ro
 from symosc.simulation import ACCURACY, LONGEST_BACKUP, MOST_EVENTS, simulate, whole_number
 from symosc.trajectory import Event
 
-CAPACITY = 1 << 16
+CAPACITY = 1 << 18
 STATUS_NAMES = {END: "t_end", REST: "t_end", loop.FULL: "max_events", loop.IN_DOUBT: "undecidable"}
 #: Kinds of events by code.
 KIND_NAMES = EVENT_KINDS
@@ -153,11 +153,12 @@ def simulate_many(
         counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
         begin = 0
         while begin < len(members):
-            out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int64)
+            out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int32)
             begin, rows = follow(begin, states, t0, counts, ends, most, out_float, out_int, K)
-            out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
-            floats.append(out_float[:rows].copy())
-            ints.append(out_int[:rows].copy())
+            if len(groups) > 1:
+                out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
+            floats.append(out_float[:rows])
+            ints.append(out_int[:rows])
         codes[members] = ends
     status = [STATUS_NAMES[code] for code in codes.tolist()]
     return _with_closer_looks(_table(floats, ints, status), sets, problems, most)
@@ -235,7 +236,7 @@ def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
 
 
 def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str]) -> EventTable:
-    numbers, codes = np.concatenate(floats), np.concatenate(ints)
+    numbers, codes = (parts[0] if len(parts) == 1 else np.concatenate(parts) for parts in (floats, ints))
     if np.any(np.diff(codes[:, 0]) < 0):  # several parameter sets
         order = np.argsort(codes[:, 0], kind="stable")
         numbers, codes = numbers[order], codes[order]

@@ -10,13 +10,14 @@ from math import sqrt
 from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import EPS
 
-# A root is taken from the local polynomial when that places it within NEAR / rate: Taylor's formula then moves the
-# state there to full precision.
-NEAR = EPS**0.25
+# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate, and Newton's method
+# goes on from there. A shift below NEAR / rate is made by Taylor's formula, to full precision.
+ISOLATED = 1e-2
+NEAR = EPS**0.2
 # How far a safe step stays before the root that it aims at, as a part of the step.
 SHRINK = 1e-3
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
-FIRM = 3e-3
+FIRM = 1e-2
 # A root behind which the gap gets deeper than this part of its size needs no closer look.
 CLEAR_DEPTH = 1e-9
 
@@ -89,10 +90,10 @@ def gap_polynomial(g, g1, g2, g3, M4, on_wall):
 
 
 def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
-    """Return (near, clear): whether the gap's first root is `root` within NEAR/rate, and the gap gets deep behind it.
+    """Return (near, clear): is the first root `root` within ISOLATED/rate, and does the gap get deep behind it?
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
-    on what the safe step leaves open and on what it takes to make up for `missing` (Kantorovich).
+    on what the safe step leaves open and on what makes up for `missing` (Kantorovich).
     """
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
@@ -102,7 +103,7 @@ def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
     missing = missing + abs(p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root)
     near = (
         slope > 0.0
-        and missing * K.rate < NEAR * slope
+        and missing * K.rate < ISOLATED * slope
         and 8.0 * SHRINK * root * bend < slope
         and 8.0 * missing * (bend * root + slope) < slope * slope * root
     )

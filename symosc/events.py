@@ -35,6 +35,7 @@ from math import sqrt
 
 from symosc.bounds import NEAR, fourth_derivative_bound, gap_polynomial, is_near, positive_on, quartic_start, safe_step
 from symosc.flow import derivatives, state_at, velocity_scale
+from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import EPS, basis
 
 # What a search ends with.
@@ -75,8 +76,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     crossing = False  # whether the minimum of the gap ahead is known to be negative
     flat = (on_below or on_above) and a0 == 0.0 and abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
     if flat:  # after a tangency or the end of a stick; a derivative within rounding of 0 is 0 there, its sign is noise
-        b = zero
-        flat = abs(w) <= abs(j) * K.chunk * EPS * ROUNDING + NEAR * NEAR * abs(K.fB) * K.Om
+        b = zero  # near sin(theta) = +-1 that leaves cos(theta), and with it w, uncertain by about sqrt(EPS)
+        flat = abs(w) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om
     if flat:
         tau = quartic_start(j, w, s0, c0, K)
         if tau > tau_max:
@@ -188,12 +189,14 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
         over = below + dv if side < 0 else dv - above
         shift = -over / a if a != 0.0 else 0.0 * a
         if abs(shift) * K.rate < NEAR:
-            for _ in range(4 if abs(b * shift) > 1e-4 * abs(a) else 2):
-                slope = a + (b + 0.5 * w * shift) * shift
+            for _ in range(4 if abs(b * shift) > 1e-4 * abs(a) else 1):
+                slope = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
+                value = over + (a + (0.5 * b + (w / 6.0 + j * shift / 24.0) * shift) * shift) * shift
                 if slope != 0.0:
-                    shift = shift - (over + (a + (0.5 * b + w * shift / 6.0) * shift) * shift) / slope
-            dx = dx + (v0 + dv + (0.5 * a + b * shift / 6.0) * shift) * shift
-            a = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
+                    shift = shift - value / slope
+            dx = dx + (v0 + dv + (0.5 * a + (b / 6.0 + w * shift / 24.0) * shift) * shift) * shift
+            fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
+            a = a + (b + (0.5 * w + (j / 6.0 + fifth * shift / 24.0) * shift) * shift) * shift
             s, c = turned(s, c, K.Om * shift)
             tau = tau + shift
             return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
@@ -203,8 +206,10 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
 
 def turned(s, c, angle):
     """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
-    half, sixth = 0.5 * angle, angle * angle / 6.0
-    return s + (c - (s * half + c * sixth)) * angle, c - (s + (c * half - s * sixth)) * angle
+    half = 0.5 * angle
+    sixth = angle * angle / 6.0
+    last = 0.25 * angle * sixth
+    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
 
 
 def tolerance(tau, start_gap, v0, a0, S11, S12, S22, K):

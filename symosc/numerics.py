@@ -98,7 +98,7 @@ class MpArithmetic(Arithmetic):
         self.K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
-        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 3), "PI": +context.pi}
+        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi}
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
         self.namespace = rebind(lambda function: function, replaced)
         self.advance = self.namespace["advance"]

@@ -18,13 +18,15 @@ BELT, MASS = "black", "#d7191c"
 ONSET, END, SWITCH = "#1f3fd6", "#0f8a2a", "#d7191c"
 FORCE_BELOW, FORCE_ABOVE = ONSET, END
 
-POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 60, 40, 20_000
+POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 120, 40, 20_000
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
+# ... unless it is shorter than this fraction of t, where its curve would show rounding errors.
+RESOLVED = 1e-10
 # A belt is drawn if that stretches the velocity axis by no more than this fraction.
 BELT_STRETCH = 0.65
-# How far beyond a contact the belt's displacement is drawn, as a fraction of the time axis.
-BELT_REACH = 0.06
+# How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
+BELT_REACH = 0.06, 0.15
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,9 @@ def _displacement(ax: Axes, view: View) -> None:
     """Panel (a): the mass, and the points of the belts that it sticks to or grazes (black)."""
     _curve(ax, view, view.t, view.x, "displacement $x$")
     low, high = ax.get_ylim()
-    reach = BELT_REACH * (view.t[-1] - view.t[0])
+    reaches = BELT_REACH[0] * (view.t[-1] - view.t[0]), BELT_REACH[1] * (high - low)
     for since, until, x, speed in _contacts(view.trajectory):
+        reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
         ends = np.array([since - reach, until + reach])
         ax.plot(ends, x + speed * (ends - since), color=BELT, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
@@ -178,7 +181,7 @@ def _belt_lines(ax: Axes, view: View) -> None:
     for belt in view.belts():
         speed = float(view.trajectory.parameters.belt(belt))
         ax.axhline(speed, color=BELT, lw=0.6, zorder=3, label="belt")
-        ax.annotate(f"$v_{belt}$", (1, speed), (2, 0), ("axes fraction", "data"), "offset points", va="center")
+        ax.annotate(f"$v_{belt}$", (1, speed), (4, 0), ("axes fraction", "data"), "offset points", va="center")
 
 
 def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any]) -> None:
@@ -213,11 +216,12 @@ def _contacts(trajectory: Trajectory) -> list[tuple[float, float, float, float]]
 
 
 def short_sticks(view: View) -> list[Segment]:
-    """Return the sticks that are too short to be seen, the two shortest ones at most, in order of time."""
-    longest = SHORT_STICK * (view.t[-1] - view.t[0])
-    sticks = [s for s in view.trajectory.segments[:-1] if s.mode[:4] == "belt" and 0 < s.t_end - s.t_start < longest]
-    shortest = sorted(sticks, key=lambda s: s.t_end - s.t_start)[:2]
-    return sorted(shortest, key=lambda s: s.t_start)
+    """Return the first two sticks that are too short to be seen but long enough to be resolved by double precision."""
+    longest, finest = SHORT_STICK * (view.t[-1] - view.t[0]), RESOLVED * np.abs(view.t).max()
+    sticks = [
+        s for s in view.trajectory.segments[:-1] if s.mode[:4] == "belt" and finest < s.t_end - s.t_start < longest
+    ]
+    return sticks[:2]
 
 
 def _insets(ax: Axes, view: View) -> None:

@@ -17,7 +17,7 @@ from symosc.errors import OutputError, ParameterError
 from symosc.files import write_whole
 from symosc.panels import PANELS, View, short_sticks, view_of
 from symosc.scenes import Scene, load_scene
-from symosc.simulate import simulate
+from symosc.simulation import simulate
 from symosc.trajectory import Trajectory
 
 SUFFIXES = (".pdf", ".svg", ".png")
@@ -29,7 +29,7 @@ PERIODS_SHOWN = 2.5
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 9.0,
@@ -89,15 +89,14 @@ def figure(
     ParameterError
         If an argument is out of range.
     """
-    structure = None
     if not isinstance(subject, Trajectory):
         scene = load_scene(subject) if isinstance(subject, str) else subject
-        structure = scene.structure
+        panels = default_panels(scene) if panels is None else panels
         subject = simulate(scene, t_end=default_end(scene) if t_end is None else t_end)
     elif t_end is not None:
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
-    panels = panels or ("abcdef" if structure else "abcd")
-    if set(panels) - set(PANELS) or len(set(panels)) < len(panels):
+    panels = "abcd" if panels is None else panels
+    if not panels or set(panels) - set(PANELS) or len(set(panels)) < len(panels):
         raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
     if boundary not in (None, 1, 2):
         raise ParameterError("boundary", boundary, "must be 1 or 2")
@@ -114,6 +113,11 @@ def default_end(scene: Scene) -> Any:
     if scene.structure:
         end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
     return min(end, scene.t_end) if end > scene.t0 else scene.t_end
+
+
+def default_panels(scene: Scene) -> str:
+    """Return the panels of a scene's figure if nobody says which."""
+    return "abcdef" if scene.structure else "abcd"
 
 
 def check_suffix(path: str | Path) -> None:

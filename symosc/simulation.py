@@ -162,7 +162,7 @@ class Backup:
         while len(finer.events) <= before and not finer.ended:
             finer.step()
             if not finer.decided and len(finer.events) >= before:
-                if len(self.path.events) > before:
+                if len(self.path.events) > before and len(finer.events) > before:
                     self.path.events[-1] = finer.events[-1]
                 return True
         return False

@@ -21,7 +21,7 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
     "c^2 = 4km": ({"c": 2, "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
     "c^2 = 4km (1 + 1e-8)^2": ({"c": "2.00000002", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
     "c^2 = 4km (1 - 1e-8)^2": ({"c": "1.99999998", "k": 1}, (0, 0, 0, 30), {"stick": 15, "slip": 15}),
-    "c^2 = 4km in thirds": ({"m": "0.3", "c": "1.1", "k": "121/120"}, (0, 0, 0, 30), {"stick": 10, "slip": 10}),
+    "c^2 = 4km in thirds": ({"m": "0.75", "c": "1.04", "k": "676/1875"}, (0, 0, 0, 30), {"stick": 10, "slip": 10}),
     "overdamped": ({"c": 7, "B0": 15}, (0, 0, 0, 30), {"cross": 10, "stick": 10, "slip": 10}),
     "undamped": ({"c": 0}, (0, 0, 0, 30), {"cross": 20, "stick": 1}),
     "undamped, slower than the drive": ({"c": 0, "k": "0.05"}, (0, 0, 0, 30), {"cross": 20}),
@@ -186,6 +186,18 @@ def test_an_orbit_that_grazes_for_ever(mapping: str, v1: int, v2: int, digits: i
     assert trajectory.status == "t_end"
 
 
+@pytest.mark.parametrize("digits", [None, 25])
+def test_a_free_mass_that_grazes_once_a_period(digits: int | None) -> None:
+    """With A_2 = 0, v = 3 - 4 sin t: v1 = -1 is touched where sin t = 1; v2 = 1 has no friction and is crossed."""
+    p = BASE.replace(c=0, k=0, A0=1, B0=-4, Omega=1, v1=-1, v2=1, mu1="1/2", mu2=0, FN=2)
+    trajectory = simulate(p, t0=0, x0=2, v0=3, t_end=40, digits=digits)
+    times = [float(event.t) for event in trajectory.events if event.kind == "graze"]
+    assert times == pytest.approx([(2 * n + 0.5) * pi for n in range(6)], abs=1e-11)
+    assert {event.kind for event in trajectory.events} == {"graze", "cross"}
+    assert len(trajectory.events) == 18 + 1
+    assert trajectory.status == "t_end"
+
+
 # -- flights and sticks of 1e-7 ----------------------------------------------------------------------------------------
 
 
@@ -259,6 +271,30 @@ def test_an_extreme_force_on_a_belt(boundary: int, side: str, slips: bool, expon
     trajectory = simulated(p, start)
     assert trajectory.mode(float(t0)) == f"belt{boundary}"
     assert_agrees(trajectory, run)
+
+
+HELD = {  # parameters beside mu1 = mu2 = 1/2, x0, v0, the belt: a force is >= 0 (below) or <= 0 (above), and not > or <
+    "F(1) = 0": ({"A0": -1, "B0": 0, "c": 1, "k": 4, "v1": 0, "v2": 5}, "3/4", 0, "belt1"),
+    "F(2) = 0": ({"A0": -4, "B0": 0, "c": 1, "k": 4, "v1": 0, "v2": 5}, -1, 0, "belt1"),
+    "F(3) = 0": ({"A0": 4, "B0": 0, "c": 1, "k": 4, "v1": -5, "v2": 0}, 0, 0, "belt2"),
+    "F(1) = 0, no spring": ({"A0": -3, "B0": 0, "c": 1, "k": 0, "v1": 1, "v2": 5}, 2, 1, "belt1"),
+    "F(1) touches 0": ({"A0": -3, "B0": 1, "c": 1, "k": 4, "v1": 0, "v2": 5}, 0, 0, "belt1"),
+    "F(2) touches 0": ({"A0": 1, "B0": -1, "c": 1, "k": 4, "v1": -5, "v2": 0}, 0, 0, "belt2"),
+    "F(3) touches 0": ({"A0": 3, "B0": 1, "c": 1, "k": 4, "v1": -5, "v2": 0}, 0, 0, "belt2"),
+}
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+@pytest.mark.parametrize("name", HELD)
+def test_a_force_that_is_only_just_enough_on_a_belt(name: str, digits: int | None) -> None:
+    """A force that is 0 for ever, or touches 0 once a period and never changes its sign, does not end a stick."""
+    changes, x0, v0, mode = HELD[name]
+    p = BASE.replace(mu1="1/2", mu2="1/2", FN=4, Omega=1, **changes)
+    assert oracle_of(p, (0, x0, v0, 30)).events == []
+    trajectory = simulate(p, t0=0, x0=x0, v0=v0, t_end=30, digits=digits)
+    assert list(trajectory.events) == []
+    assert trajectory.status in ("t_end", "equilibrium")
+    assert trajectory.mode(0.0) == trajectory.mode(25.0) == mode
 
 
 # -- starts on a boundary ----------------------------------------------------------------------------------------------

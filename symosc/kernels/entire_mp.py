@@ -43,6 +43,8 @@ class BasisMP:
             l1, l2 = -w0sq / (h + w) if h else context.mpf(0), -(h + w)
         if self.h == 0 and self.w0sq == self.Om * self.Om:  # undamped resonance, decided in rational numbers
             return context.mpc(0, Om), context.mpc(0, -Om), context.mpc(0, Om)
+        if square == 0:  # so is critical damping: roots that differ by rounding would be divided by their difference
+            return -h, -h, context.mpc(0, Om)
         return l1, l2, context.mpc(0, Om)
 
     def _guard_bits(self) -> int:
