@@ -1,4 +1,4 @@
-"""The entire functions against the matrix exponential of their defining ODE, in every regime, and where each formula ends."""
+"""The entire functions against the matrix exponential of their ODE, in every regime, and where each formula ends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from symosc.kernels.entire_mp import BasisMP
 from symosc.numerics import MpArithmetic, mp_context
 
 ULP = 2.0**-52
-REGIMES = ("any", "near critical", "critical", "near resonance", "resonance", "no spring", "free", "stiff", "fast drive")
+REGIMES = ("any", "near critical", "critical", "near resonance", "resonance", "no spring", "free", "stiff")
+REGIMES += ("fast drive",)
 
 
 def parameters(regime: str, rng: random.Random) -> Parameters:
@@ -57,11 +58,9 @@ def oracle(p: Parameters, tau: Fraction, digits: int = 50) -> list[Any]:
 
 
 def errors(values: tuple[Any, ...], truth: list[Any], exactness: float = ULP) -> list[float]:
-    """Return errors in ulp; E0 relative to 1, R2 and I2 relative to the size of Z."""
+    """Return errors in ulp; E0 relative to 1, E1 to the oscillation that it is part of, R2 and I2 to the size of Z."""
     Z = abs(truth[3]) + abs(truth[4])
-    sizes = [1, abs(truth[1]), truth[2], Z, Z]
-    if truth[1] == 0:
-        sizes[1] = 1
+    sizes = [1, abs(truth[1]) + abs(truth[0]) * abs(truth[2]) ** 0.5 / 2, truth[2], Z, Z]
     return [float(abs(a - b) / size) / exactness for a, b, size in zip(values, truth, sizes, strict=False)]
 
 
@@ -139,7 +138,7 @@ def test_no_cancellation_in_the_flow() -> None:
             tau = Fraction(10 ** rng.uniform(-6, longest))
             v0, a0, theta = rng.uniform(-2, 2), rng.uniform(-9, 9), rng.uniform(0, 6.28)
             s0, c0 = mpmath.fp.sin(theta), mpmath.fp.cos(theta)
-            E0, E1, E2, R2, I2 = oracle(p, tau)
+            _, E1, E2, R2, I2 = oracle(p, tau)
             x_terms = [v0 * E1, v0 * K.cm * E2, a0 * E2, K.f0 * c0 * R2, -K.f0 * c0 * E2, -K.f0 * s0 * I2]
             v_terms = [a0 * E1, -K.w0sq * v0 * E2, -K.fB * s0 * R2, -K.fB * c0 * I2]
             found = state_at(float(tau), v0, a0, s0, c0, K)
