@@ -16,21 +16,33 @@ NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fractio
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many digits.
 MAX_EXPONENT = 1000
 
+# Fourth powers of rates and their products must not overflow a double.
+LARGEST = Fraction(10) ** 50
+SMALLEST = 1 / LARGEST
+
 # A double has at most 17 significant digits. A decimal with more was cut off by somebody who had still more of them.
 DIGITS_OF_A_DOUBLE = 17
 BITS_OF_A_DOUBLE = 53
 
 
 def read_exact(name: str, value: Any) -> Fraction:
-    """Return `value` as an exact Fraction.
+    """Return `value` as an exact Fraction, at most LARGEST in size.
 
     A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
 
     Raises
     ------
     ParameterError
-        For text that is no number, for NaN and infinities, and for types that are not exact numbers.
+        For text that is no number, for NaN, infinities and numbers that are too large, and for types that are not exact
+        numbers.
     """
+    number = _read(name, value)
+    if abs(number) > LARGEST:
+        raise ParameterError(name, value, f"must be at most {float(LARGEST):g} in size")
+    return number
+
+
+def _read(name: str, value: Any) -> Fraction:
     if isinstance(value, bool):
         raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, Fraction):

@@ -28,6 +28,10 @@ def write_whole(path: str | Path, write: Callable[[Path], None]) -> Path:
     path = Path(path)
     draft = None
     try:
+        path = path.resolve()  # a link stays one
+        if path.exists() and not path.is_file() and not path.is_dir():
+            write(path)  # a device or a pipe cannot be replaced
+            return path
         if path.is_dir():
             raise IsADirectoryError(None, "is a folder")
         handle, name = tempfile.mkstemp(prefix=".symosc-", suffix=path.suffix, dir=path.parent)

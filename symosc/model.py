@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import SMALLEST, read_exact, show
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
@@ -69,6 +69,8 @@ class Parameters:
         for name in ("m", "Omega"):
             if getattr(self, name) <= 0:
                 raise ParameterError(name, show(getattr(self, name)), "must be > 0")
+            if getattr(self, name) < SMALLEST:
+                raise ParameterError(name, show(getattr(self, name)), f"must be at least {float(SMALLEST):g}")
         for name in ("c", "k", "mu1", "mu2", "FN"):
             if getattr(self, name) < 0:
                 raise ParameterError(name, show(getattr(self, name)), "must be >= 0")

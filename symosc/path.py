@@ -8,7 +8,8 @@ from typing import Any
 
 from symosc.advance import CROSS, END, FAILED, GRAZE, REST, SLIP, STICK
 from symosc.events import ROUNDING
-from symosc.exact import half_unit
+from symosc.errors import ParameterError
+from symosc.exact import half_unit, show
 from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import Arithmetic, MpArithmetic, mp_context
@@ -17,6 +18,8 @@ from symosc.trajectory import Event, Piece
 
 EVENT_KINDS = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
 START_DIGITS = 50
+# A motion is searched period by period: more than this many would take hours.
+MOST_STRETCHES = 10**8
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
 
@@ -108,6 +111,10 @@ class Path:
             self.state = rounded(self.state)
         self._n0, self._theta0 = self.state.n, self.state.theta
         self.K = self.arithmetic.K
+        stretches = float(start.t_end - start.t0) / float(self.K.chunk)
+        if stretches > MOST_STRETCHES:
+            reason = f"is {stretches:.1g} forcing or free periods after t0; at most {MOST_STRETCHES:.0e} can be followed"
+            raise ParameterError("t_end", show(start.t_end), reason)
         self.two_pi = self.arithmetic.namespace["TWO_PI"]
         self.events: list[Event] = []
         self.pieces: list[Piece] = []

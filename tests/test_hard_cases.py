@@ -190,11 +190,11 @@ def test_an_orbit_that_grazes_for_ever(mapping: str, v1: int, v2: int, digits: i
 def test_a_free_mass_that_grazes_once_a_period(digits: int | None) -> None:
     """With A_2 = 0, v = 3 - 4 sin t: v1 = -1 is touched where sin t = 1; v2 = 1 has no friction and is crossed."""
     p = BASE.replace(c=0, k=0, A0=1, B0=-4, Omega=1, v1=-1, v2=1, mu1="1/2", mu2=0, FN=2)
-    trajectory = simulate(p, t0=0, x0=2, v0=3, t_end=40, digits=digits)
+    trajectory = simulate(p, t0=0, x0=2, v0=3, t_end=36, digits=digits)
     times = [float(event.t) for event in trajectory.events if event.kind == "graze"]
     assert times == pytest.approx([(2 * n + 0.5) * pi for n in range(6)], abs=1e-11)
     assert {event.kind for event in trajectory.events} == {"graze", "cross"}
-    assert len(trajectory.events) == 18 + 1
+    assert len(trajectory.events) == 6 + 12
     assert trajectory.status == "t_end"
 
 
@@ -271,6 +271,26 @@ def test_an_extreme_force_on_a_belt(boundary: int, side: str, slips: bool, expon
     trajectory = simulated(p, start)
     assert trajectory.mode(float(t0)) == f"belt{boundary}"
     assert_agrees(trajectory, run)
+
+
+# Sticks whose exit lies in the monotone piece after a phase Theta_cr, where the force has slope 0: found by 20,000
+# random sticks, of which these fooled a root search that began there.
+AFTER_A_TURN = [
+    "1.82 0.72 3.82 -2.07 1.05 1.47 0.35 1.96 0.81 0.98 6.81  1.37 0.35",
+    "1 0.1 2.92 -2.63 -0.69 0.93 -0.58 0.11 0.6 0.94 6.3  -2.8 0.11",
+    "1.82 0.72 3.82 2.07 -1.05 1.47 -1.96 -0.35 0.98 0.81 6.81  -1.37 -0.35",
+]
+
+
+@pytest.mark.parametrize("numbers", AFTER_A_TURN)
+def test_sticks_that_outlast_a_turning_phase(numbers: str) -> None:
+    *values, x0, v0 = numbers.split()
+    names = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
+    p = Parameters(**dict(zip(names, values, strict=True)))
+    start = (0, x0, v0, 25)
+    run = oracle_of(p, start)
+    assert run.events[0].kind == "slip"
+    assert_agrees(simulated(p, start), run)
 
 
 HELD = {  # parameters beside mu1 = mu2 = 1/2, x0, v0, the belt: a force is >= 0 (below) or <= 0 (above), and not > or <
