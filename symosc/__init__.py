@@ -10,11 +10,28 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from symosc.batch import EventTable, simulate_many
+    from symosc.branches import Branch, BranchError
+    from symosc.closing import ConvergenceError
+    from symosc.continuation import continue_orbit
     from symosc.errors import MissingExtraError, OutputError, ParameterError, SceneError, SymoscError
+    from symosc.grazing import GrazingWindow, grazing_window
+    from symosc.grazing_check import GrazingReport, check_grazing
+    from symosc.grazing_curves import GrazingCurve, grazing_curve
+    from symosc.grazing_orbits import GrazingStart, grazing_start
+    from symosc.grazing_solve import solve_grazing
+    from symosc.grazing_state import GrazingVerdict, is_grazing
+    from symosc.grazing_sweep import grazing_windows
+    from symosc.maps import compiled_residual, jacobian, parameter_jacobian, residual
     from symosc.model import Parameters
+    from symosc.orbits import find_orbit
+    from symosc.passages import MapError, MapPoint, solve_map
+    from symosc.periodic import PeriodicOrbit
     from symosc.scenes import Scene, load_scene, scene_names
     from symosc.simulation import simulate
+    from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
+    from symosc.symbolic.theorem7 import theorem7
     from symosc.trajectory import Event, Segment, Trajectory
+    from symosc.words import Word, WordError, read_word
 
 __version__ = "0.1.0"
 
@@ -34,24 +51,88 @@ _HOMES = {
     "Event": "trajectory",
     "Segment": "trajectory",
     "Trajectory": "trajectory",
+    "residual": "maps",
+    "jacobian": "maps",
+    "parameter_jacobian": "maps",
+    "compiled_residual": "maps",
+    "solve_map": "passages",
+    "MapPoint": "passages",
+    "MapError": "passages",
+    "read_word": "words",
+    "Word": "words",
+    "WordError": "words",
+    "find_orbit": "orbits",
+    "PeriodicOrbit": "periodic",
+    "continue_orbit": "continuation",
+    "Branch": "branches",
+    "BranchError": "branches",
+    "ConvergenceError": "closing",
+    "grazing_window": "grazing",
+    "GrazingWindow": "grazing",
+    "grazing_windows": "grazing_sweep",
+    "theorem7": "symbolic.theorem7",
+    "grazing_start": "grazing_orbits",
+    "GrazingStart": "grazing_orbits",
+    "grazing_curve": "grazing_curves",
+    "GrazingCurve": "grazing_curves",
+    "solve_grazing": "grazing_solve",
+    "is_grazing": "grazing_state",
+    "GrazingVerdict": "grazing_state",
+    "check_grazing": "grazing_check",
+    "GrazingReport": "grazing_check",
+    "values_containing": "symbolic.grazing_queries",
+    "values_empty": "symbolic.grazing_queries",
+    "values_everything": "symbolic.grazing_queries",
 }
 
 __all__ = [
+    "Branch",
+    "BranchError",
+    "ConvergenceError",
     "Event",
     "EventTable",
+    "GrazingCurve",
+    "GrazingReport",
+    "GrazingStart",
+    "GrazingVerdict",
+    "GrazingWindow",
+    "MapError",
+    "MapPoint",
     "MissingExtraError",
     "OutputError",
     "ParameterError",
     "Parameters",
+    "PeriodicOrbit",
     "Scene",
     "SceneError",
     "Segment",
     "SymoscError",
     "Trajectory",
+    "Word",
+    "WordError",
+    "check_grazing",
+    "compiled_residual",
+    "continue_orbit",
+    "find_orbit",
+    "grazing_curve",
+    "grazing_start",
+    "grazing_window",
+    "grazing_windows",
+    "is_grazing",
+    "jacobian",
     "load_scene",
+    "parameter_jacobian",
+    "read_word",
+    "residual",
     "scene_names",
     "simulate",
     "simulate_many",
+    "solve_grazing",
+    "solve_map",
+    "theorem7",
+    "values_containing",
+    "values_empty",
+    "values_everything",
 ]
 
 

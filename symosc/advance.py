@@ -16,8 +16,8 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import NOTHING, ROUNDING, STALLED, TANGENCY, first_exit, never_leaves
-from symosc.flow import velocity_scale
+from symosc.events import NOTHING, STALLED, TANGENCY, first_exit, never_leaves
+from symosc.flow import derivatives, velocity_scale
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS, SERIES_BELOW
 from symosc.sticks import belt_exit, force_noise
@@ -90,7 +90,8 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
         return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22
     if code == TANGENCY:
         zero = 0.0 * a
-        t_error = graze_error(S22, v_noise, a, theta, belt, K)
+        b, w, j = derivatives(v, zero, sin(theta), cos(theta), K)
+        t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
         return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
     if tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
         a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
@@ -101,8 +102,8 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     if small and abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
         decided = False
         Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
-    speed = abs(a)
-    t_error = sqrt(S22) / speed if speed > 0.0 else 0.0
+    b, w, _ = derivatives(v, a, s, c, K)
+    t_error = passing_time(sqrt(S22), a, b, w, K)
     if Fa > 0.0:
         where = DOMAIN_ABOVE
     elif Fb > 0.0 and Fa < 0.0:
@@ -113,7 +114,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
         S12, S22 = 0.0 * S12, 0.0 * S22  # the belt takes the error of the velocity away
         return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22
     out = Fa if where == DOMAIN_ABOVE else Fb
-    ratio = out / a if speed > 0.0 else 1.0
+    ratio = out / a if a != 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * a
@@ -147,8 +148,8 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_
         return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
     if code == TANGENCY:
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
-    force_error = K.w0sq * sqrt(S11) + ROUNDING / 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
-    t_error = exit_error(force_error, slope, theta, K)
+    force_error = K.w0sq * sqrt(S11) + 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
+    t_error = passing_time(force_error, slope, K.fB * K.Om * cos(theta), K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
     return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero
 
@@ -171,18 +172,16 @@ def clock_error(theta, tau, K):
     return 2.0 * EPS * (theta / K.Om + tau)
 
 
-def exit_error(force_error, slope, theta, K):
-    """Return the time within which a force passes 0, given its error and its first three derivatives."""
-    if force_error == 0.0:
-        return force_error
-    bend, third = abs(K.fB * K.Om * cos(theta)), abs(K.fB * K.Om * K.Om)
-    best = force_error / abs(slope) if slope != 0.0 else 1.0 / K.Om
-    if bend > 0.0:
-        best = min(best, sqrt(2.0 * force_error / bend))
-    return min(best, (6.0 * force_error / third) ** (1.0 / 3.0)) if third > 0.0 else best
-
-
-def graze_error(S22, v_noise, a, theta, belt, K):
-    """Return the standard error of the time of a tangency, where the acceleration passes 0 with slope G^(1)."""
-    slope = belt.drift - K.fB * sin(theta)
-    return exit_error(K.rate * (sqrt(S22) + v_noise), slope, theta, K)
+def passing_time(error, first, second, third, K):
+    """Return the time within which a quantity passes 0, given its error and its derivatives there."""
+    speed = abs(first)
+    if error * abs(second) < 1e-3 * speed * speed and error * error * abs(third) < 1e-3 * speed * speed * speed:
+        return error / speed
+    best = 1.0 / K.Om
+    if error == 0.0:
+        return 0.0 * best
+    if first != 0.0:
+        best = min(best, error / abs(first))
+    if second != 0.0:
+        best = min(best, sqrt(2.0 * error / abs(second)))
+    return min(best, (6.0 * error / abs(third)) ** (1.0 / 3.0)) if third != 0.0 else best

@@ -11,13 +11,13 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from functools import partial
 from math import cos, exp, sin
 from typing import Any
 
-from symosc import __version__
+from symosc import __version__, bench_formulas
 from symosc.batch import simulate_many
+from symosc.bench_formulas import best
 from symosc.errors import MissingExtraError
 from symosc.numerics import compiled
 from symosc.scenes import load_scene
@@ -54,14 +54,16 @@ def run(quick: bool = False) -> dict[str, Any]:
 
     Notes
     -----
-    Keys of a row: scene, events, ns_per_event, evaluations_per_event (its multiple of the floor), first_call_s,
-    python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40 digits),
-    max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
+    Keys of a row of `rows`: scene, events, ns_per_event, evaluations_per_event (its multiple of the floor),
+    first_call_s, python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40
+    digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
+    `formulas` is the result of `symosc.bench_formulas.run`.
     """
     repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
     floor_ns = _floor(repeats)
     rows = [_scene(name, events, repeats, floor_ns) for name in SCENES]
-    return {"machine": _machine(), "floor_ns": floor_ns, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
+    result = {"machine": _machine(), "floor_ns": floor_ns, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
+    return result | {"formulas": bench_formulas.run(quick)}
 
 
 def _machine() -> dict[str, str]:
@@ -79,15 +81,6 @@ def _machine() -> dict[str, str]:
     return {"processor": platform.processor() or platform.machine(), **versions}
 
 
-def _best(action: Callable[[], Any], repeats: int) -> float:
-    times = []
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        action()
-        times.append(time.perf_counter() - begin)
-    return min(times)
-
-
 def _floor(repeats: int) -> float:
     """Return nanoseconds per evaluation of the closed form: compiled if numba is there, as the event loop is."""
     evaluate: Any = floor
@@ -99,7 +92,7 @@ def _floor(repeats: int) -> float:
         pass
     arguments = (0.5, 0.866, 1.0, 1.0, 2.0, 3.0, 4.0)
     evaluate(10, *arguments)
-    return _best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), repeats) / FLOOR_EVALUATIONS * 1e9
+    return best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), repeats) / FLOOR_EVALUATIONS * 1e9
 
 
 def _scene(name: str, events: int, repeats: int, floor_ns: float) -> dict[str, Any]:
@@ -115,12 +108,12 @@ def _scene(name: str, events: int, repeats: int, floor_ns: float) -> dict[str, A
         begin = time.perf_counter()
         many(10, True)
         row["first_call_s"] = time.perf_counter() - begin
-        seconds = _best(lambda: many(events, True), repeats)
+        seconds = best(lambda: many(events, True), repeats)
         row |= {"events": events, "ns_per_event": seconds / events * 1e9}
         row["evaluations_per_event"] = row["ns_per_event"] / floor_ns
     except MissingExtraError:
         row |= {"first_call_s": None, "events": 0, "ns_per_event": None, "evaluations_per_event": None}
-    row["python_us_per_event"] = _best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
+    row["python_us_per_event"] = best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
     exact, double = simulate(scene, digits=DIGITS), simulate(scene)
     pairs = list(zip(double.events, exact.events, strict=True))
     row["max_error"] = max(max(_error(a.t, b.t), _error(a.x, b.x)) for a, b in pairs)
@@ -140,7 +133,7 @@ def _cold_start(repeats: int) -> dict[str, float]:
     def call(arguments: list[str]) -> None:
         subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
 
-    return {name: _best(partial(call, arguments), repeats) for name, arguments in commands.items()}
+    return {name: best(partial(call, arguments), repeats) for name, arguments in commands.items()}
 
 
 def table(result: dict[str, Any]) -> str:
@@ -174,6 +167,9 @@ def table(result: dict[str, Any]) -> str:
             f"one closed-form flow evaluation: {result['floor_ns']:.1f} ns (the unit of the third column)",
             f"errors: against {DIGITS} digits over the scene, relative to max(1, |value|)",
             f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
+            "",
+            bench_formulas.table(result["formulas"]),
+            "",
             machine,
         ]
     )

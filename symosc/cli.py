@@ -10,8 +10,8 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from itertools import takewhile
-from pathlib import Path
 from typing import Any, NoReturn
 
 import click
@@ -26,8 +26,23 @@ BAD_INPUT, INTERRUPTED = 2, 130
 FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
 
 
+#: Commands with a module of their own, symosc.cli_<...>, which is loaded when the command is used.
+MODULES = {"orbit": "orbit", "grazing": "grazing", "codegen": "export"}
+
+
 class CommandLine(click.Group):
     """A group of commands whose errors are one line each, click's own usage errors included."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands."""
+        return sorted([*super().list_commands(ctx), *MODULES])
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command, from its module if it has one."""
+        if cmd_name in MODULES:
+            command: click.Command = getattr(import_module(f"symosc.cli_{MODULES[cmd_name]}"), cmd_name)
+            return command
+        return super().get_command(ctx, cmd_name)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         """Run a command; in standalone mode report errors and exit."""
@@ -281,29 +296,6 @@ def _as_toml(scene: Scene) -> str:
     lines += [f"{name} = {number(data['parameters'][name])}" for name in PARAMETER_NAMES]
     lines += ["", "[start]", *(f"{name} = {number(data[name])}" for name in START_NAMES[:3])]
     return "\n".join(lines)
-
-
-@main.command()
-@click.option("--check", is_flag=True, help="Only compare; print the difference and exit 1 if there is one.")
-def codegen(check: bool) -> int:
-    """Print the kernels from the formulas that sympy derives.
-
-    \b
-    Example:
-      symosc codegen --check
-    """
-    from symosc.symbolic import codegen as generator
-
-    if not check:
-        _print(f"wrote {generator.write()}")
-        return 0
-    difference = generator.check()
-    if difference:
-        _print(difference)
-        click.echo("symosc: the committed kernels differ from the generated ones; accept: symosc codegen", err=True)
-        return 1
-    _print(f"{Path(generator.PATH).name} is what the formulas print")
-    return 0
 
 
 @main.command()

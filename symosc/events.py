@@ -43,8 +43,8 @@ NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
 
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
 SHORT_STEP = 4e-3
-# Error of the kernels, in units of EPS times the sum of the sizes of their terms (measured: at most 6).
-ROUNDING = 16.0
+# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
+ROUNDING = 64.0
 MOST_STEPS = 20000
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
@@ -159,6 +159,10 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
     v_steady, u_steady = K.Ss * s0 + K.Sc * c0, K.Ss * c0 - K.Sc * s0
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free))
+    # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
+    energy, room_below, room_above = a_free * a_free + K.w0sq * v_free * v_free, below - v0 - K.V0, v0 + above - K.V0
+    has_below = has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below)
+    has_above = has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above)
     tau = 0.0 * tau_max
     dv = tau
     while tau + M.step < tau_max:
@@ -189,11 +193,13 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
         over = below + dv if side < 0 else dv - above
         shift = -over / a if a != 0.0 else 0.0 * a
         if abs(shift) * K.rate < NEAR:
-            for _ in range(4 if abs(b * shift) > 1e-4 * abs(a) else 1):
+            for _ in range(1 if abs(b * shift) < 1e-4 * abs(a) else MOST_STEPS):  # many near a multiple root only
                 slope = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
                 value = over + (a + (0.5 * b + (w / 6.0 + j * shift / 24.0) * shift) * shift) * shift
-                if slope != 0.0:
-                    shift = shift - value / slope
+                change = value / slope if slope != 0.0 else 0.0 * slope
+                shift = shift - change
+                if abs(change) <= EPS * tau:
+                    break
             dx = dx + (v0 + dv + (0.5 * a + (b / 6.0 + w * shift / 24.0) * shift) * shift) * shift
             fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
             a = a + (b + (0.5 * w + (j / 6.0 + fifth * shift / 24.0) * shift) * shift) * shift

@@ -26,20 +26,19 @@ def write_whole(path: str | Path, write: Callable[[Path], None]) -> Path:
         If the folder does not exist or cannot be written to.
     """
     path = Path(path)
-    draft = None
+    draft, target = None, path.resolve()  # a link stays one
     try:
-        path = path.resolve()  # a link stays one
-        if path.exists() and not path.is_file() and not path.is_dir():
-            write(path)  # a device or a pipe cannot be replaced
+        if target.exists() and not target.is_file() and not target.is_dir():
+            write(target)  # a device or a pipe cannot be replaced
             return path
-        if path.is_dir():
+        if target.is_dir():
             raise IsADirectoryError(None, "is a folder")
-        handle, name = tempfile.mkstemp(prefix=".symosc-", suffix=path.suffix, dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=".symosc-", suffix=target.suffix, dir=target.parent)
         os.close(handle)
         draft = Path(name)
         write(draft)
         draft.chmod(0o666 & ~_umask())
-        os.replace(draft, path)
+        os.replace(draft, target)
         draft = None
     except OSError as error:
         raise OutputError(str(path), error.strerror or str(error)) from None

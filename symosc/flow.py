@@ -20,7 +20,7 @@ from symosc.model import Parameters
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
-SIGMAS = Fraction(4)
+SIGMAS = Fraction(8)
 # Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
 MARCH_STEP = 1.0
 

@@ -23,6 +23,10 @@ from symosc.model import Parameters
 SOURCES = (_generated, entire, flow, switching, bounds, events, sticks, advance, loop)
 
 
+# What decisions must exceed with mpmath, instead of `events.ROUNDING` and `flow.SIGMAS`.
+MP_ROUNDING = 2**16
+MP_SIGMAS = 2**10
+
 # Called from several places and rarely: not worth a copy in each.
 OUTLINED = {"closest_approach", "quartic_start", "series", "careful", "resolve", "tolerance", "follow_all"}
 
@@ -95,10 +99,12 @@ class MpArithmetic(Arithmetic):
         context = mp_context(digits)
         self.parameters, self.context, self.digits = parameters, context, digits
         basis = BasisMP(context, parameters)
-        self.K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi}
+        replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
         self.namespace = rebind(lambda function: function, replaced)
         self.advance = self.namespace["advance"]

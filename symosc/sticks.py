@@ -20,6 +20,8 @@ from symosc.kernels._generated import stick_acceleration
 from symosc.kernels.entire import EPS
 
 PI = acos(-1.0)
+# Phases closer than this times EPS are one.
+SAME_PHASE = 64.0
 
 
 def gain(tau, s0, c0, belt, K):
@@ -41,6 +43,12 @@ def wrapped(angle):
     return angle
 
 
+def ahead(angle):
+    """Return how far a turning phase lies ahead, in [0, 2 pi); one within rounding is here, and its piece is behind."""
+    angle = wrapped(angle)
+    return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
+
+
 def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
     """Find the end of a stick within `tau_max` <= one forcing period.
 
@@ -60,10 +68,11 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
     """
     zero = 0.0 * tau_max
     tau, Delta = zero, zero
-    first, second = tau_max, tau_max
+    first, second, turns_at_period = tau_max, tau_max, False
     if belt.turns:
-        first = wrapped(belt.angle - theta) / K.Om
-        second = wrapped(PI - belt.angle - theta) / K.Om
+        first = ahead(belt.angle - theta) / K.Om
+        second = ahead(PI - belt.angle - theta) / K.Om
+        turns_at_period = first == 0.0 or second == 0.0
     c_first = belt.c_cr
     if second < first:
         first, second, c_first = second, first, -belt.c_cr
@@ -71,7 +80,7 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
         end = first if piece == 0 else second if piece == 1 else tau_max
         if end > tau_max:
             end = tau_max
-        if end == tau:
+        if end <= tau:
             continue
         if belt.turns and end < tau_max:
             c_end = c_first if piece == 0 else -c_first
@@ -80,11 +89,15 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
             Delta_end = belt.drift * end
         else:
             Delta_end, _, _ = gain(end, s0, c0, belt, K)
+        if Delta_end == Delta:  # constant forces
+            tau = end
+            continue
         rising = Delta_end > Delta
         force, side = (F_above, 1) if rising else (F_below, -1)
         over = force + Delta_end if rising else -force - Delta_end
         noise = force_noise(F_below, end, S11, belt, K)
-        if end < tau_max and abs(over) <= noise:
+        turning = end < tau_max or (turns_at_period and end == K.period)
+        if turning and abs(over) <= noise:
             return TANGENCY, side, end, Delta_end, zero
         if over >= 0.0:
             return exit_root(force, side, tau, end, theta, s0, c0, belt, K)
@@ -101,8 +114,9 @@ def force_noise(F_below, tau, S11, belt, K):
 def exit_root(force, side, low, high, theta, s0, c0, belt, K):
     """Return the only root of force + Delta in [low, high], on which Delta is monotone.
 
-    Halley's method from the inflection of Delta (cos(theta) = 0), where it is steepest, if that lies inside, from `low`
-    otherwise; halving when a step leaves the bracket or the steps do not shrink.
+    Euler's method (the root of the local parabola, which needs no slope) from the inflection of Delta (cos(theta) = 0),
+    where it is steepest, if that lies inside, from `low` otherwise; halving when a step leaves the bracket or the steps
+    do not shrink.
     """
     inflection = wrapped((0.5 if side * K.fB < 0.0 else 1.5) * PI - theta) / K.Om
     tau = low if not low < inflection < high else inflection
@@ -114,15 +128,18 @@ def exit_root(force, side, low, high, theta, s0, c0, belt, K):
             high = tau
         else:
             low = tau
-        below = 2.0 * slope * slope - over * bend
-        step = -2.0 * over * slope / below if below > 0.0 else high - low
+        square = slope * slope - 2.0 * over * bend
+        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
+        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
         size = abs(step)
-        # Halley's error after this step.
-        error = (bend * bend + abs(slope) * third) * size * size * size
-        if error <= EPS * tau * slope * slope or tau + step == tau:
+        if over == 0.0:
+            return HIT, side, tau, -force, slope
+        if steepness > 0.0 and (third * size * size * size <= EPS * tau * steepness or tau + step == tau):
             return HIT, side, tau + step, -force, slope + bend * step
         if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
             step = 0.5 * (low + high) - tau
         step_before = abs(step)
+        if tau + step == tau:  # the bracket is as narrow as it gets
+            return HIT, side, tau, -force, slope
         tau = tau + step
     return STALLED, side, tau, Delta, slope

@@ -1,4 +1,4 @@
-"""What it means that a trajectory of symosc agrees with the oracle."""
+"""What it means that a trajectory of symosc agrees with the oracle, and the parameter sets that several tests share."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from typing import Any
 import mpmath
 from oracle import OracleRun, exact, simulate_oracle
 
+from symosc import Parameters, simulate
+
 TOLERANCE = 1e-12
+
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+NEAR = Parameters(m=1, c="0.3", k=1, A0="0.2", B0=3, Omega=1, v1="-0.5", v2="0.8", mu1="0.4", mu2="0.3", FN=2)
+# mapping: domain, belt, side of the belt that is beyond, and a time t_m = theta where a contact from there grazes
+CONTACTS = {"P2": (1, 1, 1, "0.9"), "P3": (2, 1, -1, "4.1"), "P5": (2, 2, 1, "1.2"), "P6": (3, 2, -1, "4.6")}
 
 
 def assert_event_agrees(event: Any, expected: Any, tolerance: float = TOLERANCE) -> None:
@@ -50,3 +58,15 @@ def oracle_and_condition(
         )
         conditions.append(float(moved) / push)
     return run, conditions, all(len(other.events) == len(run.events) for other in pushed)
+
+
+def oracle_of(p: Parameters, start: tuple[Any, Any, Any, Any], dps: int = 50) -> OracleRun:
+    t0, x0, v0, t_end = start
+    return simulate_oracle(p, t0, x0, v0, t_end, dps)
+
+
+def simulated(p: Parameters, start: tuple[Any, Any, Any, Any]) -> Any:
+    t0, x0, v0, t_end = start
+    trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    assert trajectory.status in ("t_end", "equilibrium")
+    return trajectory

@@ -290,22 +290,26 @@ def first_root(series: list[int], bits: int, tolerance: int, depth: int = 0) -> 
     for lower in reversed(derivatives[1:-1]):  # each is monotone between the zeros of the one after it
         cuts = [s for s, _ in _monotone_roots(lower, cuts, bits, -1)]
     roots = _monotone_roots(series, cuts, bits, tolerance)
-    return next(((s, kind) for s, kind in roots if 0 < s <= one), None)
+    return next(((_multiple(series, s, bits, tolerance), kind) for s, kind in roots if 0 < s <= one), None)
 
 
 def _monotone_roots(series: list[int], cuts: list[int], bits: int, tolerance: int) -> list[tuple[int, str]]:
     points = [0, *cuts, 1 << bits]
     values = [horner(series, s, bits) for s in points]
-    touches = [0 < i < len(points) - 1 and abs(values[i]) <= tolerance for i in range(len(points))]
-    roots = []
     slope = differentiate(series)
-    for i in range(len(points) - 1):
-        if not touches[i] and not touches[i + 1] and (values[i] > 0) != (values[i + 1] > 0):
-            roots.append((_polish(series, slope, points[i], points[i + 1], values[i] > 0, bits), "contact"))
-        if touches[i + 1]:
-            below = values[i] > 0
-            above = values[i + 2] > 0
-            roots.append((points[i + 1], "graze" if below == above else "contact"))
+    roots = []
+    before, touches = 0, []  # the last point with a sure sign, and the touches since then
+    for i in range(1, len(points)):
+        if i < len(points) - 1 and abs(values[i]) <= tolerance:
+            touches.append(i)
+            continue
+        changes = (values[before] > 0) != (values[i] > 0)
+        if touches:
+            nearest = min(touches, key=lambda touch: abs(values[touch]))
+            roots.append((points[nearest], "contact" if changes else "graze"))
+        elif changes:
+            roots.append((_polish(series, slope, points[before], points[i], values[before] > 0, bits), "contact"))
+        before, touches = i, []
     return roots
 
 
@@ -326,6 +330,24 @@ def _polish(series: list[int], slope: list[int], low: int, high: int, starts_pos
             return following
         s = following
     return s
+
+
+def _multiple(series: list[int], s: int, bits: int, tolerance: int) -> int:
+    """Return where the multiple root at `s` is exactly: at the simple root of the highest derivative that allows it.
+
+    A root of multiplicity k is known to a k-th of the digits from the series, to all of them from derivative k - 1.
+    """
+    lower, best = [series], s
+    while len(lower) <= 4 and abs(horner(differentiate(lower[-1]), best, bits)) < 1 << (bits - bits // 8):
+        top, place = differentiate(lower[-1]), best
+        for _ in range(8):
+            slope = horner(differentiate(top), place, bits)
+            place -= (horner(top, place, bits) << bits) // slope if slope else 0
+        # each derivative weighs the rounding of the coefficients by their index
+        if all(abs(horner(row, place, bits)) <= tolerance << 5 * n for n, row in enumerate(lower)):
+            best = place
+        lower.append(top)
+    return best
 
 
 def _halve(series: list[int], bits: int, tolerance: int, depth: int) -> tuple[int, str] | None:

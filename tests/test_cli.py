@@ -222,7 +222,7 @@ BAD = [
     (["figure", "fig5", "-o", "a.pdf", "--panels", "z"], "panels = 'z'"),
     (["figure", "fig5", "-o", "a.pdf", "--columns", "3"], "--columns"),
     (["scenes", "fig55"], "scene fig55: unknown"),
-    (["codegen", "now"], "unexpected extra argument"),
+    (["codegen", "now"], "is no mapping"),
     (["bench", "--slow"], "No such option"),
 ]
 

@@ -28,9 +28,17 @@ SIGNATURES = {
     "acceleration": "x, v, c, A, cm, w0sq, f0",
     "next_derivative": "y1, y0, forcing, cm, w0sq",
     "stick_acceleration": "a0, v, tau, dc, w0sq, f0",
+    "flight_residual": "x0, v0, a0, s0, c0, x1, v1, cm, w0sq, f0, Om, E0, E1, E2, R2, I2",
+    "flight_jacobian": "v0, a0, ve, ae, w0sq, Om, E0, E1, E2",
+    "flight_parameters": "x0, v0, a0, s0, c0, ve, ae, tau, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q",
+    "stick_residual": "x0, v, tau, x1, c1, A, cm, w0sq, f0",
+    "stick_jacobian": "v, s1, w0sq, f0, Om",
+    "stick_parameters": "v, tau, x1, c1, F, m, cm, Om",
 }
 #: + - * / and signs in each kernel, as counted when its structure was accepted.
 OPERATIONS = {"motion": 32, "basis_apart": 22, "acceleration": 6, "next_derivative": 5, "stick_acceleration": 5}
+OPERATIONS |= {"flight_residual": 25, "flight_jacobian": 16, "flight_parameters": 106}
+OPERATIONS |= {"stick_residual": 9, "stick_jacobian": 5, "stick_parameters": 12}
 
 CASES = pytest.mark.parametrize(
     ("regime", "seed"), [(regime, seed) for regime in s.REGIMES.values() for seed in range(4)], ids=str

@@ -140,6 +140,7 @@ def test_roots_of_a_polynomial_with_known_ones() -> None:
     cases = {
         (Fraction(1, 3), close, Fraction(4, 5)): (Fraction(1, 3), "contact"),
         (Fraction(1, 3), Fraction(1, 3), Fraction(4, 5)): (Fraction(1, 3), "graze"),
+        (Fraction(2, 3), Fraction(2, 3), Fraction(2, 3)): (Fraction(2, 3), "contact"),
         (Fraction(-1, 3), Fraction(6, 5), Fraction(7, 9), Fraction(8, 9)): (Fraction(7, 9), "contact"),
         (Fraction(-1), Fraction(2)): None,
     }

@@ -151,6 +151,15 @@ def test_invariants(start: Start) -> None:
         assert 0 <= event.theta < 2 * np.pi
         turn = (float(event.theta) - float(p.Omega) * event.t) % (2 * np.pi)
         assert min(turn, 2 * np.pi - turn) < 1e-12 * max(1, abs(event.t)) * max(1, float(p.Omega))
+        if event.kind == "slip":
+            side = int(event.target[-1])
+            terms = [
+                p.A(side),
+                p.B0 * Fraction(float(np.cos(event.theta))),
+                -p.k * Fraction(event.x),
+                -p.c * Fraction(event.v),
+            ]
+            assert abs(sum(terms)) <= 1e-11 * (1 + sum(map(abs, terms)))
     for before, after in pairwise(events):
         assert before.target == after.source
     borders = [float(start.t0), *times, float(start.t_end)]

@@ -43,3 +43,80 @@ def next_derivative(y1, y0, forcing, cm, w0sq):
 def stick_acceleration(a0, v, tau, dc, w0sq, f0):
     """F^(alpha) at tau after it was a0 on a belt of speed v: eq. (9) on x_i + v tau; dc = change of cos(Omega t)."""
     return a0 + (dc * f0 - v * tau * w0sq)
+
+
+def flight_residual(x0, v0, a0, s0, c0, x1, v1, cm, w0sq, f0, Om, E0, E1, E2, R2, I2):
+    """f1, f2 of a flight from x0, v0 to x1, v1: eq. (54) of P2, P3 and P5 to P8."""
+    f1 = x0 - x1 + (v0 * (E1 + cm * E2) + a0 * E2 + f0 * (c0 * (R2 - E2) - s0 * I2))
+    f2 = v0 - v1 + (a0 * E1 - v0 * w0sq * E2 - f0 * Om * (s0 * R2 + c0 * I2))
+    return f1, f2
+
+
+def flight_jacobian(v0, a0, ve, ae, w0sq, Om, E0, E1, E2):
+    """Derivatives of f1 (x_) and f2 (v_) by x0, theta0 and theta1; ve, ae are v and a at the end."""
+    x_x0 = 1 - w0sq * E2
+    x_th0 = (-(v0 * x_x0 + a0 * E1)) / Om
+    x_th1 = ve / Om
+    v_x0 = -w0sq * E1
+    v_th0 = (v0 * w0sq * E1 - a0 * E0) / Om
+    v_th1 = ae / Om
+    return x_x0, x_th0, x_th1, v_x0, v_th0, v_th1
+
+
+def flight_parameters(x0, v0, a0, s0, c0, ve, ae, tau, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q):
+    """Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0."""
+    u1 = w0sq * U1
+    u2 = v0 / m
+    u3 = a0 / m
+    u4 = c0 * Om
+    u5 = U1 - Om * W
+    u6 = f0 * Om / m
+    u7 = u6 * (s0 * u5 + V * u4) - U0 * u3
+    x_m = u1 * u2 + u7
+    v_m = u6 * (s0 * (U0 - Om * Om * V) + u4 * u5) + u3 * (-E1 + (cm * U0 + u1)) + w0sq * U0 * u2
+    u8 = U1 * u3
+    u9 = s0 * V + c0 * W
+    x_c = u2 * (w0sq * U2 - E2) + u6 * u9 - u8
+    v_c = u2 * (w0sq * U1 - E1) + u7
+    x_A = E2 / m
+    x_k = f0 * (s0 * W + c0 * (U2 - V)) / m - x0 * x_A - u2 * (U1 + cm * U2) - U2 * u3
+    v_A = E1 / m
+    v_k = f0 * Om * u9 / m - x0 * v_A - u2 * (U0 + cm * U1) - u8
+    u10 = I2 / m
+    x_B = c0 * R2 / m - s0 * u10
+    v_B = c0 * (v_A - Om * u10) - s0 * Om * R2 / m
+    u11 = tau / Om
+    x_Om = -(f0 * (s0 * P + c0 * Q) + ve * u11)
+    v_Om = f0 * (s0 * (Om * Q - R2) - c0 * (I2 + Om * P)) - ae * u11
+    x_v0 = E1
+    v_v0 = -(cm * E1 + w0sq * E2)
+    return x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, v_v0
+
+
+def stick_residual(x0, v, tau, x1, c1, A, cm, w0sq, f0):
+    """f1, f2 of a stick at speed v from x0 to x1 that slips where A = A_alpha/m; c1 = cos(theta1): eqs. (52), (53)."""
+    f1 = x0 - x1 + v * tau
+    f2 = A + (c1 * f0 - v * cm - x1 * w0sq)
+    return f1, f2
+
+
+def stick_jacobian(v, s1, w0sq, f0, Om):
+    """Derivatives of f1 (x_) and f2 (v_) of a stick by theta0, theta1 and x1; s1 = sin(theta1)."""
+    x_th1 = v / Om
+    x_th0 = -x_th1
+    v_x1 = -w0sq
+    v_th1 = -s1 * f0
+    return x_th0, x_th1, v_x1, v_th1
+
+
+def stick_parameters(v, tau, x1, c1, F, m, cm, Om):
+    """Derivatives of f2 (v_) of a stick by c, k, A_alpha, B0, v and m, of f1 (x_) by Omega and v; F = f2."""
+    v_c = -v / m
+    v_k = -x1 / m
+    v_A = 1 / m
+    v_B = c1 / m
+    v_v0 = -cm
+    v_m = -F / m
+    x_Om = -v * tau / Om
+    x_v0 = tau
+    return v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0

@@ -19,7 +19,7 @@ from pathlib import Path
 import sympy as sp
 
 from symosc.files import write_text
-from symosc.symbolic import solution
+from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, I2, R2, REGIMES, Expr, Omega, cm, f0, h, omega_d, tau, theta_i, w0sq
 
 PATH = Path(__file__).parents[1] / "kernels" / "_generated.py"
@@ -133,7 +133,91 @@ def _stick_acceleration() -> Kernel:
     )
 
 
-KERNELS = (_motion, _basis_apart, _acceleration, _next_derivative, _stick_acceleration)
+def _flight_residual() -> Kernel:
+    end = {"x1": maps.x_j, "v1": maps.v_j}
+    start = {"x0": solution.x_i, "v0": solution.v_i, "a0": solution.a_i, "s0": sp.sin(theta_i), "c0": sp.cos(theta_i)}
+    return Kernel(
+        "flight_residual",
+        "f1, f2 of a flight from x0, v0 to x1, v1: eq. (54) of P2, P3 and P5 to P8.",
+        start | end | {"cm": cm, "w0sq": w0sq, "f0": f0, "Om": Omega, "E0": E0, "E1": E1, "E2": E2, "R2": R2, "I2": I2},
+        maps.flight_residual(),
+        ("f1", "f2"),
+    )
+
+
+def _flight_jacobian() -> Kernel:
+    steps = maps.flight_jacobian()
+    return Kernel(
+        "flight_jacobian",
+        "Derivatives of f1 (x_) and f2 (v_) by x0, theta0 and theta1; ve, ae are v and a at the end.",
+        {"v0": solution.v_i, "a0": solution.a_i, "ve": maps.v_end, "ae": maps.a_end}
+        | {"w0sq": w0sq, "Om": Omega, "E0": E0, "E1": E1, "E2": E2},
+        steps,
+        tuple(steps),
+    )
+
+
+def _flight_parameters() -> Kernel:
+    steps = maps.flight_parameters()
+    return Kernel(
+        "flight_parameters",
+        "Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0.",
+        {"x0": solution.x_i, "v0": solution.v_i, "a0": solution.a_i, "s0": sp.sin(theta_i), "c0": sp.cos(theta_i)}
+        | {"ve": maps.v_end, "ae": maps.a_end, "tau": tau, "m": solution.m}
+        | {"cm": cm, "w0sq": w0sq, "f0": f0, "Om": Omega, "E1": E1, "E2": E2, "R2": R2, "I2": I2}
+        | {str(symbol): symbol for symbol in maps.REPEATED},
+        steps,
+        tuple(steps),
+    )
+
+
+def _stick_residual() -> Kernel:
+    return Kernel(
+        "stick_residual",
+        "f1, f2 of a stick at speed v from x0 to x1 that slips where A = A_alpha/m; c1 = cos(theta1): eqs. (52), (53).",
+        {"x0": solution.x_i, "v": solution.v_i, "tau": tau, "x1": maps.x_j, "c1": sp.cos(maps.theta_j)}
+        | {"A": solution.A_m, "cm": cm, "w0sq": w0sq, "f0": f0},
+        maps.stick_residual(),
+        ("f1", "f2"),
+    )
+
+
+def _stick_jacobian() -> Kernel:
+    steps = maps.stick_jacobian()
+    return Kernel(
+        "stick_jacobian",
+        "Derivatives of f1 (x_) and f2 (v_) of a stick by theta0, theta1 and x1; s1 = sin(theta1).",
+        {"v": solution.v_i, "s1": sp.sin(maps.theta_j), "w0sq": w0sq, "f0": f0, "Om": Omega},
+        steps,
+        tuple(steps),
+    )
+
+
+def _stick_parameters() -> Kernel:
+    steps = maps.stick_parameters()
+    return Kernel(
+        "stick_parameters",
+        "Derivatives of f2 (v_) of a stick by c, k, A_alpha, B0, v and m, of f1 (x_) by Omega and v; F = f2.",
+        {"v": solution.v_i, "tau": tau, "x1": maps.x_j, "c1": sp.cos(maps.theta_j), "F": maps.F}
+        | {"m": solution.m, "cm": cm, "Om": Omega},
+        steps,
+        tuple(steps),
+    )
+
+
+KERNELS = (
+    _motion,
+    _basis_apart,
+    _acceleration,
+    _next_derivative,
+    _stick_acceleration,
+    _flight_residual,
+    _flight_jacobian,
+    _flight_parameters,
+    _stick_residual,
+    _stick_jacobian,
+    _stick_parameters,
+)
 
 
 # --- printing ---

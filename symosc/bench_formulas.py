@@ -1,0 +1,130 @@
+"""What mappings, orbits and grazing windows cost: the second half of `symosc bench`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from symosc.grazing import grazing_window
+from symosc.grazing_sweep import grazing_windows
+from symosc.maps import compiled_residual, residual
+from symosc.orbits import find_orbit
+from symosc.scenes import load_scene
+
+POINTS = 1_000_000
+QUICK_POINTS = 200_000
+
+
+def best(action: Callable[[], Any], repeats: int) -> float:
+    """Return the shortest time of several calls, in seconds."""
+    times = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """Measure residuals against sympy's lambdify of the same expression, a Newton solve and grazing windows.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer points and repeats.
+    """
+    points, repeats = (QUICK_POINTS, 2) if quick else (POINTS, 4)
+    return {**_residuals(points, repeats), **_newton(repeats), **_windows(points, repeats)}
+
+
+def _residuals(points: int, repeats: int) -> dict[str, Any]:
+    p = load_scene("fig9").parameters
+    rng = np.random.default_rng(0)
+    x_i, x_j = rng.uniform(-5, 5, (2, points))
+    theta_i = rng.uniform(0, 6.28, points)
+    theta_j = theta_i + float(p.Omega) * rng.uniform(0.01, 2, points)
+    arguments = (x_i, theta_i, x_j, theta_j)
+    generated = best(lambda: residual(p, "P3", (x_i, theta_i), (x_j, theta_j)), repeats)
+    plain, shared = _lambdified(p, cse=False), _lambdified(p, cse=True)
+    times = {"lambdify": best(lambda: plain(*arguments), repeats)}
+    times["lambdify, cse"] = best(lambda: shared(*arguments), repeats)
+    row: dict[str, Any] = {"residuals": points, "numpy_s": generated, **{f"{k}_s": t for k, t in times.items()}}
+    row |= {f"numpy_speedup_over_{name}": seconds / generated for name, seconds in times.items()}
+    try:
+        compiled = compiled_residual(p, "P3")
+    except ImportError:
+        return row
+    compiled(*(a[:9] for a in arguments))
+    row["compiled_s"] = best(lambda: compiled(*arguments), repeats)
+    return row | {f"compiled_speedup_over_{name}": seconds / row["compiled_s"] for name, seconds in times.items()}
+
+
+def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
+    """Return sympy's own printing of P3's residual: the closed form of the underdamped regime, with numbers put in."""
+    import sympy
+
+    from symosc.flow import constants
+    from symosc.symbolic import maps, solution
+
+    K = constants(p)
+    flow = solution.flow(solution.REGIMES["underdamped"])
+    start = {solution.a_i: solution.acceleration(solution.x_i, solution.v_i, solution.theta_i)}
+    numbers = {solution.h: K.h, solution.omega_d: K.w, solution.Omega: K.Om, solution.f0: K.f0, solution.cm: K.cm}
+    numbers |= {solution.w0sq: K.w0sq, solution.A_m: K.A2, solution.v_i: K.belt1.v, maps.v_j: K.belt1.v}
+    tau = (maps.theta_j - solution.theta_i) / K.Om
+    formulas = [flow.x.xreplace(start) - maps.x_j, flow.v.xreplace(start) - maps.v_j]
+    formulas = [formula.xreplace(numbers).subs(solution.tau, tau) for formula in formulas]
+    arguments = (solution.x_i, solution.theta_i, maps.x_j, maps.theta_j)
+    lambdified: Callable[..., Any] = sympy.lambdify(arguments, formulas, "numpy", cse=cse)
+    return lambdified
+
+
+def _newton(repeats: int) -> dict[str, Any]:
+    p = load_scene("fig10").parameters
+    orbit = find_orbit(p, "P4645")
+    guess = [(round(point.t, 1), round(point.x, 1)) for point in orbit.points]
+    return {
+        "newton_P4645_ms": 1e3 * best(lambda: find_orbit(p, "P4645", guess=guess), 3 * repeats),
+        "orbit_P4645_without_guess_ms": 1e3 * best(lambda: find_orbit(p, "P4645"), repeats),
+    }
+
+
+def _windows(points: int, repeats: int) -> dict[str, Any]:
+    p = load_scene("fig9").parameters
+    speeds = np.random.default_rng(1).uniform(-20, 20, points)
+    grazing_window(p, "P3").phases  # noqa: B018  (loads sympy)
+    grazing_windows(p, "P3", v1=speeds[:9])
+    changed = iter([p.replace(v1=f"{n + 1}/7") for n in range(40 * repeats)])
+    return {
+        "exact_window_ms": 1e3 * best(lambda: grazing_window(next(changed), "P3").phases, 20 * repeats),
+        "float_window_ns": 1e9 * best(lambda: grazing_windows(p, "P3", v1=speeds), repeats) / points,
+    }
+
+
+def table(result: dict[str, Any]) -> str:
+    """Return the result of `run` as text."""
+    from tabulate import tabulate
+
+    rows = []
+    for kind in ("numpy", "compiled"):
+        if f"{kind}_s" in result:
+            ratios = (result[f"{kind}_speedup_over_lambdify{suffix}"] for suffix in ("", ", cse"))
+            seconds = f"{result[f'{kind}_s']:.3f} s"
+            rows.append([f"residual of P3, {kind}", *(f"{ratio:.1f}" for ratio in ratios), seconds])
+    lines = [
+        tabulate(
+            rows,
+            [f"{result['residuals']} evaluations", "times as fast as lambdify", "with cse", "time"],
+            disable_numparse=True,
+            colalign=("left", "right", "right", "right"),
+        ),
+        "",
+        f"periodic orbit P4645 of fig10: {result['newton_P4645_ms']:.2f} ms from a guess with one decimal, "
+        f"{result['orbit_P4645_without_guess_ms']:.0f} ms without a guess",
+        f"grazing window: {result['exact_window_ms']:.2f} ms exact, "
+        f"{result['float_window_ns']:.0f} ns in a sweep of floats",
+    ]
+    return "\n".join(lines)

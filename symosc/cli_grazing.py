@@ -1,0 +1,167 @@
+"""The command `symosc grazing`: Theorem 7's windows of a scene, exactly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.errors import ParameterError
+from symosc.exact import show
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.scenes import load_scene
+from symosc.windows import ORDERS, PLACES, place
+
+if TYPE_CHECKING:
+    from symosc.grazing import GrazingWindow
+
+
+@click.command()
+@click.argument("scene", required=False)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Change a parameter, such as k=3. Repeatable; all of them in place of SCENE.",
+)
+@click.option("--map", "mappings", multiple=True, metavar="MAP", help="P2, P3, P5 or P6. Repeatable. Default: all.")
+@click.option(
+    "--order",
+    type=click.Choice(ORDERS),
+    default="full",
+    help="paper: as printed, by the sign of G1. full: by the first G-function that is not 0 (default).",
+)
+@click.option("--latex", "as_latex", is_flag=True, help="Print LaTeX, one window a line.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
+@click.option("--plot", "output", metavar="FILE", help="Draw the windows and contact curves: .pdf, .svg or .png.")
+@click.option(
+    "--against", metavar="NAME[=LOW:HIGH]", help="With --plot and one --map: the window against Omega, B0, k, v1 or v2."
+)
+def grazing(
+    scene: str | None,
+    settings: tuple[str, ...],
+    mappings: tuple[str, ...],
+    order: str,
+    as_latex: bool,
+    as_json: bool,
+    output: str | None,
+    against: str | None,
+) -> None:
+    """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
+
+    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks;
+    gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is no decimal.
+
+    \b
+    Examples:
+      symosc grazing fig9
+      symosc grazing fig8 --map P3 --order paper --latex
+      symosc grazing fig9 --set k=4 --map P2 --plot window.pdf
+      symosc grazing fig9 --map P2 --against Omega=0.1:4 --plot sweep.pdf
+    """
+    from symosc import cli  # the command line loads this module
+
+    name, p = _parameters(scene, settings)
+    if as_latex and as_json:
+        raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
+    if against is not None and (output is None or len(mappings) != 1):
+        raise click.UsageError("--against needs --plot FILE and one --map")
+    for mapping in mappings:
+        place(mapping)
+    chosen = list(dict.fromkeys(mappings)) or list(PLACES)
+    from symosc.grazing import grazing_window
+
+    windows = [grazing_window(p, mapping, order) for mapping in chosen]
+    if output is not None:
+        _draw(windows, against, output)
+    if as_json:
+        data = {"scene": name, "parameters": p.as_dict(), "order": order}
+        cli._print_json(data | {"windows": [_data(window) for window in windows]})
+    elif as_latex:
+        for window in windows:
+            cli._print(window.latex())
+    else:
+        cli._print_table(
+            [_row(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"]
+        )
+        for window in windows:
+            if p.k == 0 and window.kind:
+                phases = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
+                cli._print(f"{window.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {phases}")
+
+
+def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | None, Parameters]:
+    """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
+    changes: dict[str, str] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise click.BadParameter(f"{setting!r} is not NAME=VALUE, such as k=3", param_hint="--set")
+        if name in changes:
+            raise click.BadParameter(f"{name} is set twice", param_hint="--set")
+        changes[name] = value
+    if scene is not None:
+        problem = load_scene(scene)
+        return problem.name, problem.parameters.replace(**changes)
+    for name in changes:
+        if name not in PARAMETER_NAMES:
+            raise ParameterError(name, changes[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+    missing = [name for name in PARAMETER_NAMES if name not in changes]
+    if missing:
+        raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
+    return None, Parameters(**changes)
+
+
+def _row(window: GrazingWindow) -> list[str]:
+    theta_cr = "none" if window.theta_cr is None else str(window.theta_cr)
+    numbers = [show(window.gamma), show(window.amplitude)]
+    return [window.mapping, window.case, *numbers, theta_cr, _set_text(window.phases)]
+
+
+def _set_text(phases: Any) -> str:
+    """Return a set in the notation of the paper."""
+    if phases.is_empty:
+        return "empty"
+    parts = phases.args if phases.is_Union else [phases]
+    return " U ".join(
+        f"{'(' if part.left_open else '['}{part.start}, {part.end}{')' if part.right_open else ']'}" for part in parts
+    )
+
+
+def _data(window: GrazingWindow) -> dict[str, Any]:
+    theta_cr = None
+    if window.theta_cr is not None:
+        theta_cr = {"exact": str(window.theta_cr), "value": float(window.critical_phase())}
+    names = ("low", "high", "low_closed", "high_closed")
+    return {
+        "map": window.mapping,
+        "domain": window.place.domain,
+        "boundary": window.place.boundary,
+        "case": window.case,
+        "gamma": show(window.gamma),
+        "amplitude": show(window.amplitude),
+        "theta_cr": theta_cr,
+        "phases": _set_text(window.phases),
+        "intervals": [dict(zip(names, interval, strict=True)) for interval in window.intervals],
+        "latex": window.latex(),
+    }
+
+
+def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
+    from symosc.plot import check_suffix, save
+
+    check_suffix(output)
+    from symosc.plot_grazing import sweep_figure, window_figure
+
+    if against is None:
+        save(window_figure(windows), output)
+        return
+    name, equals, span = against.partition("=")
+    low, colon, high = span.partition(":")
+    if equals and not (colon and low and high):
+        form = "is not NAME or NAME=LOW:HIGH, such as Omega=0.1:4"
+        raise click.BadParameter(f"{against!r} {form}", param_hint="--against")
+    window = windows[0]
+    drawing = sweep_figure(window.parameters, window.mapping, name, low or None, high or None, window.order)
+    save(drawing, output)

@@ -1,0 +1,314 @@
+"""The closing equations of a periodic orbit, all switching points at once, and their damped Newton method.
+
+An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its switching points
+(x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are f1 = f2 = 0 (eq. (54)) of each
+mapping from point i to point i + 1, the last one back to (x_0, theta_0 + 2 pi N) after N periods of the excitation. The
+Jacobian is block-cyclic: mapping i has one 2x2 block for its start and one for its end. As all points are unknown,
+errors do not grow along the orbit as they would with shooting from one point, and every equation belongs to one piece.
+
+The residuals are those of `symosc.maps`, continued to where they are no mappings any more, so that a branch of orbits
+is smooth up to its end and beyond: sticks may have a negative duration; a flight after a stick starts with no
+acceleration (the stick's equation says so already). Where tau = 0 is a root of f2 it is divided out: Newton's method
+does not fall for it, and a slip may vanish without the system becoming singular.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from symosc.errors import SymoscError
+from symosc.flow import BeltConstants
+from symosc.kernels._generated import (
+    acceleration,
+    flight_jacobian,
+    flight_residual,
+    motion,
+    stick_jacobian,
+    stick_residual,
+)
+from symosc.kernels.entire import EPS
+from symosc.model import Parameters
+from symosc.numerics import Arithmetic, MpArithmetic
+from symosc.words import Word
+
+MOST_STEPS = 60
+LEAST_DAMPING = 2.0**-16
+# A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
+SHORTEN = 0.8
+# Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
+CONVERGING = 1e-8
+
+
+class ConvergenceError(SymoscError, ArithmeticError):
+    """Newton's method for a periodic orbit did not converge.
+
+    Attributes
+    ----------
+    word : str
+    best : tuple of (t, x)
+        The best switching points that were found.
+    periods : int
+        The number of forcing periods that they were to close after.
+    residual : float
+        Largest |f1|, |f2| there.
+    """
+
+    def __init__(self, word: str, best: tuple[Any, ...], periods: int, residual: float, reason: str) -> None:
+        self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
+        super().__init__(f"no periodic orbit {word} was found: {reason} (smallest residual {residual:.1e})")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One mapping of a word.
+
+    Attributes
+    ----------
+    label : str
+        "P1" to "P8".
+    start, end : int
+        The belts that it starts and ends on.
+    mode : int
+        1 to 3: flight in that domain; 4, 5: stick on belt 1, 2 (as in `symosc.advance`).
+    side : int
+        +1 if its end is reached from below (flight) or left upward (stick), -1 otherwise.
+    after_stick : bool
+        Whether it starts where a stick ends, so that its first acceleration is 0.
+    """
+
+    label: str
+    start: int
+    end: int
+    mode: int
+    side: int
+    after_stick: bool
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the mass stays on a belt."""
+        return self.mode > 3
+
+    @property
+    def zeros(self) -> int:
+        """How many times tau = 0 is a root of f2: 0 from belt to belt, 1 back to the same, then 2 after a stick."""
+        return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
+
+
+def pieces_of(word: Word) -> tuple[Piece, ...]:
+    """Return the pieces of a word, which repeats for ever."""
+    pieces = []
+    for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
+        upward = exit == "above" if row.sticks else row.end.side == 1  # side 1 is below the belt
+        after_stick = word.maps[i - 1].sticks
+        pieces.append(
+            Piece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
+        )
+    return tuple(pieces)
+
+
+class ClosingEquations:
+    """The equations of one word, number of periods and parameter set, in one arithmetic.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    word : Word
+    periods : int
+        After how many forcing periods the orbit closes.
+    digits : int, optional
+        None: double precision.
+    """
+
+    def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
+        self.parameters, self.word, self.periods = parameters, word, periods
+        self.pieces = pieces_of(word)
+        self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
+        self.K = self.arithmetic.K
+        self.basis = self.arithmetic.namespace["basis"]
+        self.turn = 2 * pi * periods if digits is None else 2 * self.arithmetic.context.pi * periods  # type: ignore[attr-defined]
+
+        self.exact = None if digits is None else self.arithmetic.context.convert  # type: ignore[attr-defined]
+        maths = math if digits is None else self.arithmetic.context  # type: ignore[attr-defined]
+        self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
+        self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
+
+    def ends(self, points: Any) -> list[Any]:
+        """Return the points (x, theta) that the pieces end on."""
+        x, theta = points[0]
+        return [*points[1:], (x, theta + self.turn)]
+
+    def residuals(self, points: Any) -> list[Any]:
+        """Return f1, f2 of every piece, in order, the known roots tau = 0 divided out of f2."""
+        values = []
+        for piece, start, end in self._ends_of_pieces(points):
+            f1, f2 = self._residual(piece, start, end)
+            values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
+        return values
+
+    def largest_residual(self, points: Any) -> Any:
+        """Return the largest |f1|, |f2| of eq. (54)."""
+        return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
+
+    def blocks(self, points: Any) -> list[Any]:
+        """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
+        return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
+
+    def _ends_of_pieces(self, points: Any) -> Any:
+        return zip(self.pieces, points, self.ends(points), strict=True)
+
+    def force(self, domain: int, x: Any, v: Any, theta: Any) -> Any:
+        """Return the acceleration F^(domain) (eq. (9))."""
+        K = self.K
+        return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+
+    def belt(self, boundary: int) -> BeltConstants:
+        """Return the constants of a belt."""
+        return self.K.belt1 if boundary == 1 else self.K.belt2
+
+    def start_of_flight(self, piece: Piece, start: Any) -> tuple[Any, Any, Any, Any]:
+        """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
+        v = self.belt(piece.start).v
+        a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
+        return v, a, self.sin(start[1]), self.cos(start[1])
+
+    def _residual(self, piece: Piece, start: Any, end: Any) -> tuple[Any, Any]:
+        K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
+        if piece.sticks:
+            domain = piece.start + (piece.side > 0)
+            A = (K.A1, K.A2, K.A3)[domain - 1]
+            return stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
+        v, a, s, c = self.start_of_flight(piece, start)
+        basis = self.basis(tau, K)[:5]
+        return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
+
+    def _jacobian(self, piece: Piece, start: Any, end: Any) -> Any:
+        K, tau = self.K, (end[1] - start[1]) / self.K.Om
+        if piece.sticks:
+            x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
+            return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
+        v, a, s, c = self.start_of_flight(piece, start)
+        E0, E1, E2, R2, I2 = self.basis(tau, K)[:5]
+        _, dv, a_end = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
+        if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
+            x_x0, x_th0 = x_x0 + K.w0sq * E2, x_th0 + K.f0 * s * E2
+            v_x0, v_th0 = v_x0 + K.w0sq * E1, v_th0 + K.f0 * s * E1
+        if piece.zeros:
+            power, shift = tau**piece.zeros, piece.zeros * dv / (tau * K.Om)
+            v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
+        return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
+
+    def matrix(self, points: Any) -> np.ndarray:
+        """Return the block-cyclic Jacobian, (2n, 2n) floats."""
+        n = len(self.pieces)
+        matrix = np.zeros((2 * n, 2 * n))
+        for i, block in enumerate(self.blocks(points)):
+            j = (i + 1) % n
+            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += np.asarray(block, dtype=float)[:, :2]
+            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += np.asarray(block, dtype=float)[:, 2:]
+        return matrix
+
+    def durations(self, points: np.ndarray) -> np.ndarray:
+        """Return Omega times the duration of every piece."""
+        theta = points[:, 1]
+        return np.append(theta[1:], theta[0] + float(self.turn)) - theta
+
+
+@dataclass
+class Solution:
+    """What Newton's method ended with: points (n, 2) of (x, theta), largest |residual|, steps, and why it stopped."""
+
+    points: Any
+    residual: Any
+    steps: int
+    converged: bool
+    reason: str
+
+
+def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
+    """Solve the closing equations by Newton's method, damped by the natural monotonicity test.
+
+    A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
+    Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
+    velocity or, at the end of a stick, an acceleration.
+
+    Parameters
+    ----------
+    equations : ClosingEquations
+        In double precision.
+    guess : (n, 2) array of (x, theta)
+        Phases must increase, and end less than N periods after the first.
+    """
+    points = np.array(guess, dtype=float)
+    scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
+    values = np.array(equations.residuals(points), dtype=float)
+    best, size_before, damping = (np.abs(values).max(), points), np.inf, 1.0
+    for steps in range(1, MOST_STEPS + 1):
+        matrix = equations.matrix(points)
+        try:
+            step = np.linalg.solve(matrix, -values).reshape(-1, 2)
+        except np.linalg.LinAlgError:
+            return Solution(best[1], best[0], steps, False, "the Jacobian became singular")
+        size = np.abs(step / scale).max()
+        if not np.isfinite(size):
+            return Solution(best[1], best[0], steps, False, "the equations overflowed")
+        if size <= 4 * EPS or (size < CONVERGING and size > size_before / 4):
+            return Solution(points, equations.largest_residual(points), steps, True, "")
+        size_before = size
+        damping = min(1.0, 4.0 * damping, _longest(equations, points, step))
+        while True:
+            trial = points + damping * step
+            values = np.array(equations.residuals(trial), dtype=float)
+            after = np.abs(np.linalg.solve(matrix, values).reshape(-1, 2) / scale).max()
+            if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
+                break
+            damping /= 2
+            if damping < LEAST_DAMPING:
+                return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
+        points = trial
+        best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
+    return Solution(best[1], best[0], MOST_STEPS, False, f"not converged after {MOST_STEPS} steps")
+
+
+def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
+    """Return the part of a step after which every flight has kept 1 - SHORTEN of its duration.
+
+    A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
+    """
+    durations = equations.durations(points)
+    changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
+    flights = np.array([not piece.sticks for piece in equations.pieces])
+    shrinking = flights & (changes < 0)
+    if not shrinking.any():
+        return 1.0
+    return float(min(1.0, (SHORTEN * durations[shrinking] / -changes[shrinking]).min()))
+
+
+def polish(equations: ClosingEquations, points: Any) -> Solution:
+    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
+    context = equations.arithmetic.context  # type: ignore[attr-defined]
+    points = [tuple(context.convert(value) for value in point) for point in points]
+    n, last = len(points), context.inf
+    for steps in range(1, MOST_STEPS + 1):
+        values = equations.residuals(points)
+        matrix = context.zeros(2 * n)
+        for i, block in enumerate(equations.blocks(points)):
+            for row in range(2):
+                for column in range(4):
+                    matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
+        step = context.lu_solve(matrix, context.matrix([-value for value in values]))
+        size = max(abs(value) for value in step)
+        points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
+        if size <= 16 * context.eps or (size >= last / 4 and size < CONVERGING):
+            return Solution(points, equations.largest_residual(points), steps, True, "")
+        last = size
+    return Solution(points, max(map(abs, values)), MOST_STEPS, False, "not converged in more digits")

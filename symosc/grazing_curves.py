@@ -1,0 +1,324 @@
+"""The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
+
+Theorem 7's window gives the phases theta_m of the tangencies, the flow back from each gives the start
+(`symosc.backward`, in double precision with error bounds, with more digits where these leave a contact open). The curve
+ends where the window ends, or where the flow begins to come from elsewhere: it touches the other belt or its own on the
+way, or has met none.
+
+Between a tangency and its start, tau earlier, a shift of theta_m along the contacts moves the start by
+
+    d(Omega t_i)/d(theta_m) = -exp(c tau/m) E1(tau) G1/a_i
+    d(x_i)/d(theta_m)       = (v_lambda d(Omega t_i)/d(theta_m) + exp(c tau/m) E0(tau) G1 m/k)/Omega
+
+with G1 = G^(1) at the tangency and a_i the acceleration at the start: at a fixed time neighbouring contacts differ in x
+only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from math import cos, exp, inf, pi, sin
+from typing import Any
+
+import numpy as np
+
+from symosc.backward import NEVER, REACHED, TOUCH, Arrival, flow_back
+from symosc.errors import ParameterError
+from symosc.flow import constants
+from symosc.grazing import grazing_window
+from symosc.grazing_orbits import PERIODS
+from symosc.kernels.entire import basis
+from symosc.model import Parameters
+from symosc.numerics import MpArithmetic
+from symosc.windows import place
+
+POINTS = 400
+LEAST_POINTS = 8
+PIECE_POINTS = 33
+EPS = 2.0**-53
+BACKUP_DIGITS = 40
+# Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
+HALVINGS = 50
+# Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
+STRIDE = 0.2
+# ... and it is one if so much is left of it at the end.
+JUMP = 1e-3
+# Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
+FINEST = 1e-6
+# How near to an open end of the window the curve is sampled.
+END_GAP = 1e-7
+
+#: Where the flow of a sample came from.
+OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A tangency at theta_m and where its flow came from: `origin`, x, and Omega t = theta_m - Omega tau, unwrapped."""
+
+    theta_m: float
+    x_m: float
+    origin: str
+    x: float
+    theta: float
+    slope_x: float
+    slope_theta: float
+
+
+@dataclass(frozen=True)
+class CurveEnd:
+    """An end of a piece of the curve: theta_m there, its start (x, theta), and why the curve ends."""
+
+    theta_m: float
+    x: float
+    theta: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class CurvePiece:
+    """A stretch of theta_m over which the start moves continuously; columns in order of theta_m.
+
+    Attributes
+    ----------
+    theta_m, x_m : (n,) arrays
+        Phase (may exceed [0, 2 pi) by being continuous) and place of the tangency.
+    theta, x : (n,) arrays
+        The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
+    slope_theta, slope_x : (n,) arrays
+        Their derivatives by theta_m.
+    low, high : CurveEnd
+        Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
+    """
+
+    theta_m: np.ndarray
+    x_m: np.ndarray
+    theta: np.ndarray
+    x: np.ndarray
+    slope_theta: np.ndarray
+    slope_x: np.ndarray
+    low: CurveEnd
+    high: CurveEnd
+
+
+@dataclass(frozen=True)
+class GrazingCurve:
+    """The grazing curve of a mapping.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    mapping : str
+    pieces : tuple of CurvePiece
+        Empty where no flow from the mapping's belt grazes.
+    gaps : tuple of (low, high, origin)
+        Stretches of theta_m in the window without a start, and where the flow comes from there.
+    windows : tuple of (low, high)
+        The window of theta_m, an arc through 0 in one piece.
+    """
+
+    parameters: Parameters
+    mapping: str
+    pieces: tuple[CurvePiece, ...]
+    gaps: tuple[tuple[float, float, str], ...]
+    windows: tuple[tuple[float, float], ...]
+    _source: Tracer = field(repr=False, compare=False)
+
+    def sample(self, theta_m: float) -> Sample:
+        """Return the sample at any phase of the window, computed anew."""
+        return self._source.sample(theta_m)
+
+
+class Tracer:
+    """Flows back from the tangencies of one mapping, in double precision backed up by more digits."""
+
+    def __init__(self, p: Parameters, mapping: str) -> None:
+        if p.k == 0:
+            raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+        self.p, self.mapping, self.place, self.K = p, mapping, place(mapping), constants(p)
+        self.v = float(p.belt(self.place.boundary))
+        self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
+        self.gain = float(p.B0 / p.k)
+        self.fine: MpArithmetic | None = None
+
+    def arrival(self, theta_m: float, careful: bool = True) -> Arrival:
+        """Return where the flow from the tangency came from; without `careful` a contact may stay open, as a touch."""
+        where, far = self.place, PERIODS * self.K.period
+        arrival = flow_back(theta_m, 1, where.boundary, where.domain, far, self.K, math, EPS)
+        if not careful or arrival.kind != TOUCH:
+            return arrival
+        self.fine = self.fine or MpArithmetic(self.p, BACKUP_DIGITS)
+        context, K = self.fine.context, self.fine.K
+        theta = context.mpf(theta_m)
+        fine = flow_back(theta, 1, where.boundary, where.domain, PERIODS * K.period, K, context, context.eps)
+        return Arrival(fine.kind, fine.boundary, *(float(value) for value in fine[2:]))
+
+    def sample(self, theta_m: float, careful: bool = True) -> Sample:
+        """Return the sample at theta_m."""
+        K = self.K
+        arrival = self.arrival(theta_m, careful)
+        x_m = self.rest + self.gain * cos(theta_m)
+        if arrival.kind in (NEVER, REACHED):
+            return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, *[math.nan] * 4)
+        G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
+        E0, E1, *_ = basis(arrival.tau, K)
+        growth = exp(K.cm * arrival.tau)
+        slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
+        slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
+        origin = OWN if arrival.boundary == self.place.boundary else OTHER
+        return Sample(theta_m, x_m, origin, x_m + arrival.dx, theta_m - K.Om * arrival.tau, slope_x, slope_theta)
+
+
+def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
+    """Return the curve of the starts from which a mapping grazes, with its ends located.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6".
+    n : int
+        Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
+        the other belt jumps, and may be overlooked elsewhere; one shorter than 1e-6 always is.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, k = 0, or too small an n.
+    """
+    window = grazing_window(p, mapping)
+    if isinstance(n, bool) or not isinstance(n, int) or n < LEAST_POINTS:
+        raise ParameterError("n", n, f"must be a whole number >= {LEAST_POINTS}")
+    tracer = Tracer(p, mapping)
+    arcs = _arcs(window.intervals)
+    runs: list[Run] = []
+    for arc in arcs:
+        runs += _cut(tracer, [tracer.sample(float(theta)) for theta in _phases(*arc, n)], arc)
+    pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
+    gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
+    return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
+
+
+def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
+    """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
+    arcs = [(low, high) for low, high, _, _ in intervals]
+    if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
+        return [(0.0, 2 * pi, True)]
+    if len(arcs) == 2 and arcs[0][0] == 0.0 and arcs[1][1] == 2 * pi:
+        return [(arcs[1][0] - 2 * pi, arcs[0][1], False)]
+    return [(low, high, False) for low, high in arcs]
+
+
+def _phases(low: float, high: float, closed: bool, n: int) -> Any:
+    if closed:
+        return low + (high - low) * (np.arange(n + 1) / n)
+    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
+    gap = END_GAP * (high - low)
+    return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
+
+
+@dataclass
+class Run:
+    """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
+
+    samples: list[Sample]
+    span: tuple[float, float]
+    reasons: tuple[str, str]
+
+    @property
+    def origin(self) -> str:
+        return self.samples[0].origin
+
+
+def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[Run]:
+    """Cut the samples over an arc where the origin changes or the start jumps."""
+    low, high, closed = arc
+    limit = "closed" if closed else "end of the window"
+    runs: list[Run] = []
+    run, begin, reason = [samples[0]], low, limit
+    ahead = samples[:0:-1]
+    while ahead:
+        edges = _edge(tracer, run[-1], ahead[-1])
+        if edges is None:
+            run.append(ahead.pop())
+            continue
+        inner, outer = edges
+        run += [inner] if inner.theta_m > run[-1].theta_m else []
+        border = 0.5 * (inner.theta_m + outer.theta_m)
+        runs.append(Run(run, (begin, border), (reason, _reason(tracer, inner, outer))))
+        run, begin, reason = [outer], border, _reason(tracer, outer, inner)
+        if outer.theta_m >= ahead[-1].theta_m:
+            ahead.pop()
+    runs.append(Run(run, (begin, high), (reason, limit)))
+    return _joined(runs) if closed and len(runs) > 1 else runs
+
+
+def _joined(runs: list[Run]) -> list[Run]:
+    """Join the last run over a full circle with the first, a turn later, if they are one."""
+    first, last = runs[0], runs[-1]
+    if first.origin != last.origin:
+        return runs
+    turn = 2 * pi
+    later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
+    both = Run(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
+    return [*runs[1:-1], both]
+
+
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[Sample, Sample] | None:
+    """Return the samples on both sides of the first change of origin found between two neighbours, or of a jump.
+
+    None: there is none. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    """
+    if left.origin == right.origin and not abs(right.theta - left.theta) > STRIDE:
+        return None
+    for _ in range(HALVINGS):
+        theta = 0.5 * (left.theta_m + right.theta_m)
+        if not left.theta_m < theta < right.theta_m:
+            break
+        middle = tracer.sample(theta, careful=False)
+        if left.origin != right.origin:
+            to_left = middle.origin == left.origin
+        elif middle.origin != left.origin:
+            if right.theta_m - left.theta_m < FINEST:
+                return None
+            to_left, right = False, middle
+            continue
+        else:
+            to_left = abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
+        left, right = (middle, right) if to_left else (left, middle)
+    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < JUMP):
+        return None
+    return left, right
+
+
+def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
+    own = tracer.place.boundary
+    if beyond.origin == OTHER:
+        return f"beyond, the flow comes from belt {3 - own}"
+    if beyond.origin in (NOWHERE, UNKNOWN):
+        return f"beyond, the flow met no belt before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
+    if here.origin != OWN:
+        return f"beyond, the flow comes from belt {own}"
+    return f"the flow touches belt {own} on the way"
+
+
+def _filled(tracer: Tracer, run: Run) -> Run:
+    """Return a run with at least PIECE_POINTS samples."""
+    first, last = run.samples[0].theta_m, run.samples[-1].theta_m
+    if len(run.samples) >= PIECE_POINTS or last - first < FINEST:
+        return run
+    between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
+    inner = [each for each in between if each.origin == OWN]
+    samples = sorted([*run.samples, *inner], key=lambda each: each.theta_m)
+    return replace(run, samples=samples)
+
+
+def _piece(run: Run) -> CurvePiece:
+    names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
+    columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
+    ends = [
+        CurveEnd(at, sample.x, sample.theta, reason)
+        for at, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
+    ]
+    return CurvePiece(**columns, low=ends[0], high=ends[1])

@@ -1,0 +1,127 @@
+"""Grazing windows of many parameter sets at once, in double precision, compiled where numba is installed."""
+
+from __future__ import annotations
+
+import math
+import types
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc import windows
+from symosc.errors import ParameterError
+from symosc.grazing import grazing_window
+from symosc.model import Parameters
+from symosc.windows import EMPTY, EVERYTHING, IN_DOUBT, check_order, place
+
+
+class WindowColumns(NamedTuple):
+    """Windows of many parameter sets, arrays of one shape.
+
+    Attributes
+    ----------
+    kind : int8
+        EMPTY, EVERYTHING, ALL_BUT_ONE, ARC or WRAPPED_ARC, constants of `symosc.windows`; always exact.
+    low, high : float
+        An ARC reaches from low up to high, a WRAPPED_ARC from low through 0 to high, ends excluded. ALL_BUT_ONE:
+        low = high is the excluded phase. nan otherwise.
+    theta_cr : float
+        Theta_cr in [-pi/2, pi/2], nan where it does not exist.
+    """
+
+    kind: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    theta_cr: np.ndarray
+
+
+def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
+    """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
+
+    Every end is within one unit in the last place, and every case is exact: array entries are the binary numbers that
+    they are, the other parameters stay rational. Compiled where numba is installed.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping, order :
+        As for `grazing_window`.
+    **swept : array_like of float
+        Values of k, B0, Omega and v1 or v2 (the belt of the map); they are broadcast. The window depends on no others.
+
+    Raises
+    ------
+    ParameterError
+        For another parameter, and for values that Parameters would refuse.
+    """
+    where, full = place(mapping), check_order(order) == "full"
+    names = ("k", f"v{where.boundary}", "B0", "Omega")
+    for name in swept:
+        if name not in names:
+            raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
+    arrays = dict(zip(swept, np.broadcast_arrays(*map(_float_array, swept, swept.values())), strict=True))
+    _check_values(p, arrays)
+    shape = next(iter(arrays.values())).shape if arrays else ()
+    pairs = []
+    for name in names:
+        constant = Fraction(0) if name in arrays else getattr(p, name)
+        high, low = _pair(constant)
+        pairs += [arrays[name].ravel() if name in arrays else np.full(math.prod(shape), high)]
+        pairs += [np.full(math.prod(shape), low)]
+    columns = WindowColumns(np.empty(math.prod(shape), np.int8), *(np.empty(math.prod(shape)) for _ in range(3)))
+    _rows()(*pairs, where.side, full, *columns)
+    for i in np.nonzero(columns.kind == IN_DOUBT)[0]:
+        _fill(
+            columns, int(i), p, mapping, order, {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
+        )
+    return WindowColumns(*(column.reshape(shape) for column in columns))
+
+
+def _float_array(name: str, values: Any) -> np.ndarray:
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ParameterError(name, values, "must be numbers") from None
+    if not np.all(np.isfinite(array)):
+        raise ParameterError(name, array[~np.isfinite(array)].flat[0], "must be finite")
+    return array
+
+
+def _check_values(p: Parameters, arrays: dict[str, np.ndarray]) -> None:
+    """Let Parameters judge the extreme values of each array."""
+    for name, array in arrays.items():
+        for value in (array.min(), array.max()) if array.size else ():
+            p.replace(**{name: float(value)})
+
+
+def _fill(columns: WindowColumns, i: int, p: Parameters, mapping: str, order: str, values: dict[str, Fraction]) -> None:
+    """Write row i from rational numbers."""
+    exact = grazing_window(p.replace(**values), mapping, order)
+    columns.kind[i] = exact.kind
+    columns.theta_cr[i] = float(exact.critical_phase())
+    columns.low[i], columns.high[i] = (math.nan, math.nan) if exact.kind in (EMPTY, EVERYTHING) else exact.ends
+
+
+def _pair(value: Fraction) -> tuple[float, float]:
+    """Return a Fraction as a pair of doubles, right to 2^-106."""
+    high = float(value)
+    return high, float(value - Fraction(high))
+
+
+@lru_cache(maxsize=1)
+def _rows() -> Any:
+    """Return `windows.windows`, compiled if numba is installed."""
+    try:
+        import numba
+    except ImportError:
+        return windows.windows
+    # As in symosc.numerics: copies of the functions that see each other's compiled form.
+    shared = {name: value for name, value in vars(windows).items() if not name.startswith("__")}
+    shared["__name__"] = __name__  # numba's cache asks each function for its module
+    for name, function in list(shared.items()):
+        if isinstance(function, types.FunctionType) and function.__module__ == windows.__name__:
+            copy = types.FunctionType(function.__code__, shared, name, function.__defaults__)
+            shared[name] = numba.njit(cache=True, error_model="numpy", forceinline=name != "windows")(copy)
+    return shared["windows"]

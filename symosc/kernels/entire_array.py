@@ -1,0 +1,80 @@
+"""The entire functions of `symosc.kernels.entire` for numpy arrays of times: each formula where it is good."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from symosc.kernels._generated import basis_apart
+from symosc.kernels.entire import APART_ABOVE, SERIES_BELOW
+
+# Terms of the series: SERIES_BELOW^n / n! is below one ulp.
+TERMS = 18
+
+
+def basis(tau: Any, K: Any) -> Any:
+    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times; see `symosc.kernels.entire.basis`."""
+    s, c = np.sin(K.Om * tau), np.cos(K.Om * tau)
+    short = K.rate * tau < SERIES_BELOW
+    if K.apart:  # for all: most times are long, and picking them out would cost more
+        found = np.array(apart(tau, s, c, K))
+        rest = ~short & (K.w0 * tau < APART_ABOVE)
+    else:
+        found, rest = np.empty((5, *np.shape(tau))), ~short
+    if short.any():
+        found[:, short] = series(tau[short], K.cm, K.w0sq, K.Om)
+    if rest.any():
+        found[:, rest] = careful(tau[rest], s[rest], c[rest], K)
+    return (*found, s, c)
+
+
+def apart(tau: Any, s: Any, c: Any, K: Any) -> Any:
+    """Return the five functions from the closed form for an underdamped system far from resonance."""
+    decay, w_tau = np.exp(-K.h * tau), K.w * tau
+    return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+
+
+def series(tau: Any, cm: Any, w0sq: Any, Om: Any) -> Any:
+    """Return E0, E1, E2, R2, I2 from their Taylor series; see `symosc.kernels.entire.series`."""
+    before, term = 0.0 * tau, tau
+    E0, E1, E2 = 1.0 + before, tau, 0.5 * tau * tau
+    r, i = E2, before
+    R2, I2 = r, i
+    for n in range(1, TERMS):
+        slope = -cm * term - w0sq * tau * before / n
+        before, term = term, slope * tau / (n + 1)
+        shorter = tau / (n + 2)
+        r, i = (term - Om * i) * shorter, Om * r * shorter
+        E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
+    return E0, E1, E2, R2, I2
+
+
+def careful(tau: Any, s: Any, c: Any, K: Any) -> Any:
+    """Return the five functions by divided differences; see `symosc.kernels.entire.careful`."""
+    if K.under:
+        l1, l2 = complex(-K.h, K.w), complex(-K.h, -K.w)
+        decay = np.exp(-K.h * tau)
+        E1 = decay * np.sin(K.w * tau) / K.w
+        E0 = decay * np.cos(K.w * tau) - K.h * E1
+    else:
+        l1, l2, gap = complex(K.l1), complex(K.l2), 2.0 * K.w
+        spread = -np.expm1(-gap * tau) / gap if gap > 0.0 else tau
+        decay = np.exp(K.l1 * tau)
+        E1 = decay * spread
+        E0 = decay * (K.l1 * spread + np.exp(-gap * tau))
+    slow = K.rate0 * tau < SERIES_BELOW  # a fast drive on a slow oscillator: only Z needs divided differences
+    E2 = ((expm1_over(l1, tau) - E1) / -l2).real if l2 != 0.0 else 0.5 * tau * tau
+    if slow.any():
+        E0[slow], E1[slow], E2[slow], _, _ = series(tau[slow], K.cm, K.w0sq, 0.0)
+    Z = ((c + 1j * s) * expm1_over(complex(l1.real, K.detuning), tau) - E1) / complex(-l2.real, K.Om - l2.imag)
+    return E0, E1, E2, Z.real, Z.imag
+
+
+def expm1_over(z: complex, tau: Any) -> Any:
+    """Return (exp(z tau) - 1) / z; `tau` at z = 0."""
+    if z == 0.0:
+        return tau
+    half = np.sin(0.5 * z.imag * tau)
+    growth = np.expm1(z.real * tau)
+    return (growth * np.cos(z.imag * tau) - 2.0 * half * half + 1j * (growth + 1.0) * np.sin(z.imag * tau)) / z

@@ -1,0 +1,210 @@
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)) and their derivatives, derived and proved by sympy.
+
+A flight from (x_i, v_i, theta_i) to (x_j, v_j, theta_j) takes tau = (theta_j - theta_i)/Omega and has
+
+    f1 = x(tau) - x_j,    f2 = v(tau) - v_j
+
+All flights are one formula: the maps differ in A_alpha and in the belts v_i and v_j. A stick has the two equations
+f1 = x_i + v tau - x_j and f2 = F^(alpha)(x_j, v, theta_j), alpha being the domain that it slips into (eqs. (52), (53),
+and the exits that they lack).
+
+Derivatives with respect to the unknowns follow from two facts. Perturbations obey the unforced equation; and moving the
+start along its own flow changes nothing at the end. Derivatives with respect to a parameter q follow from the equation
+of motion differentiated: D (dx/dq) = forcing, at rest at the start, so that dx/dq is the forcing convolved with S.
+With D = d^2/dtau^2 + cm d/dtau + w0sq and * for the convolution from 0 to tau, seven more entire functions do it:
+
+    U1 = S*S,   U0 = U1',   U2 = int U1,   V + i W = S * (R2 + i I2),   P + i Q = S * (tau exp(i Omega tau))
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+
+from symosc.symbolic import solution
+from symosc.symbolic.solution import (
+    BASIS,
+    E0,
+    E1,
+    E2,
+    I2,
+    R2,
+    Expr,
+    Omega,
+    a_i,
+    cm,
+    f0,
+    m,
+    tau,
+    theta_i,
+    v_i,
+    w0sq,
+    x_i,
+)
+
+#: The functions that parameter derivatives need beside the basis functions.
+REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
+
+x_j, v_j, theta_j, v_end, a_end, F = sp.symbols("x_j v_j theta_j v_end a_end F", real=True)
+
+#: S * f for each f that the motion consists of; 1 stands for the constant.
+CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
+
+
+def repeated_rates() -> dict[Expr, Expr]:
+    """Return d/dtau of the seven functions: by D U1 = S, and since f * exp(i Omega tau) = y has y' = f + i Omega y."""
+    return {
+        U0: E1 - cm * U0 - w0sq * U1,
+        U1: U0,
+        U2: U1,
+        V: U1 - Omega * W,
+        W: Omega * V,
+        P: R2 - Omega * Q,
+        Q: I2 + Omega * P,
+    }
+
+
+def rate(expr: Expr) -> Expr:
+    """Differentiate with respect to tau an expression in tau, the basis functions and the seven functions."""
+    chain = (expr.diff(symbol) * value for symbol, value in repeated_rates().items())
+    return solution.time_derivative(expr) + sp.Add(*chain)
+
+
+def convolve(expr: Expr) -> Expr:
+    """Return S * expr for a linear combination of 1 and the basis functions."""
+    expr = sp.expand(expr)
+    parts = {symbol: expr.coeff(symbol) for symbol in BASIS}
+    constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
+    return sp.expand(constant * CONVOLVED[sp.Integer(1)]) + sp.Add(*(q * CONVOLVED[f] for f, q in parts.items()))
+
+
+# --- flights ---
+
+
+@cache
+def flight_residual() -> dict[str, Expr]:
+    """Return f1 and f2; the gains come first, so that neither loses digits when start and end are close."""
+    flow = solution.flow()
+    return {"f1": flow.x - x_j, "f2": flow.v - v_j}
+
+
+def by_start() -> dict[str, Expr]:
+    """Return the derivatives of x(tau) and v(tau) with respect to x_i and v_i."""
+    x, v = solution.flow().x, solution.flow().v
+    force = solution.acceleration(x_i, v_i, theta_i)
+    found = {}
+    for name, expr in (("x", x), ("v", v)):
+        for cause, letter in (("x", x_i), ("v", v_i)):
+            found[f"{name}_{cause}0"] = sp.expand(expr.diff(letter) + expr.diff(a_i) * force.diff(letter))
+    return found
+
+
+def flight_jacobian() -> dict[str, Expr]:
+    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j.
+
+    The others are constants: f1 has the derivative -1 by x_j, f2 has none.
+    """
+    start = by_start()
+    found = {}
+    for name, end in (("x", v_end), ("v", a_end)):
+        # v_i d/dx_i + a_i d/dv_i + Omega d/dtheta_i = 0 at fixed theta_j: the start moves along its own flow.
+        by_v0 = solution.E0 if name == "v" else start["x_v0"]
+        found[f"{name}_x0"] = start[f"{name}_x0"]
+        found[f"{name}_th0"] = -(v_i * start[f"{name}_x0"] + a_i * by_v0) / Omega
+        found[f"{name}_th1"] = end / Omega
+    return found
+
+
+def flight_parameters() -> dict[str, Expr]:
+    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i.
+
+    At fixed x_i, theta_i and theta_j: tau = (theta_j - theta_i)/Omega changes with Omega.
+    """
+    flow = solution.flow()
+    c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
+    forcing = {
+        "m": -convolve(flow.a) / m,
+        "c": -convolve(flow.v) / m,
+        "k": -convolve(flow.x) / m,
+        "A": E2 / m,
+        "B": (c0 * R2 - s0 * I2) / m,
+    }
+    found = {}
+    for name, response in forcing.items():
+        found[f"x_{name}"], found[f"v_{name}"] = _by_cause(response), _by_cause(rate(response))
+    # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t), and the end moves by -tau/Omega.
+    swing = -f0 * (s0 * P + c0 * Q)
+    found["x_Om"] = _by_cause(swing) - v_end * tau / Omega
+    found["v_Om"] = _by_cause(rate(swing)) - a_end * tau / Omega
+    start = by_start()
+    return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
+
+
+def _by_cause(expr: Expr) -> Expr:
+    """Sort by the causes x_i, v_i, a_i and f0, and keep what they share outside."""
+    expr = sp.expand(expr)
+    rest = expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0})
+    waves = [sp.cos(theta_i), sp.sin(theta_i)]
+    sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
+    return sp.Add(*sorted_) + sp.collect(rest, waves)
+
+
+def prove() -> dict[str, Expr]:
+    """Return what has to vanish for the derivatives to be right; each value is sympy's 0 when the proof holds."""
+    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
+    jacobian = flight_jacobian()
+    residuals = {}
+    for name, expr, end in (("x", flow.x, flow.v), ("v", flow.v, flow.a)):
+        turned = expr.diff(theta_i) + expr.diff(a_i) * force.diff(theta_i) - end / Omega
+        residuals[f"d{name}/dtheta_i"] = solution.use_relations(turned - jacobian[f"{name}_th0"])
+    # All start at rest, and D f * g = f * D g: so D U1 = E1, and D U2 = E2 if it holds for the rates.
+    residuals |= {"D U1 = E1": _operator(U1) - E1, "D U0 = E0": _operator(U0) - E0, "D U2' = E2'": _operator(U1) - E1}
+    # r = D (V + iW) - Z obeys r' = i Omega r, q = D (P + iQ) - tau exp(i Omega tau) obeys q' = i Omega q: both are 0.
+    r = _operator(V) - R2, _operator(W) - I2
+    q = [_operator(f) - tau * wave(Omega * tau) for f, wave in ((P, sp.cos), (Q, sp.sin))]
+    for name, (real, imaginary) in (("V + iW", r), ("P + iQ", q)):
+        residuals[f"D ({name}), real"] = solution.use_relations(rate(real) + Omega * imaginary)
+        residuals[f"D ({name}), imaginary"] = solution.use_relations(rate(imaginary) - Omega * real)
+    return {name: sp.expand(residual) for name, residual in residuals.items()}
+
+
+def _operator(expr: Expr) -> Expr:
+    first = rate(expr)
+    return sp.expand(rate(first) + cm * first + w0sq * expr)
+
+
+# --- sticks ---
+
+
+def stick_residual() -> dict[str, Expr]:
+    """Return f1 and f2 of a stick on a belt of speed v_i that slips into the domain with A_m."""
+    return {"f1": x_i + v_i * tau - x_j, "f2": solution.acceleration(x_j, v_i, theta_j)}
+
+
+def stick_jacobian() -> dict[str, Expr]:
+    """Return the derivatives of f1 (names x_*) and f2 (v_*) by theta_i, theta_j and x_j that are not 0, 1 or -1."""
+    residual = stick_residual()
+    # tau = (theta_j - theta_i)/Omega
+    by_tau = residual["f1"].diff(tau) / Omega
+    return {
+        "x_th0": -by_tau,
+        "x_th1": by_tau,
+        "v_x1": residual["f2"].diff(x_j),
+        "v_th1": residual["f2"].diff(theta_j),
+    }
+
+
+def stick_parameters() -> dict[str, Expr]:
+    """Return the derivatives of f2 with respect to m, c, k, A, B0 and v_i, and of f1 with respect to Omega and v_i."""
+    residual = stick_residual()
+    A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
+    letters = {cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m}
+    back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
+    force = residual["f2"].xreplace(letters)
+    found = {f"v_{name}": force.diff(q) for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))}
+    found["v_m"] = -F / m
+    assert sp.expand(force.diff(m) + force / m) == 0
+    found["x_Om"] = -residual["f1"].diff(tau) * tau / Omega
+    found["x_v0"] = residual["f1"].diff(v_i)
+    return {name: expr.xreplace(back) for name, expr in found.items()}

@@ -1,0 +1,188 @@
+"""Mapping structures such as P32 and P4645, and which map may follow which (model.md, section 4).
+
+A word is read like a composition of functions, right to left: P32 = P3∘P2 applies P2 first. A list reads the same way;
+`Word.labels` and `Trajectory.word` are in order of time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from symosc.errors import SymoscError
+from symosc.model import SIDES
+
+
+class WordError(SymoscError, ValueError):
+    """A word that cannot be read, or that no motion can follow.
+
+    Attributes
+    ----------
+    word : str
+        What was given.
+    step : tuple of str or None
+        The two labels, in order of time, of the step that is impossible.
+    """
+
+    def __init__(self, word: str, reason: str, step: tuple[str, str] | None = None) -> None:
+        self.word, self.reason, self.step = word, reason, step
+        super().__init__(f"mapping structure {word}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.word, self.reason, self.step)
+
+
+class Plane(NamedTuple):
+    """A switching plane: side 0 is on the belt (sticking), 1 just below its speed, 2 just above it."""
+
+    side: int
+    boundary: int
+
+    def __str__(self) -> str:
+        return f"Σ{'⁰¹²'[self.side]}({self.boundary})"
+
+
+class Map(NamedTuple):
+    """One row of the table of mappings.
+
+    Attributes
+    ----------
+    label : str
+    start, end : Plane
+    domain : int
+        1, 2 or 3; 0 for a stick.
+    """
+
+    label: str
+    start: Plane
+    end: Plane
+    domain: int
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the map is a stick on a belt."""
+        return self.domain == 0
+
+    @property
+    def mode(self) -> int:
+        """The code of the motion in `symosc.model.MODE_NAMES`."""
+        return self.domain or 3 + self.start.boundary
+
+
+#: The eight mappings.
+MAPS = {
+    row.label: row
+    for row in (
+        Map("P1", Plane(0, 1), Plane(0, 1), 0),
+        Map("P2", Plane(1, 1), Plane(1, 1), 1),
+        Map("P3", Plane(2, 1), Plane(2, 1), 2),
+        Map("P4", Plane(0, 2), Plane(0, 2), 0),
+        Map("P5", Plane(1, 2), Plane(1, 2), 2),
+        Map("P6", Plane(2, 2), Plane(2, 2), 3),
+        Map("P7", Plane(1, 2), Plane(2, 1), 2),
+        Map("P8", Plane(2, 1), Plane(1, 2), 2),
+    )
+}
+
+
+class Word(NamedTuple):
+    """A mapping structure.
+
+    Attributes
+    ----------
+    labels : tuple of str
+        "P1" to "P8" in order of time: the reverse of how the word is written.
+    """
+
+    labels: tuple[str, ...]
+
+    @property
+    def maps(self) -> tuple[Map, ...]:
+        """The rows of the table, in order of time."""
+        return tuple(MAPS[label] for label in self.labels)
+
+    def exits(self) -> tuple[str | None, ...]:
+        """Return for each map "below" or "above" if it is a stick, by where the next map moves; None if it is a flight.
+
+        The last map is followed by the first one, as on a periodic orbit, if they fit; its exit is None if not.
+        """
+        pairs = zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True)
+        return tuple(_exit(step, after) if step.sticks else None for step, after in pairs)
+
+    def __str__(self) -> str:
+        return "P" + "".join(label[1] for label in reversed(self.labels))
+
+
+def _exit(stick: Map, after: Map) -> str | None:
+    if after.sticks or after.start.boundary != stick.end.boundary:
+        return None
+    return "below" if after.domain == SIDES[stick.end.boundary][0] else "above"
+
+
+def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing: bool = False) -> Word:
+    """Read a mapping structure and check that a motion can follow it.
+
+    Parameters
+    ----------
+    word : str, iterable of str or Word
+        "P32", "P3∘P2", "P3 P2", ["P3", "P2"]: each applies P2 first.
+    closed : bool
+        Whether the first map follows the last one, as on a periodic orbit.
+    grazing : bool
+        Whether a flight may come back to the side that it came from, which takes a graze.
+
+    Raises
+    ------
+    WordError
+        If it cannot be read or has an impossible step, which the message names.
+    """
+    if isinstance(word, Word):
+        labels, text = word.labels, str(word)
+    else:
+        labels, text = _read(word)
+    found = Word(labels)
+    steps = list(itertools.pairwise(labels))
+    if closed:
+        steps.append((labels[-1], labels[0]))
+    for before, after in steps:
+        reason = why_not(before, after, grazing=grazing)
+        if reason:
+            raise WordError(text, reason, (before, after))
+    return found
+
+
+def why_not(before: str, after: str, *, grazing: bool = False) -> str:
+    """Return why no motion does `before` and then `after`, or "" if one can."""
+    first, second = MAPS[before], MAPS[after]
+    ends, starts = first.end, second.start
+    step = f"{after} cannot follow {before}"
+    if ends.boundary != starts.boundary:
+        return f"{step}: {before} ends on {ends}, at belt {ends.boundary}, and {after} starts on {starts}"
+    if first.sticks and second.sticks:
+        return f"{step}: a stick ends by slipping off belt {ends.boundary}, so a flight must come next"
+    if first.domain == second.domain and not grazing:
+        return f"{step}: {before} comes from Ω{first.domain} and {after} goes back there, which only a graze does"
+    return ""
+
+
+def _read(word: Any) -> tuple[tuple[str, ...], str]:
+    if isinstance(word, str):
+        text = word.strip()
+        parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]
+    else:
+        try:
+            parts = list(word)
+        except TypeError:
+            parts = [word]
+        text = "∘".join(map(str, parts))
+    digits = ""
+    for part in parts:
+        match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
+        if match is None:
+            raise WordError(text, f"{part!r} is no mapping; they are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']")
+        digits += match.group(1)
+    if not digits:
+        raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")
+    return tuple(f"P{digit}" for digit in reversed(digits)), text

@@ -1,0 +1,212 @@
+"""Branches of orbits: where and why they end, seen from both sides and judged by the oracle."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from oracle import simulate_oracle
+
+from symosc import Parameters, load_scene
+from symosc.branches import BranchError, BranchPoint
+from symosc.cli_orbit import orbit as command
+from symosc.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
+from symosc.errors import ParameterError
+from symosc.orbits import find_orbit
+
+FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
+
+# One bifurcation, met from its two sides by the branches of two words:
+# parameters, word, parameter, range, which end, kind there, part of the failed inequality, word behind.
+SIDES = {
+    "stick": (
+        (FIG9, "P32", "Omega", (3, 4), 0, "birth of a stick", "F^(1) < 0 where P3 crosses v1", "P132"),
+        (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), 1, "vanishing of a stick", "P1 lasts", "P32"),
+    ),
+    "graze of v2": (
+        (FIG9, "P32", "Omega", (4, 6), 1, "grazing", "P3 stays in Omega2", "P7482"),
+        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, 6), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
+    ),
+    "graze of v1": (
+        (FIG10, "P4645", "Omega", (1, 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
+        (FIG10.replace(Omega="2.7"), "P481746", "Omega", (2, 3), 0, "grazing", "P7 meets v1 with F^(2) < 0", "P4546"),
+    ),
+    "slip": (
+        (FIG10, "P4645", "B0", (3, 10), 0, "vanishing of a slip", "F^(3) rises where P4 ends", "P45"),
+        (FIG10.replace(B0="4.5"), "P45", "B0", (4, 7), 1, "birth of a slip", "F^(2) > 0 > F^(3) during P4", "P4645"),
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=SIDES)
+def two_sides(request):
+    """Return the two ends at one bifurcation, and how they were asked for."""
+    found = []
+    for row in SIDES[request.param]:
+        branch = continue_orbit(*row[:4])
+        found.append((branch, branch.ends[row[4]], row))
+    return found
+
+
+def test_reason_and_next_word(two_sides):
+    for branch, end, (_, _, _, _, which, kind, inequality, beyond) in two_sides:
+        assert end.kind == kind
+        assert end.conditions[0].text.startswith(inequality)
+        assert end.conditions[0].event == kind
+        assert inequality in end.message
+        assert sorted(end.beyond) == sorted(beyond)
+        assert end.value == branch.values[0 if which == 0 else -1]
+        np.testing.assert_allclose(branch.points[0 if which == 0 else -1], end.points, atol=1e-12)
+
+
+def test_both_sides_agree_on_the_place(two_sides):
+    first, second = (end.value for _, end, _ in two_sides)
+    assert abs(first - second) < 1e-10
+
+
+def test_oracle_sees_the_change_within_1e_10(two_sides):
+    """Simulated from the ODE, the structure changes between value - 1e-10 and value + 1e-10."""
+    (branch, end, row), (other, _, _) = two_sides
+    outward = 1 if row[4] else -1
+    for shift, labels in ((-outward, branch.labels), (outward, other.labels)):
+        value = Fraction(end.value) + Fraction(shift, 10**10)
+        p = row[0].replace(**{row[2]: value})
+        assert events_of_a_period(p, branch, -2 if row[4] else 1) == events_of(labels)
+
+
+MODES = {"P1": "belt1", "P2": "Omega1", "P4": "belt2", "P6": "Omega3"}  # the others: Omega2
+
+
+def events_of(labels) -> list[str]:
+    """Return what the mappings move through, sorted: the rotation of a word does not matter here."""
+    return sorted(MODES.get(label, "Omega2") for label in labels)
+
+
+def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
+    """Return the modes of the last of a few periods that the oracle simulates, begun on the orbit next to an end."""
+    period, orbit, cycles = 2 * np.pi / float(p.Omega), branch.orbit(at), 25
+    pieces, times = orbit.equations().pieces, [point.t for point in orbit.points]
+    ends = [*times[1:], times[0] + period]
+    i = max(range(len(pieces)), key=lambda i: (not pieces[i].sticks) * (ends[i] - times[i]))
+    t0 = (times[i] + ends[i]) / 2  # inside the longest flight
+    x0, v0 = (float(value) for value in orbit(t0))
+    run = simulate_oracle(p, t0, x0, v0, t0 + cycles * period, 35)
+    return sorted(event.source for event in run.events if event.t > t0 + (cycles - 1) * period)
+
+
+def test_points_of_a_branch_are_orbits():
+    branch = continue_orbit(FIG9, "P32", "Omega", (3, 5))
+    assert branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
+    assert branch.values[-1] == 5.0
+    assert branch.ends[1].kind == "end of the range"
+    assert branch.ends[1].beyond is None
+    assert (np.diff(branch.values) > 0).all()
+    assert branch.stable.all()
+    assert branch.points.shape == (len(branch.values), 2, 2)
+    assert branch.multipliers.shape == (len(branch.values), 2)
+    for i in range(1, len(branch.values), 7):
+        found = find_orbit(branch.parameters(i), "P32")  # from scratch
+        assert found.admissible
+        np.testing.assert_allclose(np.array(found.points), branch.points[i], atol=1e-11)
+        np.testing.assert_allclose(np.abs(found.multipliers), np.abs(branch.multipliers[i]), atol=1e-9)
+    assert branch.orbit(3, digits=25).residual < 1e-30
+
+
+def test_a_range_may_end_where_no_system_is_beyond():
+    """c = 0 is the least damping there is: the branch ends on it exactly."""
+    branch = continue_orbit(FIG9, "P32", "c", (0, "0.3"))
+    assert branch.values[0] == 0
+    assert branch.ends[0].kind == "end of the range"
+    assert abs(branch.multipliers[0]).max() < 1
+
+
+def test_a_branch_that_begins_at_the_end_of_its_range():
+    branch = continue_orbit(FIG9, "P32", "Omega", (4, "4.2"))
+    assert branch.values[0] == 4
+    assert branch.values[-1] == 4.2
+    assert (np.diff(branch.values) > 0).all()
+
+
+def test_max_points():
+    branch = continue_orbit(FIG9, "P32", "Omega", (3, 5), max_points=5)
+    assert [end.kind for end in branch.ends] == ["max_points"] * 2
+    assert len(branch.values) == 9
+
+
+def point(trace: float, determinant: float, direction: float = 1.0) -> BranchPoint:
+    tangent = np.array([0.0, direction])
+    return BranchPoint(0.0, np.zeros((1, 2)), tangent, trace, determinant, (0j, 0j), (), ())
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "found"),
+    [
+        (point(1.4, 0.45), point(1.5, 0.45), [FOLD]),  # a multiplier passes +1
+        (point(0.1, 0.2), point(0.1, 0.2, -1.0), [FOLD]),  # the branch turns back
+        (point(-1.4, 0.45), point(-1.5, 0.45), [PERIOD_DOUBLING]),
+        (point(0.3, 0.99), point(0.3, 1.01), [NEIMARK_SACKER]),
+        (point(0.3, 0.98), point(0.4, 0.99), []),
+    ],
+)
+def test_smooth_bifurcations_are_noticed(before, after, found):
+    """Damping excludes them from real branches (symosc.stability), so the tests are fed by hand."""
+    assert _changes(before, after) == found
+
+
+def test_bad_input():
+    with pytest.raises(ParameterError, match="parameter"):
+        continue_orbit(FIG9, "P32", "omega", (3, 5))
+    for limits in ((5, 6), (4, 4), (5, 3)):
+        with pytest.raises(ParameterError, match="in between"):
+            continue_orbit(FIG9, "P32", "Omega", limits)
+    with pytest.raises(ParameterError, match="pair"):
+        continue_orbit(FIG9, "P32", "Omega", 5)
+    with pytest.raises(ParameterError, match="mu1"):
+        continue_orbit(FIG9, "P32", "mu1", (-1, 1))
+    with pytest.raises(BranchError, match="no first orbit") as caught:
+        continue_orbit(FIG9.replace(Omega=3), "P32", "Omega", (2, 4))
+    assert not caught.value.orbit.admissible
+
+
+def test_plot(tmp_path):
+    branch = continue_orbit(FIG10, "P4645", "B0", (3, 15))
+    drawing = branch.plot()
+    left, right = drawing.axes
+    # Four switchings, each one solid line; two ends with a mark on each line.
+    assert sum(len(line.get_xdata()) > 2 for line in left.lines) == 4
+    assert {text.get_text() for text in right.texts} >= {"P4645", branch.ends[0].beyond, branch.ends[1].beyond}
+    labels = [text.get_text() for text in drawing.legends[0].get_texts()]
+    assert labels == ["start of P5", "start of P4", "start of P6", "start of 2nd P4", "vanishing of a slip", "grazing"]
+
+
+def test_command_line(tmp_path):
+    run = CliRunner().invoke
+    result = run(command, ["fig9"], standalone_mode=False)
+    assert result.return_value == 0
+    assert "0.18167039792432" in result.output
+    assert "after 6 periods" in result.output
+    result = run(command, ["fig10", "--digits", "25", "--json"], standalone_mode=False)
+    assert result.return_value == 0
+    data = json.loads(result.output)
+    assert data["points"][0]["t"] == "0.4436449855574556494720909"
+    assert data["start"]["periods"] == 2
+    chart = tmp_path / "branch.svg"
+    arguments = ["fig9", "--structure", "P32", "--continue", "Omega=3:5.5", "-o", str(chart)]
+    result = run(command, arguments, standalone_mode=False)
+    assert "birth of a stick, F^(1) < 0 where P3 crosses v1 (Theorem 5)" in result.output
+    assert "behind it P7482" in result.output
+    assert chart.stat().st_size > 10_000
+    result = run(command, ["fig9", "--set", "Omega=3"], standalone_mode=False)
+    assert result.return_value == 1
+    assert "a root that is no orbit" in result.output
+    assert "settles to P1312" in result.output
+    result = run(command, ["fig9", "--structure", "P45"], standalone_mode=False)
+    assert result.return_value == 1
+    for bad in (["fig5"], ["fig9", "--continue", "Omega"], ["fig9", "--set", "k"]):
+        assert run(command, bad).exit_code == 2
+    orbit_figure = tmp_path / "orbit.png"
+    assert run(command, ["fig10", "-o", str(orbit_figure)], standalone_mode=False).return_value == 0
+    assert orbit_figure.stat().st_size > 10_000

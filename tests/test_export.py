@@ -1,0 +1,291 @@
+"""Exported source: complete, minimal, and right in every language that can be run here."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import random
+import shutil
+import subprocess
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from mpmath import mp
+
+from symosc import Parameters, load_scene, maps
+from symosc.cli_export import codegen
+from symosc.errors import OutputError, ParameterError
+from symosc.model import PARAMETER_NAMES
+from symosc.symbolic.export import export, write_export
+from symosc.words import WordError, read_word
+
+#: Every map, in order of time P2, P1, P3, P2, P8, P6, P4, P5, P6, P7.
+ALL = "P7654682312"
+COMPILER = ["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O2", "-fPIC", "-shared"]
+Evaluate = Callable[[list[float], Parameters], tuple[Any, Any]]
+
+REGIMES = {
+    "underdamped": load_scene("fig9").parameters,
+    "far too weak a spring": load_scene("fig9").parameters.replace(k="0.01", c="0.001"),
+    "critical": load_scene("fig9").parameters.replace(k=10, c=2),
+    "near critical": load_scene("fig9").parameters.replace(k=10, c="1.9999999999"),
+    "overdamped": load_scene("fig9").parameters.replace(k=3, c=20),
+    "undamped": load_scene("fig9").parameters.replace(c=0),
+    "resonance": load_scene("fig9").parameters.replace(c=0, k="1.6"),
+    "near resonance": load_scene("fig9").parameters.replace(c=0, k="1.60000001"),
+    "no spring": load_scene("fig9").parameters.replace(k=0),
+    "free": load_scene("fig9").parameters.replace(k=0, c=0),
+}
+
+
+def points(rng: random.Random, word: str, p: Parameters) -> list[float]:
+    """Return random switching points with durations from 1e-3 to 3."""
+    z, theta = [rng.uniform(-5, 5), rng.uniform(0, 6)], 0.0
+    theta = z[1]
+    for _ in read_word(word, closed=False).labels:
+        theta += float(p.Omega) * 10 ** rng.uniform(-3, 0.5)
+        z += [rng.uniform(-5, 5), theta]
+    return z
+
+
+def truth(word: str, z: list[float], p: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Return residual and Jacobian of the library with 40 digits, rounded."""
+    read = read_word(word, closed=False)
+    f, J = [], []
+    with mp.workdps(40):
+        exact = [mp.mpf(value) for value in z]
+        for n, (label, exit) in enumerate(zip(read.labels, read.exits(), strict=True)):
+            start, end = exact[2 * n : 2 * n + 2], exact[2 * n + 2 : 2 * n + 4]
+            exit = exit or ("below" if label in ("P1", "P4") else None)
+            f += maps.residual(p, label, start, end, exit)
+            J.append(maps.jacobian(p, label, start, end, exit))
+    return np.array(f, dtype=float), np.array(J, dtype=float)
+
+
+def check(evaluate: Evaluate, word: str, p: Parameters, count: int = 10, seed: str = "") -> None:
+    rng = random.Random(f"{word} {seed}")
+    for _ in range(count):
+        z = points(rng, word, p)
+        f, J = evaluate(z, p)
+        exact_f, exact_J = truth(word, z, p)
+        np.testing.assert_allclose(np.array(f), exact_f, rtol=0, atol=1e-11 * (1 + np.abs(exact_f).max()))
+        np.testing.assert_allclose(np.array(J), exact_J, rtol=0, atol=1e-11 * (1 + np.abs(exact_J).max()))
+
+
+def load(text: str) -> types.ModuleType:
+    """Return exported Python source as a module."""
+    module = types.ModuleType("exported")
+    exec(text, module.__dict__)
+    return module
+
+
+def python(word: str, language: str = "python", fix: Parameters | None = None) -> Evaluate:
+    module = load(export(word, language, fix, "made")["made.py"])
+
+    def evaluate(z: list[float], p: Parameters) -> tuple[Any, Any]:
+        rest = [] if fix else [module.constants(**{name: float(getattr(p, name)) for name in PARAMETER_NAMES})]
+        if language == "python":
+            return module.residual(z, *rest), module.jacobian(z, *rest)
+        columns = [np.array([value, value]) for value in z]
+        blocks = module.jacobian(columns, *rest)
+        J = [[[np.broadcast_to(entry, 2)[1] for entry in row] for row in block] for block in blocks]
+        return [entry[0] for entry in module.residual(columns, *rest)], J
+
+    return evaluate
+
+
+def compiled(folder: Path, word: str, fix: Parameters | None = None) -> Evaluate:
+    source = next(path for path in write_export(folder, word, "c", fix, "made") if path.suffix == ".c")
+    library = source.with_suffix(".so")
+    subprocess.run([*COMPILER, str(source), "-o", str(library), "-lm"], check=True, capture_output=True, text=True)
+    made = ctypes.CDLL(str(library))
+    n = len(read_word(word, closed=False).labels)
+
+    def evaluate(z: list[float], p: Parameters) -> tuple[Any, Any]:
+        points_, f, J = (ctypes.c_double * len(z))(*z), (ctypes.c_double * (2 * n))(), (ctypes.c_double * (8 * n))()
+        K = []
+        if fix is None:
+            K = [ctypes.create_string_buffer(400)]
+            made.made_setup(K[0], *(ctypes.c_double(float(getattr(p, name))) for name in PARAMETER_NAMES))
+        made.made_residual(points_, *K, f)
+        made.made_jacobian(points_, *K, J)
+        return list(f), np.array(J).reshape(n, 2, 4)
+
+    return evaluate
+
+
+# --- C ---
+
+
+def test_c_agrees_with_mpmath_in_every_regime(tmp_path: Path) -> None:
+    evaluate = compiled(tmp_path, ALL)
+    for name, p in REGIMES.items():
+        check(evaluate, ALL, p, seed=name)
+
+
+@pytest.mark.parametrize(("word", "scene"), [("P32", "fig9"), ("P4645", "fig10"), ("P1", "fig5"), ("P768", "fig8")])
+def test_c_with_fixed_parameters(tmp_path: Path, word: str, scene: str) -> None:
+    p = load_scene(scene).parameters
+    check(compiled(tmp_path, word, p), word, p, 30)
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
+    p = REGIMES[regime]
+    check(compiled(tmp_path, "P32", p), "P32", p, 20)
+
+
+def test_c_header_is_for_c_plus_plus_too(tmp_path: Path) -> None:
+    write_export(tmp_path, "P4645", "c", name="made")
+    (tmp_path / "user.c").write_text(
+        '#include "made.h"\nint main(void)\n{\n    made_constants K;\n    double z[10] = {0}, f[8], J[4][2][4];\n'
+        "    made_setup(&K, 1, 1, 1, 0, 1, 1, -1, 1, 0.5, 0.5, 1);\n    made_residual(z, &K, f);\n"
+        "    made_jacobian(z, &K, J);\n    return f[0] != 0 || J[0][0][2] != -1;\n}\n"
+    )
+    command = [*COMPILER[:-1], str(tmp_path / "user.c"), str(tmp_path / "made.c"), "-o", str(tmp_path / "user"), "-lm"]
+    subprocess.run(command, check=True)
+    assert subprocess.run([str(tmp_path / "user")]).returncode == 0
+    assert 'extern "C"' in (tmp_path / "made.h").read_text()
+
+
+# --- Python and NumPy ---
+
+
+@pytest.mark.parametrize("language", ["python", "numpy"])
+def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
+    evaluate = python(ALL, language)
+    for name, p in REGIMES.items():
+        check(evaluate, ALL, p, 4, name)
+
+
+@pytest.mark.parametrize("language", ["python", "numpy"])
+@pytest.mark.parametrize("regime", REGIMES)
+def test_python_with_fixed_parameters(regime: str, language: str) -> None:
+    check(python("P4645", language, REGIMES[regime]), "P4645", REGIMES[regime], 4)
+
+
+def test_exported_source_runs_without_symosc(tmp_path: Path) -> None:
+    p = load_scene("fig9").parameters
+    write_export(tmp_path, "P32", "python", p)
+    program = (
+        "import sys; sys.modules['symosc'] = sys.modules['numpy'] = None; import p32; "
+        "print(max(map(abs, p32.residual([4.154920661325319, 0.7266815916972818, -4.224944664197688, 3.96948575613584, "
+        "4.154920661325319, 7.009866898876868]))))"
+    )
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert float(run.stdout) < 1e-13
+
+
+# --- Julia ---
+
+
+def test_julia_source_has_balanced_blocks() -> None:
+    for fix in (None, load_scene("fig9").parameters):
+        text = export(ALL, "julia", fix, "made")["made.jl"]
+        words = [line.split(" ")[0] for line in map(str.strip, text.splitlines())]
+        opened = sum(word in ("module", "function", "struct", "if", "for") for word in words)
+        assert words.count("end") == opened
+        code = [line for line in text.splitlines() if not line.startswith("#")]
+        assert not [line for line in code if " and " in line or " not " in line or ":=" in line or "elif" in line]
+
+
+@pytest.mark.skipif(shutil.which("julia") is None, reason="no julia here")
+def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
+    for word, fix in ((ALL, None), ("P4645", load_scene("fig10").parameters)):
+        (path,) = write_export(tmp_path, word, "julia", fix, "made")
+
+        def evaluate(z: list[float], p: Parameters, path: Path = path, fix: Any = fix) -> tuple[Any, Any]:
+            given = ", ".join(f"{name} = {float(getattr(p, name))!r}" for name in PARAMETER_NAMES)
+            rest = "" if fix else f", Made.constants(; {given})"
+            program = (
+                f'include("{path}"); println(Made.residual({z}{rest})); '
+                f"println(reduce(vcat, [vec(permutedims(J)) for J in Made.jacobian({z}{rest})]))"
+            )
+            run = subprocess.run(["julia", "-e", program], capture_output=True, text=True, check=True)
+            f, J = map(json.loads, run.stdout.splitlines())
+            return f, np.array(J).reshape(-1, 2, 4)
+
+        check(evaluate, word, fix or REGIMES["underdamped"], 2)
+
+
+# --- what is in it ---
+
+
+def test_only_what_the_word_needs_is_there() -> None:
+    text = export("P32", "c", name="made")["made.h"]
+    assert "double A1;" in text
+    assert "double A2;" in text
+    assert "A3" not in text
+    assert "double v2;" not in text
+    text = export("P6", "python")["p6.py"]
+    assert "K.A3" in text
+    assert "K.A2" not in text
+    assert "stick" not in text
+    assert "flight" not in export("P1", "python")["p1.py"]
+
+
+def test_fixing_parameters_cuts_the_branches_that_they_decide() -> None:
+    text = export("P32", "python", load_scene("fig9").parameters)["p32.py"]
+    for gone in ("careful", "expm1", "def constants", "K.", "K)", "under", "APART_ABOVE", "mu1 *"):
+        assert gone not in text
+    assert "K_A1 = 30.0" in text
+    assert "fig" not in text
+    assert "c = 0.2" in text  # the parameters are named
+    overdamped = export("P32", "c", REGIMES["overdamped"])["p32.c"]
+    assert "basis_apart" not in overdamped
+    assert "careful" in overdamped
+    arrays = export("P32", "numpy", REGIMES["underdamped"])["p32.py"]
+    assert "careful" not in arrays
+    assert "K_under" not in arrays
+
+
+def test_a_stick_has_the_exit_that_the_next_map_asks_for() -> None:
+    text = export("P4645", "python")["p4645.py"]
+    assert "*P4_above(z[2], z[3], z[4], z[5], K)" in text
+    assert "*P4_below(z[6], z[7], z[8], z[9], K)" in text
+    open_end = export("P4", "python")["p4.py"]
+    assert "def P4_above" in open_end
+    assert "*P4_below(z[0]" in open_end
+
+
+@pytest.mark.parametrize("language", ["python", "numpy", "c", "julia"])
+def test_source_names_no_machine_and_no_library(language: str) -> None:
+    for text in export(ALL, language).values():
+        assert "symosc." not in text
+        assert "`" not in text
+        assert max(map(len, text.splitlines())) < 180
+        assert "Generated by symosc" in text.splitlines()[0] + text.splitlines()[1] or text.startswith("#include")
+
+
+def test_errors(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="one of python, numpy, c, julia"):
+        export("P32", "fortran")
+    with pytest.raises(ParameterError, match="a letter first"):
+        export("P32", "c", name="3 d")
+    with pytest.raises(WordError, match="P5 cannot follow P2"):
+        export("P52")
+    with pytest.raises(OutputError):
+        write_export(tmp_path / "nowhere", "P32")
+
+
+# --- the command ---
+
+
+def test_command_writes_files(tmp_path: Path) -> None:
+    run = CliRunner().invoke(codegen, ["P32", "-l", "c", "--fix", "fig9", "-o", str(tmp_path), "--json"])
+    assert run.exit_code == 0
+    assert [Path(path).name for path in json.loads(run.stdout)] == ["p32.h", "p32.c"]
+    assert (tmp_path / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
+
+
+def test_command_prints() -> None:
+    run = CliRunner().invoke(codegen, ["P32", "--language", "julia", "-o", "-"])
+    assert run.stdout == export("P32", "julia")["p32.jl"]
+    assert CliRunner().invoke(codegen, ["P32", "--check"]).exit_code == 2
+    assert "is what the formulas print" in CliRunner().invoke(codegen, ["--check"]).stdout

@@ -1,0 +1,228 @@
+"""check_grazing: right where the window is right, and not blind where it is wrong."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from oracle import flow_oracle
+
+from symosc import ParameterError, Parameters, grazing_check, load_scene, scene_names
+from symosc.grazing import GrazingWindow, grazing_window
+from symosc.grazing_check import DOP853, EXACT_FLOW, G_SIGNS, check_grazing
+from symosc.grazing_ways import DOP853_ERROR, DOP853_TIMES, NO, OPEN, YES, Ways
+
+MAPS = ("P2", "P3", "P5", "P6")
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+
+@pytest.mark.parametrize("scene", ["fig5", "fig7", "fig8", "fig10"])
+def test_no_mismatch_on_the_papers_scenes(scene: str) -> None:
+    p = load_scene(scene).parameters
+    for mapping in MAPS:
+        report = check_grazing(p, mapping, n=2000)
+        assert report.ok, report.summary()
+        assert report.mismatches == ()
+        assert report.agreements[G_SIGNS] == report.agreements[EXACT_FLOW] == report.n_random + report.n_adversarial
+        open_ones = report.undecided[DOP853]
+        assert sum(open_ones.values()) + report.agreements[DOP853] == report.n_random + report.n_adversarial
+        assert sum(open_ones.values()) < 40
+        assert sum(report.orders.values()) == report.n_random + report.n_adversarial
+
+
+def test_equality_is_met_exactly() -> None:
+    # fig7: k v1 = B0 Omega; the quartic tangency at 3 pi/2 is sampled, and 1e-14 beside it
+    report = check_grazing(load_scene("fig7").parameters, "P2", n=10)
+    assert report.orders[3] == 1
+    assert report.closest_phase == pytest.approx(1e-14)
+    assert report.closest[EXACT_FLOW] < 1e-28
+    # fig9: two inflections at the ends of the window
+    report = check_grazing(load_scene("fig9").parameters, "P3", n=10)
+    assert report.orders[2] == 2
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"B0": -4},
+        {"B0": 0},
+        {"v1": 0},
+        {"c": 0, "k": "1.69"},
+        {"c": 3},
+        {"k": "5.2", "Omega": "1.3"},
+        {"m": "1e-6"},
+        {"Omega": 1000},
+        {"k": "1e-9"},
+    ],
+    ids=str,
+)
+def test_no_mismatch_elsewhere(changes: dict[str, Any]) -> None:
+    for mapping in MAPS:
+        report = check_grazing(BASE.replace(**changes), mapping, n=500)
+        assert report.ok, report.summary()
+
+
+# -- a check that cannot fail checks nothing --------------------------------------------------------------------------
+
+
+class _Shifted(GrazingWindow):
+    """A window that is wrong by a tiny shift of the phase."""
+
+    shift = Fraction(0)
+
+    def contains(self, theta: Any) -> Any:
+        if isinstance(theta, np.ndarray):
+            return super().contains(theta + float(self.shift))
+        import sympy
+
+        return super().contains(theta + sympy.Rational(self.shift.numerator, self.shift.denominator))
+
+    def contact(self, theta: Any) -> Any:
+        return grazing_window(self.parameters, self.mapping).contact(theta)
+
+
+def _replace_window(monkeypatch: pytest.MonkeyPatch, make: Any) -> None:
+    monkeypatch.setattr(grazing_check, "grazing_window", make)
+
+
+@pytest.mark.parametrize("size", [3, 8, 13])
+def test_a_shifted_window_is_found_out(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
+    def shifted(p: Parameters, mapping: str) -> GrazingWindow:
+        right = grazing_window(p, mapping)
+        wrong = _Shifted(right.parameters, right.mapping, right.order, right.place)
+        object.__setattr__(wrong, "shift", Fraction(2, 10**size))
+        return wrong
+
+    _replace_window(monkeypatch, shifted)
+    report = check_grazing(load_scene("fig9").parameters, "P2", n=10)
+    assert not report.ok
+    ways = {each["way"] for each in report.mismatches}
+    assert {G_SIGNS, EXACT_FLOW} <= ways
+    assert (DOP853 in ways) == (size < 13)
+    assert "FAILED" in report.summary()
+
+
+def test_the_papers_reading_fails_at_the_equality(monkeypatch: pytest.MonkeyPatch) -> None:
+    _replace_window(monkeypatch, lambda p, mapping: grazing_window(p, mapping, "paper"))
+    report = check_grazing(load_scene("fig8").parameters, "P3", n=100)
+    assert {each["theta"] for each in report.mismatches} == {"pi/2"}
+    assert len(report.mismatches) == 2  # DOP853 cannot tell
+
+
+def test_the_wrong_map_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    def swapped(p: Parameters, mapping: str) -> GrazingWindow:
+        right, other = grazing_window(p, mapping), grazing_window(p, "P3")
+        wrong = _Shifted(p, mapping, "full", right.place)
+        object.__setattr__(wrong, "contains", other.contains)
+        return wrong
+
+    _replace_window(monkeypatch, swapped)
+    monkeypatch.setattr(grazing_check._Check, "_check_contacts", lambda *_: None)
+    report = check_grazing(load_scene("fig5").parameters, "P2", n=100)
+    assert len(report.mismatches) > 3 * 150
+
+
+def test_a_wrong_contact_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = GrazingWindow.contact
+    monkeypatch.setattr(GrazingWindow, "contact", lambda self, theta: right(self, theta) * (1 + 1e-12))
+    report = check_grazing(load_scene("fig5").parameters, "P2", n=50)
+    assert not report.ok
+    assert {each["way"] for each in report.mismatches} == {"contact"}
+
+
+# -- the ways, one by one ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
+    ways = Ways(grazing_window(BASE, mapping))
+    place = ways.window.place
+    theta = np.random.default_rng(4).uniform(0, 2 * np.pi, 25)
+    signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
+    for i, phase in enumerate(theta):
+        exact = ways.fine.context.mpf(float(phase))
+        t_m = Fraction(float(phase)) / BASE.Omega
+        rest = (BASE.A(place.domain) - BASE.c * ways.window.speed) / BASE.k
+        x = Fraction(str(ways.fine.number(rest) + ways.fine.number(BASE.B0 / BASE.k) * ways.fine.context.cos(exact)))
+        gaps = []
+        for tau in ("-1e-6", "1e-6"):
+            v = flow_oracle(BASE, place.domain, t_m, x, ways.window.speed, tau, dps=40)[1]
+            gaps.append(-place.side * float(ways.fine.context.convert(v) - ways.v_fine))
+        expected = YES if gaps[0] > 0 and gaps[1] > 0 else NO
+        assert signs[i] == flow[i] == solver[i] == expected
+        assert ways.fine_signs(exact, False) == (expected, 1)
+        assert ways.fine_flow(exact) == expected
+
+
+def test_dop853_is_as_accurate_as_assumed() -> None:
+    worst = 0.0
+    for mapping in MAPS:
+        ways = Ways(grazing_window(BASE, mapping))
+        context, basis = ways.fine.context, ways.fine.namespace["basis"]
+        theta = np.random.default_rng(5).uniform(0, 2 * np.pi, 200)
+        for part in DOP853_TIMES:
+            tau = part / ways.K.rate
+            values = basis(context.convert(tau), ways.fine.K)[:5]
+            for phase, found in zip(theta[::20], ways.integrated(theta, tau)[::20], strict=True):
+                exact = context.convert(float(phase))
+                gap = ways._gap(values, context.sin(exact), context.cos(exact), ways.v_fine, ways.fine.K)
+                worst = max(worst, abs(float(gap / ways.size / context.convert(tau) ** 2) - float(found)))
+    assert worst < DOP853_ERROR / 20
+
+
+def test_double_precision_leaves_open_what_it_cannot_tell() -> None:
+    ways = Ways(grazing_window(load_scene("fig9").parameters, "P2"))
+    low, high = 3.225022740200408, 3.225022740200408 + 1e-15  # an end of the window, and an ulp or two beside it
+    assert list(ways.signs(np.array([low, high]))) == [OPEN, OPEN]
+    assert list(ways.flow(np.array([low, high]))) == [OPEN, OPEN]
+    assert list(ways.solver(np.array([low, high]))) == [OPEN, OPEN]
+    exact = ways.fine.context.pi + ways.fine.context.asin(ways.fine.context.mpf(1) / 12)
+    assert ways.fine_signs(exact, False)[0] == OPEN  # without being told that it is 0, intervals cannot know
+    assert ways.fine_signs(exact, True) == (NO, 2)
+
+
+# -- the report ------------------------------------------------------------------------------------------------------
+
+
+def test_report_is_plain_data() -> None:
+    report = check_grazing(BASE, "P2", n=50, seed=3)
+    data = json.loads(json.dumps(report.to_dict(), default=str))
+    assert data["ok"] is True
+    assert data["seed"] == 3
+    assert data["n_random"] == 50
+    text = report.summary()
+    assert "0 mismatches" in text
+    assert "cannot decide" in text
+    assert "seed 3" in text
+
+
+def test_the_seed_decides_the_phases() -> None:
+    first, second = (check_grazing(BASE, "P2", n=50, seed=1).n_grazing for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.parametrize(
+    ("changes", "mapping", "n", "name"),
+    [
+        ({}, "P4", 10, "mapping"),
+        ({}, "P2", 0, "n"),
+        ({}, "P2", 2.5, "n"),
+        ({"k": 0}, "P2", 5, "k"),
+        ({"B0": 0, "v1": 0}, "P2", 5, "B0"),
+    ],
+)
+def test_bad_input(changes: dict[str, Any], mapping: str, n: Any, name: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        check_grazing(BASE.replace(**changes), mapping, n=n)
+    assert caught.value.name == name
+
+
+@pytest.mark.slow
+def test_all_shipped_scenes() -> None:
+    for scene in scene_names():
+        for mapping in MAPS:
+            report = check_grazing(load_scene(scene).parameters, mapping)
+            assert report.ok, report.summary()

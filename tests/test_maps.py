@@ -1,0 +1,397 @@
+"""The mappings: residuals and derivatives against mpmath, against the simulator, and their errors."""
+
+from __future__ import annotations
+
+import itertools
+import pickle
+import random
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mp
+
+from symosc import Parameters, load_scene, scene_names, simulate
+from symosc import maps as m
+from symosc.errors import ParameterError
+from symosc.kernels import entire, mapping, repeated
+from symosc.model import MODE_NAMES, PARAMETER_NAMES
+from symosc.passages import MapError, solve_map
+from symosc.symbolic import maps as derived
+from symosc.trajectory import MAP_LABELS
+from symosc.words import MAPS
+
+REGIMES = ["underdamped", "critical", "near-critical", "overdamped", "undamped"]
+REGIMES += ["resonance", "near-resonance", "no-spring", "free", "weak"]
+POINTS = 100  # in each regime
+ACCURACY = 1e-13
+
+
+def test_the_table_is_the_one_of_the_trajectories() -> None:
+    table = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
+    assert table == MAP_LABELS
+
+
+# --- derivation ---
+
+
+@pytest.mark.parametrize("name", derived.prove())
+def test_proof(name: str) -> None:
+    assert derived.prove()[name] == 0
+
+
+# --- against mpmath ---
+
+
+class Size:
+    """Stands for a number in a kernel and adds up the sizes of its terms: differences count as sums."""
+
+    def __init__(self, value: Any) -> None:
+        self.value = value.value if isinstance(value, Size) else abs(float(value))
+
+    def __add__(self, other: Any) -> Size:
+        return Size(self.value + Size(other).value)
+
+    def __mul__(self, other: Any) -> Size:
+        return Size(self.value * Size(other).value)
+
+    def __truediv__(self, other: Any) -> Size:
+        return Size(self.value / Size(other).value)
+
+    def __rtruediv__(self, other: Any) -> Size:
+        return Size(Size(other).value / self.value)
+
+    def __neg__(self) -> Size:
+        return self
+
+    __radd__ = __sub__ = __rsub__ = __add__
+    __rmul__ = __mul__
+
+
+def sizes(p: Parameters, label: str, points: list[float], exit: str | None) -> tuple[Any, Any, Any]:
+    """Return the sizes of the terms of f1, f2 and of the derivatives: the kernels, run on `Size`."""
+    K = m.constants(p)
+    tau = (points[3] - points[1]) / K.Om
+    coarse = K._replace(
+        **{name: Size(value) for name, value in K._asdict().items() if isinstance(value, float)},
+        belt1=K.belt1._replace(v=Size(K.belt1.v)),
+        belt2=K.belt2._replace(v=Size(K.belt2.v)),
+    )
+
+    def of(function: Any, *arguments: Any) -> Any:
+        return lambda *_: [Size(value) for value in function(*arguments)]
+
+    replaced = {"sin": lambda angle: Size(mpmath.sin(angle)), "cos": lambda angle: Size(mpmath.cos(angle))}
+    replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(repeated.repeated, tau, K)}
+    numbers = m.Numbers(coarse, m._bound(mapping, replaced), Size)
+    x_i, theta_i, x_j, theta_j = points
+    z, row, exit = (Size(x_i), theta_i, Size(x_j), theta_j), MAPS[label], exit or "below"
+    return (
+        m._residual(row, numbers, z, exit),
+        m._jacobian(row, numbers, z),
+        m._parameter_jacobian(p, row, numbers, z, exit),
+    )
+
+
+def truth(q: dict[str, Any], label: str, z: list[Any], exit: str | None, lift: Any) -> tuple[Any, Any]:
+    """Return f1, f2 from the textbook solution with distinct roots; `lift` moves equal ones apart."""
+    row, (x_i, theta_i, x_j, theta_j) = MAPS[label], z
+    v_i, v_j = (q["v1"] if plane.boundary == 1 else q["v2"] for plane in (row.start, row.end))
+    tau = (theta_j - theta_i) / q["Omega"]
+    domain = row.domain or row.start.boundary + (exit == "above")
+    drag = {1: q["mu1"] + q["mu2"], 2: q["mu2"] - q["mu1"], 3: -q["mu1"] - q["mu2"]}[domain]
+    A, mass, B0, Omega = q["A0"] + drag * q["FN"], q["m"], q["B0"], q["Omega"]
+    if row.sticks:
+        return x_i + v_i * tau - x_j, (A + B0 * mp.cos(theta_j) - q["k"] * x_j - q["c"] * v_i) / mass
+    c, k = q["c"] + mass * lift, q["k"] + mass * lift
+    l2 = -(c + mp.sqrt(mp.mpc(c * c - 4 * k * mass))) / (2 * mass)
+    l1 = k / mass / l2
+    wave = B0 * mp.expj(theta_i) / (k - mass * Omega * Omega + 1j * c * Omega)
+    x0, v0 = x_i - A / k - wave.real, v_i - (1j * Omega * wave).real
+    a, b = (v0 - l2 * x0) / (l1 - l2) * mp.exp(l1 * tau), (l1 * x0 - v0) / (l1 - l2) * mp.exp(l2 * tau)
+    wave = wave * mp.expj(Omega * tau)
+    return A / k + (wave + a + b).real - x_j, (1j * Omega * wave + l1 * a + l2 * b).real - v_j
+
+
+def draw(rng: random.Random, regime: str) -> Parameters:
+    """Return random parameters of a regime; c, k and Omega are exact, so that borders are met exactly."""
+
+    def number(low: float, high: float) -> Fraction:
+        return Fraction(f"{rng.uniform(low, high):.6g}")
+
+    def near_one(lowest: int) -> Fraction:
+        return 1 + rng.choice([-1, 1]) * Fraction(10) ** -rng.randint(3, lowest)
+
+    mass, Omega, w0, v1 = number(0.1, 3), number(0.3, 5), number(0.3, 5), number(-6, 5)
+    c, k = 2 * mass * w0, mass * w0 * w0
+    tiny = Fraction(10) ** -rng.randint(1, 12)
+    c, k = {
+        "underdamped": (c * number(0.001, 0.95), k),
+        "critical": (c, k),
+        "near-critical": (c * near_one(14), k),
+        "overdamped": (c * number(1.05, 20), k),
+        "undamped": (Fraction(0), k),
+        "resonance": (Fraction(0), mass * Omega**2),
+        "near-resonance": (rng.choice([0, c * tiny]), mass * Omega**2 * near_one(12)),
+        "no-spring": (c, Fraction(0)),
+        "free": (Fraction(0), Fraction(0)),
+        "weak": (c * tiny, k * Fraction(10) ** -rng.randint(1, 12)),
+    }[regime]
+    forces = {"A0": number(-15, 15), "B0": number(-15, 15), "FN": number(0, 20)}
+    friction = {"mu1": number(0, 1), "mu2": number(0, 1)}
+    return Parameters(m=mass, c=c, k=k, Omega=Omega, v1=v1, v2=v1 + number(0.5, 10), **forces, **friction)
+
+
+def draw_points(rng: random.Random, p: Parameters) -> list[float]:
+    """Return x_i, theta_i, x_j, theta_j with a duration from 1e-4 to 10."""
+    theta = rng.uniform(0, 6.28)
+    return [rng.uniform(-8, 8), theta, rng.uniform(-8, 8), theta + float(p.Omega) * 10 ** rng.uniform(-4, 1)]
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_residual_and_derivatives_agree_with_mpmath(regime: str) -> None:
+    rng = random.Random(f"maps {regime}")
+    step = mpmath.mpf("1e-22")
+    for _ in range(POINTS):
+        p, label = draw(rng, regime), f"P{rng.randint(1, 8)}"
+        equal_roots = p.c**2 == 4 * p.k * p.m or p.k == 0 or (p.c == 0 and p.k == p.m * p.Omega**2)
+        lift = mpmath.mpf("1e-25") if equal_roots else 0
+        z, exit = draw_points(rng, p), rng.choice(m.EXITS) if label in ("P1", "P4") else None
+        ends = (z[:2], z[2:], exit)
+        found = m.residual(p, label, *ends), m.jacobian(p, label, *ends), m.parameter_jacobian(p, label, *ends)
+        size = sizes(p, label, z, exit)
+        with mp.workdps(110):
+            q = {name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator for name in PARAMETER_NAMES}
+            exact = [mp.mpf(value) for value in z]
+
+            def slope(name: str, n: int, case: Any = (label, exit, lift), q: Any = q, exact: Any = exact) -> list[Any]:
+                """Return the central differences of f1 and f2 by a parameter, or by the n-th coordinate."""
+                sides = []
+                for h in (step, -step):
+                    moved = [value + h * (i == n) for i, value in enumerate(exact)]
+                    changed = q | ({name: q[name] + h} if name else {})
+                    sides.append(truth(changed, case[0], moved, *case[1:]))
+                return [(up - down) / (2 * step) for up, down in zip(*sides, strict=True)]
+
+            by_point = zip(*(slope("", n) for n in range(4)), strict=True)
+            by_parameter = zip(*(slope(name, -1) for name in PARAMETER_NAMES), strict=True)
+            expected = (truth(q, label, exact, exit, lift), list(by_point), list(by_parameter))
+            for what, values, truths, allowed in zip("fJD", found, expected, size, strict=True):
+                pairs = zip(np.ravel(values), np.ravel(truths), np.ravel(allowed), strict=True)
+                for n, (value, true, scale) in enumerate(pairs):
+                    bound = ACCURACY * Size(scale).value
+                    assert abs(float(value) - true) <= bound + 1e-20, f"{what}[{n}] of {label}, {p}, {z}"
+
+
+def test_mpmath_numbers_in_mpmath_numbers_out() -> None:
+    rng = random.Random(5)
+    for regime in REGIMES:
+        p, label = draw(rng, regime), f"P{rng.randint(2, 3)}"
+        with mp.workdps(40):
+            z = [mp.mpf(value) for value in draw_points(rng, p)]
+            f, J = m.residual(p, label, z[:2], z[2:]), m.jacobian(p, label, z[:2], z[2:])
+            D = m.parameter_jacobian(p, label, z[:2], z[2:])
+            assert J.shape == (2, 4)
+            assert D.shape == (2, 11)
+            assert all(isinstance(value, mp.mpf) for value in [*f, *J.ravel(), *D.ravel()])
+            q = {name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator for name in PARAMETER_NAMES}
+            with mp.workdps(110):
+                lift = mpmath.mpf("1e-50")
+                exact = truth(q, label, z, None, lift)
+                step = mpmath.mpf("1e-20")
+                sides = [truth(q | {"Omega": q["Omega"] + h}, label, z, None, lift) for h in (step, -step)]
+            # p's decimal fractions are rounded to 40 digits in q: the result can be no better
+            for value, true in zip(f, exact, strict=True):
+                assert abs(value - true) < mp.mpf("1e-34") * (1 + abs(true))
+            for value, up, down in zip(D[:, 5], *sides, strict=True):
+                assert abs(value - (up - down) / (2 * step)) < mp.mpf("1e-30") * (1 + abs(value))
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_arrays_agree_with_floats(regime: str) -> None:
+    rng = random.Random(f"arrays {regime}")
+    p = draw(rng, regime)
+    for label in ("P1", "P3", "P7"):
+        z = np.array([draw_points(rng, p) for _ in range(30)]).T.reshape(4, 5, 6)
+        f, J = m.residual(p, label, z[:2], z[2:]), m.jacobian(p, label, z[:2], z[2:])
+        D = m.parameter_jacobian(p, label, z[:2], z[2:])
+        assert (f[0].shape, f[1].shape, J.shape, D.shape) == ((5, 6), (5, 6), (2, 4, 5, 6), (2, 11, 5, 6))
+        for i in np.ndindex(5, 6):
+            point = z[(slice(None), *i)].tolist()
+            for found, function in ((f, m.residual), (J, m.jacobian), (D, m.parameter_jacobian)):
+                expected = np.array(function(p, label, point[:2], point[2:]))
+                got = np.array([part[i] for part in found]) if found is f else found[(..., *i)]
+                np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max()))
+
+
+def test_arrays_broadcast_and_blocks_join() -> None:
+    p, n = load_scene("fig9").parameters, 2 * m.BLOCK + 3
+    theta = np.linspace(1, 9, n)
+    f1, f2 = m.residual(p, "P3", (4.0, 0.5), (np.array([[1.0], [2.0]]), theta))
+    assert f1.shape == f2.shape == (2, n)
+    np.testing.assert_allclose(f1[0] - f1[1], 1.0, rtol=1e-13)
+    assert f1[1, -1] == pytest.approx(m.residual(p, "P3", (4.0, 0.5), (2.0, 9.0))[0], abs=1e-13)
+
+
+def test_compiled_residual_agrees() -> None:
+    pytest.importorskip("numba")
+    rng = random.Random(8)
+    for regime in REGIMES:
+        p = draw(rng, regime)
+        z = np.array([draw_points(rng, p) for _ in range(50)]).T
+        for label in ("P3", "P8"):
+            found, expected = m.compiled_residual(p, label)(*z), m.residual(p, label, z[:2], z[2:])
+            size = 1 + np.abs(expected).max()
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * size)
+    with pytest.raises(ParameterError, match="is a stick"):
+        m.compiled_residual(p, "P1")
+    with pytest.raises(ParameterError, match="one length"):
+        m.compiled_residual(p, "P2")(z[0], z[1], z[2], z[3, :1])
+    with pytest.raises(ParameterError, match="unwrapped"):
+        m.compiled_residual(p, "P2")(z[0], z[3], z[2], z[1])
+
+
+# --- exits of a stick ---
+
+
+def test_exit_is_the_one_whose_force_vanishes_unless_it_is_given() -> None:
+    p = load_scene("fig10").parameters
+    start, end = (-2.0, 3.4), (-1.4, 4.6)
+    below, above = (m.residual(p, "P4", start, end, exit)[1] for exit in m.EXITS)
+    assert below - above == pytest.approx(float(2 * p.mu2 * p.FN / p.m), rel=1e-14)
+    assert m.residual(p, "P4", start, end)[1] == min(below, above, key=abs)
+    x = np.array([-30.0, -1.4, 30.0])
+    forces = [m.residual(p, "P4", start, (x, 4.6), exit)[1] for exit in m.EXITS]
+    chosen = m.residual(p, "P4", start, (x, 4.6))[1]
+    assert list(chosen) == [min(pair, key=abs) for pair in zip(*forces, strict=True)]
+
+
+# --- against the simulator ---
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_residuals_vanish_on_simulated_pieces(name: str) -> None:
+    scene = load_scene(name)
+    p, Omega = scene.parameters, float(scene.parameters.Omega)
+    traj = simulate(scene, max_events=60)
+    events = list(traj.events)
+    pieces = [piece for piece in traj.segments if piece.label]
+    labels = [label for label in traj.word if label]
+    assert labels == [piece.label for piece in pieces]
+    scale = 1 + max((abs(event.x) for event in events), default=0)
+    for piece in pieces:
+        i = next(i for i, event in enumerate(events) if event.t == piece.t_end)
+        start = (events[i - 1].x if i else float(scene.x0), Omega * float(piece.t_start))
+        end = (events[i].x, Omega * float(piece.t_end))
+        exit = None
+        if events[i].kind == "slip":
+            exit = "below" if int(events[i].target[-1]) == events[i].boundary else "above"
+        f1, f2 = m.residual(p, piece.label, start, end, exit)
+        rate = 1 + Omega + float(p.k / p.m) ** 0.5 + float(p.c / p.m)
+        assert abs(f1) < 2e-13 * scale * rate**2 * (1 + abs(end[1])), piece
+        assert abs(f2) < 2e-13 * scale * rate**3 * (1 + abs(end[1])), piece
+
+
+@pytest.mark.parametrize("name", ["fig6", "fig9", "fig10", "fig9-orbit", "fig10-orbit"])
+def test_solve_map_follows_the_simulator(name: str) -> None:
+    scene = load_scene(name)
+    p, Omega = scene.parameters, float(scene.parameters.Omega)
+    events = simulate(scene, max_events=12).events
+    for before, after in itertools.pairwise(events):
+        label = MAP_LABELS[before.boundary, before.target, after.boundary]
+        found = solve_map(p, label, before.x, before.theta + 4 * np.pi)
+        assert found.x == pytest.approx(after.x, abs=1e-10)
+        assert found.theta - before.theta - 4 * np.pi == pytest.approx(Omega * (after.t - before.t), abs=1e-10)
+        assert (found.exit is not None) == (after.kind == "slip")
+
+
+def test_the_multipliers_of_the_orbits() -> None:
+    p = load_scene("fig9-orbit").parameters
+    x, theta, M = 4.154920661325319221515248, 4 * 0.1816703979243204630141381, np.eye(2)
+    for label in ("P2", "P3"):
+        found = solve_map(p, label, x, theta)
+        assert found.derivative is not None
+        x, theta, M = found.x, found.theta, found.derivative @ M
+    expected = [-0.016802303836361 - 0.069594338756153j, -0.016802303836361 + 0.069594338756153j]
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(M)), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("label", "x", "theta"), [("P5", "4.0", "0.5"), ("P4", "-2.1", "3.38"), ("P6", "-2.0", "4.5")])
+def test_derivative_of_a_map_is_its_difference(label: str, x: str, theta: str) -> None:
+    p = load_scene("fig10").parameters
+    with mp.workdps(30):
+        z, h = [mp.mpf(x), mp.mpf(theta)], mp.mpf("1e-9")
+        found = solve_map(p, label, *z)
+        f = m.residual(p, label, z, (found.x, found.theta), found.exit)
+        assert max(map(abs, f)) < mp.mpf("1e-26")
+        assert found.derivative is not None
+        for j in (0, 1):
+            moved = ([value + s * h * (i == j) for i, value in enumerate(z)] for s in (1, -1))
+            up, down = (solve_map(p, label, *start) for start in moved)
+            assert abs((up.x - down.x) / (2 * h) - found.derivative[0, j]) < 1e-14
+            assert abs((up.theta - down.theta) / (2 * h) - found.derivative[1, j]) < 1e-14
+
+
+def test_a_graze_ends_a_map_and_has_no_derivative() -> None:
+    # Without spring, damper and friction v - v1 = A0 theta + sin(theta), which touches 0 where tan(theta) = theta.
+    with mp.workdps(50):
+        theta = mp.findroot(lambda angle: mp.sin(angle) - angle * mp.cos(angle), 4.4934)
+        A0 = mp.nstr(-mp.cos(theta), 45)
+    p = Parameters(m=1, c=0, k=0, A0=A0, B0=1, Omega=1, v1=0, v2=9, mu1=0, mu2=0, FN=0)
+    found = solve_map(p, "P3", 2.0, 0.0)
+    assert found.grazing
+    assert found.derivative is None
+    assert found.theta == pytest.approx(float(theta), abs=1e-6)
+    assert not solve_map(p.replace(A0="0.21"), "P3", 2.0, 0.0).grazing
+
+
+# --- errors ---
+
+
+@pytest.fixture
+def p() -> Parameters:
+    return load_scene("fig10").parameters
+
+
+def test_wrong_map_of_a_start_is_named(p: Parameters) -> None:
+    with pytest.raises(MapError, match="ends on belt 2: that is P5") as error:
+        solve_map(p, "P7", 3.07370025181154, 0.776378724725547)
+    assert (error.value.label, error.value.actual) == ("P7", "P5")
+    assert isinstance(pickle.loads(pickle.dumps(error.value)), MapError)
+    with pytest.raises(MapError, match="goes into Omega2 there, since F"):
+        solve_map(p, "P6", 4.0, 0.5)
+    with pytest.raises(MapError, match="stays on belt2"):
+        solve_map(p, "P5", -2.1, 3.38)
+
+
+def test_a_motion_that_never_switches(p: Parameters) -> None:
+    calm = p.replace(B0=0, c=2, v1=-12, v2=1, k=3, A0=0, mu1=0, mu2=0)
+    with pytest.raises(MapError, match="no switching ever"):
+        solve_map(calm, "P5", 5.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("P9", (1, 0), (1, 1)), "one of P1"),
+        ((3, (1, 0), (1, 1)), "one of P1"),
+        (("P3", (1, 1), (1, 0)), "unwrapped"),
+        (("P3", (1, np.ones(3)), (1, np.zeros(3))), "unwrapped"),
+        (("P3", (1, 0), (1, 1), "below"), "P3 is a flight"),
+        (("P1", (1, 0), (1, 1), "up"), '"below", "above" or None'),
+        (("P3", (1, 0, 0), (1, 1)), "two pairs"),
+        (("P3", 1, 2), "two pairs"),
+        (("P3", (float("nan"), 0), (1, 1)), "must be finite"),
+    ],
+)
+def test_bad_arguments(p: Parameters, arguments: Any, words: str) -> None:
+    for function in (m.residual, m.jacobian, m.parameter_jacobian):
+        with pytest.raises(ParameterError, match=words):
+            function(p, *arguments)
+
+
+def test_a_scene_is_no_parameter_set() -> None:
+    with pytest.raises(ParameterError, match=r"scene\.parameters"):
+        m.residual("fig9", "P3", (1, 0), (1, 1))  # type: ignore[arg-type]

@@ -1,0 +1,246 @@
+"""Theorem 7: every case of (55) to (58) as an exact set, and the proof that the cases are complete and exclusive."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import sympy as sp
+from sympy import Interval, Rational, S, asin, pi
+
+from symosc.errors import ParameterError
+from symosc.symbolic.theorem7 import CIRCLE, Case, sign_of, theorem7
+
+MAPS = ("P2", "P3", "P5", "P6")
+gamma, a = sp.symbols("gamma a", real=True)
+CUT = asin(Rational(3, 5))  # Theta_cr of |gamma| = 3, amplitude 5
+
+UPPER = Interval.open(0, pi)
+LOWER = Interval.open(pi, 2 * pi)
+NO_TOP = Interval.Ropen(0, pi / 2) + Interval.open(pi / 2, 2 * pi)
+NO_BOTTOM = Interval.Ropen(0, 3 * pi / 2) + Interval.open(3 * pi / 2, 2 * pi)
+
+# Written down from the paper by hand, gamma and B0 Omega/m in front: (55) and (57), (56) and (58).
+FROM_BELOW = {
+    "1": (3, 5, Interval.Ropen(0, pi + CUT) + Interval.open(2 * pi - CUT, 2 * pi)),
+    "2": (5, 5, NO_BOTTOM),
+    "3": (7, 5, CIRCLE),
+    "4": (0, 5, UPPER),
+    "5": (-3, 5, Interval.open(CUT, pi - CUT)),
+    "6": (-7, 5, S.EmptySet),
+}
+FROM_ABOVE = {
+    "1": (3, 5, Interval.open(pi + CUT, 2 * pi - CUT)),
+    "2": (7, 5, S.EmptySet),
+    "3": (0, 5, LOWER),
+    "4": (-3, 5, Interval.Ropen(0, CUT) + Interval.open(pi - CUT, 2 * pi)),
+    "5": (-5, 5, NO_TOP),
+    "6": (-7, 5, CIRCLE),
+}
+PRINTED = {"P2": FROM_BELOW, "P3": FROM_ABOVE, "P5": FROM_BELOW, "P6": FROM_ABOVE}
+EQUATION = {"P2": 55, "P3": 56, "P5": 57, "P6": 58}
+ALL_PRINTED = [(mapping, number) for mapping in MAPS for number in PRINTED[mapping]]
+
+# The paper's theorem lacks these.
+LACKING = [
+    ("P2", "(55.a)", -5, 5, S.EmptySet),
+    ("P5", "(57.a)", -5, 5, S.EmptySet),
+    ("P3", "(56.2)", 5, 5, S.EmptySet),
+    ("P2", "(55.b)", 1, 0, CIRCLE),
+    ("P3", "(56.b)", -1, 0, CIRCLE),
+    ("P2", "(55.c)", -1, 0, S.EmptySet),
+    ("P6", "(58.c)", 1, 0, S.EmptySet),
+    ("P2", "(55.c)", 0, 0, S.EmptySet),
+    ("P6", "(58.c)", 0, 0, S.EmptySet),
+    ("P2", "(55.1) shifted by pi", 3, -5, Interval.Ropen(0, CUT) + Interval.open(pi - CUT, 2 * pi)),
+    ("P2", "(55.2) shifted by pi", 5, -5, NO_TOP),
+    ("P2", "(55.3) shifted by pi", 7, -5, CIRCLE),
+    ("P2", "(55.4) shifted by pi", 0, -5, LOWER),
+    ("P2", "(55.5) shifted by pi", -3, -5, Interval.open(pi + CUT, 2 * pi - CUT)),
+    ("P2", "(55.6) shifted by pi", -7, -5, S.EmptySet),
+    ("P2", "(55.a) shifted by pi", -5, -5, S.EmptySet),
+    ("P6", "(58.1) shifted by pi", 3, -5, Interval.open(CUT, pi - CUT)),
+    ("P6", "(58.2) shifted by pi", 5, -5, S.EmptySet),
+    ("P6", "(58.3) shifted by pi", 0, -5, UPPER),
+    ("P6", "(58.4) shifted by pi", -3, -5, Interval.Ropen(0, pi + CUT) + Interval.open(2 * pi - CUT, 2 * pi)),
+    ("P6", "(58.5) shifted by pi", -5, -5, NO_BOTTOM),
+    ("P6", "(58.6) shifted by pi", -7, -5, CIRCLE),
+]
+
+
+@pytest.mark.parametrize(("mapping", "number"), ALL_PRINTED)
+def test_printed_case(mapping: str, number: str) -> None:
+    level, amplitude, expected = PRINTED[mapping][number]
+    assert theorem7(mapping, level, amplitude) == expected
+    assert _label(mapping, level, amplitude) == f"({EQUATION[mapping]}.{number})"
+
+
+@pytest.mark.parametrize(("mapping", "label", "level", "amplitude", "expected"), LACKING)
+def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitude: int, expected: Any) -> None:
+    assert theorem7(mapping, level, amplitude) == expected
+    assert _label(mapping, level, amplitude) == label
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("amplitude", [5, -5])
+@pytest.mark.parametrize("level", [5, -5])
+def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
+    mapping: str, amplitude: int, level: int
+) -> None:
+    printed, full = theorem7(mapping, level, amplitude), theorem7(mapping, level, amplitude, order="full")
+    graze = level > 0 if mapping in ("P2", "P5") else level < 0
+    assert full == (CIRCLE if graze else S.EmptySet)
+    assert full - printed == (sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet)
+    for other in (3, 0, -3, 7, -7):
+        assert theorem7(mapping, other, amplitude, "full") == theorem7(mapping, other, amplitude)
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("amplitude", [5, -5, 0])
+@pytest.mark.parametrize("level", [-7, -5, -3, 0, 3, 5, 7])
+def test_the_two_sides_fill_the_circle_but_for_the_critical_phases(mapping: str, amplitude: int, level: int) -> None:
+    other = {"P2": "P3", "P3": "P2", "P5": "P6", "P6": "P5"}[mapping]
+    here, there = theorem7(mapping, level, amplitude), theorem7(other, level, amplitude)
+    assert sp.Intersection(here, there) == S.EmptySet
+    missing = CIRCLE - sp.Union(here, there)
+    critical = [pi / 2, 3 * pi / 2, S.Zero, pi, CUT, pi - CUT, pi + CUT, 2 * pi - CUT]
+    expected = [theta for theta in critical if sp.expand(level + amplitude * sp.sin(theta)) == 0]
+    assert missing == (CIRCLE if amplitude == level == 0 else sp.FiniteSet(*expected))
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
+    for level in (-5, -3, 0, 3, 5):
+        here, there = theorem7(mapping, level, 5), theorem7(mapping, level, -5)
+        for numerator in range(48):
+            theta = pi * Rational(numerator, 12)
+            assert (theta % (2 * pi) in here) == ((theta + pi) % (2 * pi) in there)
+
+
+# -- complete and exclusive ------------------------------------------------------------------------------------------
+
+LINES = (gamma, a, gamma - a, gamma + a)
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("order", ["paper", "full"])
+def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
+    """A proof: each condition asks for signs of four linear forms only, so it is constant on each of the cells into
+    which their four lines through the origin cut the plane; one point of each of the 17 cells is tried."""
+    cases = theorem7(mapping, gamma, a, order)
+    for case in cases:
+        for relation in case.condition.atoms(sp.core.relational.Relational):
+            form = sp.expand(relation.lhs - relation.rhs)
+            assert any(sp.expand(form - sign * line) == 0 for line in LINES for sign in (1, -1)), relation
+    # Corners of a square around the origin, and what lies between: all rays, all sectors, and the origin.
+    points = [(2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (-1, 2), (-2, 2), (-2, 1)]
+    points += [(-x, -y) for x, y in points] + [(0, 0)]
+    cells = {tuple(sp.sign(line.subs({gamma: x, a: y})) for line in LINES) for x, y in points}
+    assert len(cells) == 17
+    for x, y in points:
+        held = [case for case in cases if case.condition.subs({gamma: x, a: y}) == sp.true]
+        assert len(held) == 1, (x, y, held)
+        phases = held[0].phases.subs({gamma: x, a: y})
+        assert sp.Union(phases, S.EmptySet) == sp.Union(theorem7(mapping, x, y, order), S.EmptySet)
+        assert held[0].label == _label(mapping, x, y)
+    used = {case.label for case in cases for x, y in points if case.condition.subs({gamma: x, a: y}) == sp.true}
+    assert used == {case.label for case in cases}  # none is superfluous
+
+
+def test_symbols_with_assumptions_leave_the_cases_that_can_hold() -> None:
+    k, v, B0, Omega, m = sp.symbols("k v_1 B_0 Omega m", positive=True)
+    cases = theorem7("P2", k * v / m, B0 * Omega / m)
+    assert [case.label for case in cases] == ["(55.1)", "(55.2)", "(55.3)"]
+    cut = asin(k * v / (B0 * Omega))
+    assert cases[0].phases.args[0] == Interval.Ropen(0, pi + cut)
+    assert cases[0].phases.args[1] == Interval.open(2 * pi - cut, 2 * pi)
+
+
+def test_one_symbol_and_one_number() -> None:
+    g = sp.Symbol("g")
+    cases = theorem7("P3", g, 5)
+    assert [case.label for case in cases] == ["(56.1)", "(56.2)", "(56.3)", "(56.4)", "(56.5)", "(56.6)"]
+    held = [case for case in cases if case.condition.subs(g, -5) == sp.true]
+    assert [case.phases for case in held] == [NO_TOP]
+    assert isinstance(held[0], Case)
+    assert len(theorem7("P3", g, 0)) == 2
+
+
+# -- numbers ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [0.3, "0.3", "3/10", Fraction(3, 10), Rational(3, 10), sp.Float("0.3")], ids=repr)
+def test_numbers_are_read_exactly(number: Any) -> None:
+    # 0.1 * 3 == 0.3 in rational numbers only
+    assert theorem7("P2", number, 3 * Fraction("0.1")) == NO_BOTTOM
+
+
+@pytest.mark.parametrize(
+    ("level", "amplitude", "expected"),
+    [
+        (sp.sqrt(2), 2, Interval.Ropen(0, 5 * pi / 4) + Interval.open(7 * pi / 4, 2 * pi)),
+        (sp.sqrt(2) + sp.sqrt(3), sp.sqrt(5 + 2 * sp.sqrt(6)), NO_BOTTOM),
+        (
+            pi,
+            Rational(22, 7),
+            Interval.Ropen(0, pi + asin(7 * pi / 22)) + Interval.open(2 * pi - asin(7 * pi / 22), 2 * pi),
+        ),
+        (-1, 2, Interval.open(pi / 6, 5 * pi / 6)),
+        (sp.sqrt(2) * sp.sqrt(3) - sp.sqrt(6), 1, UPPER),
+        (10**40 + 1, 10**40, CIRCLE),
+        (10**40, 10**40 + 1, None),
+    ],
+)
+def test_algebraic_and_other_real_numbers(level: Any, amplitude: Any, expected: Any) -> None:
+    found = theorem7("P2", level, amplitude)
+    if expected is None:
+        cut = asin(Rational(level, amplitude))
+        expected = sp.Union(Interval.Ropen(0, pi + cut), Interval.open(2 * pi - cut, 2 * pi), evaluate=False)
+    assert found == expected
+
+
+def test_signs_that_need_many_digits() -> None:
+    near = sp.sqrt(2) - Rational(math.isqrt(2 * 10**300), 10**150)
+    assert sign_of(near) == 1
+    assert sign_of(-near) == -1
+    assert sign_of(sp.sin(pi / 7) * 0 + sp.cos(pi / 5) - (1 + sp.sqrt(5)) / 4) == 0
+    assert sign_of(sp.sin(asin(Rational(1, 3)) + asin(Rational(2, 3))) - (sp.sqrt(5) + 4 * sp.sqrt(2)) / 9) == 0
+
+
+def test_end_points_are_the_zeros_of_the_sign_function() -> None:
+    for mapping in MAPS:
+        for level in range(-9, 10):
+            for amplitude in (-7, -4, 4, 7):
+                found = theorem7(mapping, Fraction(level, 2), amplitude)
+                for end in found.boundary - sp.FiniteSet(0, 2 * pi) if found else ():
+                    assert sp.expand(sp.sin(end) * amplitude + Rational(level, 2)) == 0
+
+
+@pytest.mark.parametrize("mapping", ["P1", "P4", "P7", "P8", "P9", "", "p2", None, 2])
+def test_maps_without_grazing(mapping: Any) -> None:
+    with pytest.raises(ParameterError, match="P2, P3, P5, P6") as error:
+        theorem7(mapping, 1, 1)
+    assert error.value.name == "mapping"
+
+
+@pytest.mark.parametrize(
+    "bad", ["abc", "", None, float("nan"), float("inf"), sp.oo, sp.nan, sp.zoo, sp.I, 1 + sp.I, True]
+)
+def test_what_is_no_real_number(bad: Any) -> None:
+    with pytest.raises(ParameterError, match="gamma"):
+        theorem7("P2", bad, 1)
+    with pytest.raises(ParameterError, match="amplitude"):
+        theorem7("P2", 1, bad)
+
+
+@pytest.mark.parametrize("order", ["Full", "", None, 1])
+def test_orders(order: Any) -> None:
+    with pytest.raises(ParameterError, match="full, paper"):
+        theorem7("P2", 1, 1, order)
+
+
+def _label(mapping: str, level: int, amplitude: int) -> str:
+    cases = theorem7(mapping, gamma, a)
+    return next(case.label for case in cases if case.condition.subs({gamma: level, a: amplitude}) == sp.true)
