@@ -17,11 +17,11 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from symosc.events import NOTHING, STALLED, TANGENCY, first_exit, never_leaves
-from symosc.flow import derivatives, velocity_scale
+from symosc.flow import derivatives, state_at, velocity_scale
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS, SERIES_BELOW
 from symosc.sticks import belt_exit, force_noise
-from symosc.switching import BELT, DOMAIN_ABOVE, carried_error, resolve
+from symosc.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, carried_error, resolve
 
 # What a step ends with; the first four are the kinds of events.
 CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
@@ -65,8 +65,9 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
         tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
     )
-    if tau > left:  # a contact that the last correction moved past the end
+    if tau > left:  # a contact just past the end
         code, tau = NOTHING, left
+        dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
     slip = clock_error(theta, tau, K)
     x_noise = 2.0 * EPS * (abs(x) + abs(dx)) + abs(v) * slip
     v_noise = 4.0 * EPS * (abs(v) + velocity_scale(tau, v, a0, K)) + abs(a0) * slip
@@ -89,22 +90,29 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     if code == STALLED:
         return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22
     if code == TANGENCY:
-        zero = 0.0 * a
-        b, w, j = derivatives(v, zero, sin(theta), cos(theta), K)
-        t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
-        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
-    if tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
+        a = 0.0 * a
+    elif tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
         a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
+    b, w, j = derivatives(v, a, s, c, K)
+    t_error = passing_time(sqrt(S22), a, b, w, K)
+    doubt = K.sigmas * t_error
+    vague = abs(a) <= (abs(b) + abs(w) * doubt) * doubt  # as far as this precision tells the acceleration is 0 here
+    if vague or code == TANGENCY:
+        a, vague = 0.0 * a, True
+        inflection = side * w > abs(j) * doubt and abs(b) <= abs(w) * doubt
+        if not inflection:
+            t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
+            return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22
     Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
-    decided = True
+    decided = not vague
     other = Fa if side > 0 else Fb
     small = abs(other) < NEAR_FORCE * belt.J
     if small and abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
         decided = False
         Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
-    b, w, _ = derivatives(v, a, s, c, K)
-    t_error = passing_time(sqrt(S22), a, b, w, K)
-    if Fa > 0.0:
+    if vague:  # a triple root: the velocity goes on through that of the belt, as far as friction lets it
+        where = BELT if belt.J > 0.0 else DOMAIN_ABOVE if side > 0 else DOMAIN_BELOW
+    elif Fa > 0.0:
         where = DOMAIN_ABOVE
     elif Fb > 0.0 and Fa < 0.0:
         where = BELT

@@ -160,7 +160,8 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free))
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
-    energy, room_below, room_above = a_free * a_free + K.w0sq * v_free * v_free, below - v0 - K.V0, v0 + above - K.V0
+    energy = a_free * a_free + K.w0sq * v_free * v_free
+    room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack
     has_below = has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below)
     has_above = has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above)
     tau = 0.0 * tau_max
@@ -187,19 +188,12 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
 
 
 def polish(tau, side, v0, a0, s0, c0, below, above, K):
-    """Return the contact near `tau`, by Newton steps on the exact flow; the last one by Taylor's formula."""
+    """Return the contact near `tau`, by roots of local polynomials of the exact flow."""
     for _ in range(60):
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
         over = below + dv if side < 0 else dv - above
-        shift = -over / a if a != 0.0 else 0.0 * a
+        shift = local_root(over, a, b, w, j, EPS * tau)
         if abs(shift) * K.rate < NEAR:
-            for _ in range(1 if abs(b * shift) < 1e-4 * abs(a) else MOST_STEPS):  # many near a multiple root only
-                slope = a + (b + (0.5 * w + j * shift / 6.0) * shift) * shift
-                value = over + (a + (0.5 * b + (w / 6.0 + j * shift / 24.0) * shift) * shift) * shift
-                change = value / slope if slope != 0.0 else 0.0 * slope
-                shift = shift - change
-                if abs(change) <= EPS * tau:
-                    break
             dx = dx + (v0 + dv + (0.5 * a + (b / 6.0 + w * shift / 24.0) * shift) * shift) * shift
             fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
             a = a + (b + (0.5 * w + (j / 6.0 + fifth * shift / 24.0) * shift) * shift) * shift
@@ -208,6 +202,24 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
             return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
         tau = tau + shift
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+
+
+def local_root(over, a, b, w, j, resolution):
+    """Return the root near 0 of over + a s + b s^2/2 + w s^3/6 + j s^4/24, by Newton's method.
+
+    A simple root takes a step or two; a multiple root, to which it converges slowly, as many as it needs.
+    """
+    s = 0.0 * resolution
+    for _ in range(MOST_STEPS):
+        slope = a + (b + (0.5 * w + j * s / 6.0) * s) * s
+        if slope == 0.0:
+            break
+        change = (over + (a + (0.5 * b + (w / 6.0 + j * s / 24.0) * s) * s) * s) / slope
+        s = s - change
+        bend = b + (w + 0.5 * j * s) * s
+        if abs(change * change * bend) <= resolution * abs(slope):  # the next step would be shorter than that
+            break
+    return s
 
 
 def turned(s, c, angle):
@@ -269,4 +281,5 @@ def never_leaves(v, a, s, c, lower, upper, has_below, has_above, K):
     v_transient = v - (K.Ss * s + K.Sc * c)
     a_transient = a - K.Om * (K.Ss * c - K.Sc * s)
     reach = K.V0 + sqrt(a_transient * a_transient + K.w0sq * v_transient * v_transient) / K.w0
+    reach = reach + MARCH_SLACK * (reach + abs(v))  # a swing that just touches a belt is an event
     return not (has_below and -reach <= lower) and not (has_above and reach >= upper)

@@ -37,26 +37,35 @@ def figure_grazing_curve(curve: GrazingCurve) -> Figure:
     with rc_context(STYLE):
         drawing = Figure(figsize=(7.0, 3.2), layout="constrained")
         plane, flight = drawing.subplots(1, 2)
+        draw_plane(plane, curve)
         for piece in curve.pieces:
-            _line(plane, piece.theta, piece.x, START, label="start")
-            _line(plane, piece.theta_m, piece.x_m, CONTACT, label="grazing point")
             flight.plot(piece.theta_m, piece.theta_m - piece.theta, color=START, linewidth=1.2)
-            _ends(plane, flight, piece)
+            _ends(flight, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
         for low, high, origin in curve.gaps:
             flight.axvspan(low, high, color=GAP, linewidth=0, label=f"from: {origin}")
-        belt = place(curve.mapping).boundary
-        plane.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
-        plane.set_title(rf"${_tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
         flight.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
         flight.set_title("flight to the grazing point")
         if curve.windows:
             flight.set_xlim(*_reach(curve))
-        else:
-            plane.text(0.5, 0.5, "the window is empty", transform=plane.transAxes, ha="center")
-        for axes in (plane, flight):
-            _quarters(axes)
-            _legend(axes)
+        _quarters(flight)
+        _legend(flight)
     return drawing
+
+
+def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
+    """Draw the left half of `figure_grazing_curve` into axes of another figure."""
+    for piece in curve.pieces:
+        _line(axes, piece.theta, piece.x, START, label="start")
+        _line(axes, piece.theta_m, piece.x_m, CONTACT, label="grazing point")
+        _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
+    belt = place(curve.mapping).boundary
+    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
+    axes.set_title(rf"${_tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
+    if not curve.pieces:
+        why = "no start on this plane grazes" if curve.windows else "the window is empty"
+        axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center")
+    _quarters(axes)
+    _legend(axes)
 
 
 def _tex(mapping: str) -> str:
@@ -77,8 +86,8 @@ def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str) 
         axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linewidth=1.2, label=label)
 
 
-def _ends(plane: Axes, flight: Axes, piece: CurvePiece) -> None:
-    for end in (piece.low, piece.high):
+def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> None:
+    for end, height in zip((piece.low, piece.high), heights, strict=True):
         if end.reason == "closed":
             continue
         style: dict[str, Any] = {
@@ -91,8 +100,8 @@ def _ends(plane: Axes, flight: Axes, piece: CurvePiece) -> None:
         }
         if end.reason == "end of the window":
             style["markerfacecolor"] = "white"
-        plane.plot([end.theta % TURN], [end.x], **style, label=end.reason)
-        flight.plot([end.theta_m], [end.theta_m - end.theta], **style)
+        along = end.theta % TURN if across == "theta" else end.theta_m
+        axes.plot([along], [height], **style, label=end.reason)
 
 
 def _quarters(axes: Axes) -> None:

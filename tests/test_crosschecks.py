@@ -1,0 +1,441 @@
+"""Cross-checks: right solutions pass, and each kind of mistake is found for what it is."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from symosc import ParameterError, Parameters, Scene, load_scene, simulate
+from symosc.crosschecks import CrossCheck, crosscheck
+from symosc.model import SIDES
+from symosc.plot_crosscheck import figure, write
+from symosc.sample_files import read_samples
+from symosc.sample_steps import phases
+
+# After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at once.
+OFF = 1e-12
+
+
+@dataclass
+class Run:
+    """Samples of an event-driven solver, and the events that it saw."""
+
+    t: list[float] = field(default_factory=list)
+    x: list[float] = field(default_factory=list)
+    v: list[float] = field(default_factory=list)
+    events: list[tuple[float, str]] = field(default_factory=list)
+
+    def add(self, t: Any, x: Any, v: Any) -> None:
+        for row in zip(t, x, v, strict=True):
+            if not self.t or row[0] > self.t[-1]:
+                for values, value in zip((self.t, self.x, self.v), row, strict=True):
+                    values.append(float(value))
+
+
+def solve(scene: Scene, t_end: float, wrong_domain: dict[int, int] | None = None, **options: Any) -> Run:
+    """Integrate a scene with solve_ivp and terminal events, the way a careful user of scipy would."""
+    p = scene.parameters
+    m, c, k, B0, Om = (float(value) for value in (p.m, p.c, p.k, p.B0, p.Omega))
+    A = {alpha: float(p.A((wrong_domain or {}).get(alpha, alpha))) for alpha in (1, 2, 3)}
+    speeds = {boundary: float(p.belt(boundary)) for boundary in (1, 2)}
+
+    def force(alpha: int, t: float, x: float, v: float) -> float:
+        return (A[alpha] + B0 * np.cos(Om * t) - k * x - c * v) / m
+
+    def wall(boundary: int, direction: int) -> Any:
+        def event(t: float, y: Any) -> float:
+            return y[1] - speeds[boundary]
+
+        event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+        return event
+
+    def exit_into(alpha: int, direction: int, speed: float) -> Any:
+        def event(t: float, y: Any) -> float:
+            return force(alpha, t, y[0], speed)
+
+        event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+        return event
+
+    run, t, x, v = Run(), float(scene.t0), float(scene.x0), float(scene.v0)
+    at = next((boundary for boundary in (1, 2) if v == speeds[boundary]), 0)
+    domain = 1 + (v > speeds[1]) + (v > speeds[2])
+    source = 0  # the domain from which a belt was met; 0 at the start
+    while t < t_end:
+        if at:
+            below, above = SIDES[at]
+            v = speeds[at]
+            run.add([t], [x], [v])
+            if force(below, t, x, v) > 0 > force(above, t, x, v):
+                if source:
+                    run.events.append((t, "stick"))
+                exits = [exit_into(below, -1, v), exit_into(above, 1, v)]
+                # Along a stick any step is accurate: without a limit it would grow past the end of the stick.
+                stick = solve_ivp(lambda t, y, v=v: [v], (t, t_end), [x], events=exits, max_step=0.02, **options)
+                run.add(stick.t, stick.y[0], np.full(len(stick.t), v))
+                t, x = float(stick.t[-1]), float(stick.y[0, -1])
+                if stick.status == 0:
+                    break
+                domain = above if len(stick.t_events[1]) else below
+                run.events.append((t, "slip"))
+            else:
+                domain = above if force(above, t, x, v) > 0 else below
+                if source:
+                    run.events.append((t, "cross"))
+            v += OFF if domain == above else -OFF
+        walls = [wall(domain - 1, -1)] if domain > 1 else []
+        walls += [wall(domain, 1)] if domain < 3 else []
+        flight = solve_ivp(
+            lambda t, y, domain=domain: [y[1], force(domain, t, *y)], (t, t_end), [x, v], events=walls, **options
+        )
+        run.add(flight.t, *flight.y)
+        t, x, v = float(flight.t[-1]), *(float(value) for value in flight.y[:, -1])
+        at = min((1, 2), key=lambda boundary, v=v: abs(v - speeds[boundary])) if flight.status == 1 else 0
+        source = domain
+    return run
+
+
+def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
+    run = solve(load_scene(name), t_end, **options)
+    return run, crosscheck(name, run.t, run.x, run.v)
+
+
+TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
+
+
+@pytest.mark.parametrize(("name", "t_end"), [("fig5", 20.0), ("fig9", 15.0), ("fig10", 15.0), ("fig6", 20.0)])
+def test_a_tight_run_passes(name: str, t_end: float) -> None:
+    run, result = check(name, t_end, **TIGHT)
+    assert result.ok, result.summary()
+    assert not result.wrong_steps.size
+    assert max(result.max_error_x, result.max_error_v) < 1e-7
+    exact = simulate(name, t_end=t_end).events
+    assert [match.event for match in result.matched] == list(exact)
+    assert max(abs(match.error) for match in result.matched) < 1e-7
+    listed = crosscheck(name, run.t, run.x, run.v, events=run.events)
+    assert listed.ok, listed.summary()
+    assert len(listed.matched) == len(exact) == len(run.events)
+
+
+def test_a_default_run_of_fig8_misses_the_micro_stick() -> None:
+    run, result = check("fig8", 3.6)
+    assert run.events == []
+    assert not result.ok
+    assert [event.kind for event in result.missed] == ["stick", "slip"]
+    assert [float(event.t) for event in result.missed] == pytest.approx([3.139006, 3.141588], abs=1e-6)
+    assert not result.matched
+    assert not result.invented
+    assert "missed: stick on belt 1 at t = 3.139" in result.summary()
+
+
+def test_listed_events_of_that_run_lack_it_too() -> None:
+    run = solve(load_scene("fig8"), 3.6)
+    result = crosscheck("fig8", run.t, run.x, run.v, events=run.events)
+    assert [event.kind for event in result.missed] == ["stick", "slip"]
+
+
+def test_a_double_root_inside_a_step_is_called_so() -> None:
+    result = check("fig8", 3.6, **TIGHT)[1]
+    assert [event.kind for event in result.missed] == ["stick", "slip"]
+    assert result.first_wrong is not None
+    assert result.first_wrong.reason == "double root"
+    assert result.first_wrong.t < 3.139006 < result.first_wrong.t_next
+    assert result.first_wrong == result.first_switching
+
+
+@pytest.fixture(scope="module")
+def grid() -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Exact samples, which every test may spoil a copy of."""
+    samples = {}
+    for name, t_end in (("fig5", 12.0), ("fig9", 8.0), ("fig10", 10.0)):
+        t = np.linspace(float(load_scene(name).t0), t_end, 801)
+        samples[name] = (t, *simulate(name, t_end=t_end)(t))
+    return samples
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_exact_samples_without_event_points_pass(name: str, grid: Any) -> None:
+    t, x, v = grid[name]
+    for every in (1, 7, 40):  # coarse enough for two events in a step
+        result = crosscheck(name, t[::every], x[::every], v[::every])
+        assert result.ok, result.summary()
+        assert np.max(np.abs(result.defects)) < 1e-12
+        assert not result.unresolved
+        assert len(result.matched) == len(simulate(name, t_end=float(t[::every][-1])).events)
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_an_invented_event(name: str, grid: Any) -> None:
+    t, x, v = (values.copy() for values in grid[name])
+    exact = simulate(name, t_end=float(t[-1]))
+    speed = float(exact.parameters.v1)
+    times = np.array([event.t for event in exact.events])
+    # A sample in the domain above belt 1, far from every event and from both ends, is moved just below it.
+    far = np.min(np.abs(t[:, None] - np.concatenate([times, t[[0, -1]]])), axis=1)
+    moved = int(np.argmax(np.where((v > speed + 0.05) & (v < float(exact.parameters.v2)), far, 0.0)))
+    assert 0 < moved < len(t) - 1
+    v[moved] = speed - 0.01
+    result = crosscheck(name, t, x, v)
+    assert not result.ok
+    assert [event.kind for event in result.invented] == ["cross", "cross"]
+    assert [(event.source, event.target) for event in result.invented] == [("Omega2", "Omega1"), ("Omega1", "Omega2")]
+    assert all(t[moved - 1] <= event.t <= t[moved + 1] for event in result.invented)
+    assert not result.missed
+    assert result.wrong_steps.tolist() == [moved - 1, moved]
+    assert result.first_wrong is not None
+    assert result.first_wrong.reason == "outlier"
+    assert result.decisions[0].expected == "Omega2"
+    assert result.decisions[0].found == "Omega1"
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9"])
+def test_the_force_of_another_domain(name: str) -> None:
+    run = solve(load_scene(name), 6.0, wrong_domain={1: 2}, **TIGHT)
+    result = crosscheck(name, run.t, run.x, run.v)
+    assert not result.ok
+    assert result.first_wrong is not None
+    assert result.first_wrong.step == 0
+    assert result.first_wrong.reason == "wrong force"
+    assert "the force of Omega2 explains the step, which lies in Omega1" in result.first_wrong.words
+
+
+def test_a_drift_off_the_belt(grid: Any) -> None:
+    t, x, v = (values.copy() for values in grid["fig5"])
+    stick = next(segment for segment in simulate("fig5", t_end=12).segments if segment.mode == "belt1")
+    inside = np.flatnonzero((t > stick.t_start) & (t < stick.t_end))
+    assert len(inside) > 20
+    drift = 1e-6 * (t[inside] - t[inside[0]]) / (t[inside[-1]] - t[inside[0]])
+    v[inside] += drift
+    result = crosscheck("fig5", t, x, v)
+    assert not result.ok
+    assert result.first_wrong is not None
+    assert {fault.reason for fault in result.faults} == {"drift on the belt"}
+    assert set(result.wrong_steps) <= set(inside)
+    assert np.max(np.abs(result.defects[:, 1])) == pytest.approx(1e-6, rel=1e-6)
+    # It is a drift, not a slip.
+    assert not result.invented
+    assert not result.missed
+
+
+def test_a_solution_that_is_right_to_1e_10_is_right(grid: Any) -> None:
+    """Noise decides on which side of a belt a sample is, in stick phases at every sample."""
+    rng = np.random.default_rng(20261121)
+    for name, (t, x, v) in grid.items():
+        for _ in range(3):
+            noise = 1e-10 * rng.standard_normal((2, len(t)))
+            result = crosscheck(name, t, x + noise[0], v + noise[1])
+            assert result.ok, result.summary()
+            assert not result.invented + result.missed
+        worse = crosscheck(name, t, x, v + 1e-6 * rng.standard_normal(len(t)))
+        assert not worse.ok
+
+
+def test_passing_where_it_sticks_is_a_wrong_decision() -> None:
+    """A crossing taken for every contact: what a solver without the stick condition does."""
+    scene = load_scene("fig5")
+    onset = simulate(scene, t_end=3).events[0]
+    p = scene.parameters
+    t = np.linspace(0, float(onset.t), 30)
+    x, v = simulate(scene, t_end=3)(t)
+    after = np.linspace(0, 0.4, 20)[1:]
+    force = float(p.A(2)) + float(p.B0) * np.cos(onset.t) - float(p.k) * onset.x - float(p.c) * onset.v
+    assert onset.kind == "stick"
+    assert force < 0
+    # It goes on below the belt, with the wrong force, in place of keeping to the belt.
+    result = crosscheck(
+        scene,
+        np.append(t, onset.t + after),
+        np.append(x, onset.x + onset.v * after + force * after**2 / 2),
+        np.append(v, onset.v + force * after),
+    )
+    assert not result.ok
+    assert result.first_wrong is not None
+    assert result.first_wrong.step == 29
+    assert result.decisions[0].expected == "belt1"
+    assert result.decisions[0].found == "Omega1"
+    assert result.first_wrong.reason == "event at the start"
+
+
+def test_keeping_to_a_belt_too_long_is_found() -> None:
+    exact = simulate("fig5", t_end=6)
+    slip = exact.events[1]
+    t = np.linspace(0, 6, 601)
+    x, v = exact(t)
+    late = (t > slip.t) & (t < slip.t + 0.5)
+    x[late], v[late] = slip.x + slip.v * (t[late] - slip.t), slip.v
+    result = crosscheck("fig5", t, x, v)
+    assert not result.ok
+    assert any(fault.found == "belt1" and fault.expected == "Omega1" for fault in result.decisions)
+    assert result.first_wrong is not None
+    assert abs(result.first_wrong.t - slip.t) < 0.05
+    assert result.first_wrong.reason in ("sign tolerance", "crossing inside the step")
+
+
+def test_errors_that_add_up_fail_in_the_end() -> None:
+    scene = load_scene("fig9")
+    other = scene.parameters.replace(k="3.000001")
+    t = np.linspace(float(scene.t0), 8, 4001)
+    x, v = simulate(other, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=8)(t)
+    result = crosscheck(scene, t, x, v)
+    assert result.wrong_steps.size == 0
+    assert crosscheck(scene, t, x, v, global_tolerance=1e-5).ok
+    assert not crosscheck(scene, t, x, v, global_tolerance=1e-7).ok
+
+
+def test_the_end_of_the_exact_motion_is_the_end_of_the_comparison() -> None:
+    exact = simulate("fig8", t_end=60)
+    assert exact.status == "undecidable"
+    t = np.linspace(2.5, float(exact.t_end), 500)
+    x, v = exact(t)
+    extra = float(exact.t_end) + 0.01 * np.arange(1, 100)
+    result = crosscheck("fig8", np.append(t, extra), np.append(x, 0 * extra), np.append(v, 0 * extra))
+    assert result.compared_until == exact.t_end
+    assert np.isnan(result.errors[500:]).all()
+    assert result.max_error_x < 1e-10
+    assert any("only steps" in note for note in result.notes)
+
+
+def test_another_start_than_the_scenes_is_said() -> None:
+    t = np.linspace(0, 5, 100)
+    x, v = simulate("fig5", x0="0.5", t_end=5)(t)
+    result = crosscheck("fig5", t, x, v)
+    assert result.ok
+    assert "not fig5's start" in result.notes[0]
+
+
+def test_phases_at_large_times() -> None:
+    rng = np.random.default_rng(7)
+    p = load_scene("fig10").parameters.replace(Omega="1/3")
+    t = np.concatenate([10.0 ** rng.uniform(-3, 14, 200), [0.0, -1.5]])
+    _, theta = phases(p, t)
+    import mpmath
+
+    with mpmath.workdps(50):
+        exact = [float(mpmath.fmod(mpmath.mpf(time) / 3, 2 * mpmath.pi)) for time in t]
+    np.testing.assert_allclose(theta, exact, rtol=0, atol=2e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda t, x, v: (t[::-1], x, v), "times must increase"),
+        (lambda t, x, v: (np.append(t[:-1], t[-2]), x, v), "is repeated"),
+        (lambda t, x, v: (t, np.append(x[:-1], np.nan), v), r"x\[800\] = nan"),
+        (lambda t, x, v: (t, x[:-1], v), "one length"),
+        (lambda t, x, v: (t[:1], x[:1], v[:1]), "at least 2"),
+        (lambda t, x, v: (t, np.array([x, x]), v), "one-dimensional"),
+        (lambda t, x, v: (t, ["a"] * len(t), v), "'a': is no number"),
+    ],
+)
+def test_bad_samples(change: Any, words: str, grid: Any) -> None:
+    with pytest.raises(ParameterError, match=words):
+        crosscheck("fig5", *change(*grid["fig5"]))
+
+
+@pytest.mark.parametrize(
+    ("events", "words"), [([(1.0, "jump")], "kind one of"), ([1.0], "pair"), ([(np.nan, "cross")], "finite")]
+)
+def test_bad_events(events: Any, words: str, grid: Any) -> None:
+    with pytest.raises(ParameterError, match=words):
+        crosscheck("fig5", *grid["fig5"], events=events)
+
+
+def test_an_invented_event_of_a_list(grid: Any) -> None:
+    t, x, v = grid["fig9"]
+    own = [(event.t, event.kind) for event in simulate("fig9", t_end=8).events]
+    assert crosscheck("fig9", t, x, v, events=own).ok
+    result = crosscheck("fig9", t, x, v, events=[*own, (5.2, "stick")])
+    assert [(event.t, event.kind) for event in result.invented] == [(5.2, "stick")]
+    assert not result.ok
+    result = crosscheck("fig9", t, x, v, events=own[1:])
+    assert [event.t for event in result.missed] == [own[0][0]]
+
+
+def test_what_is_read(tmp_path: Path, grid: Any) -> None:
+    t, x, v = grid["fig9"]
+    columns = {"t": t.tolist(), "x": x.tolist(), "v": v.tolist()}
+    rows = "\n".join(",".join(map(repr, row)) for row in zip(*columns.values(), strict=True))
+    (tmp_path / "run.csv").write_text(f"t,x,v\n{rows}\n")
+    np.savez(tmp_path / "run.npz", t=t, x=x, v=v)
+    (tmp_path / "run.json").write_text(json.dumps(columns))
+    (tmp_path / "rows.json").write_text(json.dumps([{"t": a, "x": b, "v": c} for a, b, c in zip(t, x, v, strict=True)]))
+    result = SimpleNamespace(t=t, y=np.array([x, v]))
+    sources = [*sorted(tmp_path.iterdir()), str(tmp_path / "run.csv"), columns, result]
+    assert len(sources) == 7
+    for source in sources:
+        samples = read_samples(source)
+        np.testing.assert_array_equal([samples.t, samples.x, samples.v], [t, x, v])
+    samples = read_samples({"time": t, "x": x, "w": v}, {"t": "time", "v": "w"})
+    np.testing.assert_array_equal(samples.v, v)
+    assert crosscheck("fig9", result).ok
+
+
+def test_what_cannot_be_read(tmp_path: Path) -> None:
+    files = {
+        "two.csv": ("t,x\n0,1\n1,2\n", "column = 'v': is missing"),
+        "short.csv": ("t,x,v\n0,1,2\n1,2\n", "row 3 has 2 entries"),
+        "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is no number"),
+        "empty.csv": ("", "is empty"),
+        "bad.json": ("{", "cannot be read"),
+        "list.json": ("[1, 2]", "must hold columns"),
+        "bad.npz": ("no zip", "is no npz file"),
+        "run.txt": ("", "must end in"),
+    }
+    for name, (text, words) in files.items():
+        (tmp_path / name).write_text(text)
+        with pytest.raises(ParameterError, match=words):
+            read_samples(tmp_path / name)
+    with pytest.raises(ParameterError, match="cannot be read"):
+        read_samples(tmp_path / "none.csv")
+
+
+def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
+    result = check("fig8", 3.6, **TIGHT)[1]
+    drawing = figure(result)
+    for ax in drawing.axes:
+        missed = [line.get_xdata()[0] for line in ax.lines if line.get_label() == "event, missed"]  # type: ignore[index]
+        assert missed == pytest.approx([event.t for event in result.missed])
+    error = next(line for line in drawing.axes[0].lines if line.get_label() == "$x$, relative")
+    assert np.nanmax(np.asarray(error.get_ydata(), dtype=float)) * result.scales[0] == pytest.approx(result.max_error_x)
+    assert write(result, tmp_path / "check.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_right_samples_of_random_systems_pass() -> None:
+    """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
+    rng = np.random.default_rng(5)
+    events = 0
+    for _ in range(60):
+        p = random_parameters(rng)
+        t0 = float(rng.choice([0.0, 3.5, 1e6]))
+        v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
+        exact = simulate(p, t0=t0, x0=round(rng.uniform(-5, 5), 2), v0=v0, t_end=t0 + 20)
+        own = [event.t for event in exact.events if rng.random() < 0.5]
+        t = np.unique([t0, *rng.uniform(t0, float(exact.t_end), int(rng.choice([15, 100, 400]))), *own])
+        x, v = exact(t)
+        noise = 1e-10 * rng.standard_normal((2, len(t)))
+        noise[:, 0] = 0
+        assert crosscheck(p, t, x, v).ok
+        assert crosscheck(p, t, x + noise[0], v + noise[1]).ok
+        assert not crosscheck(p, t, x, v * (1 + 1e-6)).ok
+        events += len(exact.events)
+    assert events > 500
+
+
+def random_parameters(rng: np.random.Generator) -> Parameters:
+    ranges: dict[str, tuple[float, float]] = {
+        "m": (0.1, 2),
+        "c": (0, 3),
+        "k": (0.1, 8),
+        "A0": (-10, 10),
+        "B0": (0, 15),
+        "Omega": (0.2, 5),
+    }
+    ranges |= {"v1": (-4, 1), "v2": (1.1, 6), "mu1": (0, 0.8), "mu2": (0, 0.8), "FN": (0, 20)}
+    values = {name: round(rng.uniform(*span), 2) for name, span in ranges.items()}
+    return Parameters(**values | {"c": values["c"] if rng.random() < 0.5 else 0})
