@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from symosc.branches import Branch, BranchError
     from symosc.closing import ConvergenceError
     from symosc.continuation import continue_orbit
+    from symosc.crosschecks import CrossCheck, crosscheck
     from symosc.errors import MissingExtraError, OutputError, ParameterError, SceneError, SymoscError
     from symosc.grazing import GrazingWindow, grazing_window
     from symosc.grazing_check import GrazingReport, check_grazing
@@ -83,12 +84,15 @@ _HOMES = {
     "values_containing": "symbolic.grazing_queries",
     "values_empty": "symbolic.grazing_queries",
     "values_everything": "symbolic.grazing_queries",
+    "crosscheck": "crosschecks",
+    "CrossCheck": "crosschecks",
 }
 
 __all__ = [
     "Branch",
     "BranchError",
     "ConvergenceError",
+    "CrossCheck",
     "Event",
     "EventTable",
     "GrazingCurve",
@@ -113,6 +117,7 @@ __all__ = [
     "check_grazing",
     "compiled_residual",
     "continue_orbit",
+    "crosscheck",
     "find_orbit",
     "grazing_curve",
     "grazing_start",

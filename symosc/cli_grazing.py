@@ -91,7 +91,7 @@ def grazing(
         reports = [check_grazing(p, mapping, n=phases) for mapping in chosen]
     failed = int(any(not report.ok for report in reports))
     if as_json:
-        data = {"scene": name, "parameters": p.as_dict(), "order": order}
+        data: dict[str, Any] = {"scene": name, "parameters": p.as_dict(), "order": order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
         cli._print_json(data | {"windows": [_data(window) for window in windows]})
     elif as_latex:

@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.advance import CROSS, END, FAILED, GRAZE, REST, SLIP, STICK
-from symosc.events import ROUNDING
 from symosc.errors import ParameterError
+from symosc.events import ROUNDING
 from symosc.exact import half_unit, show
 from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, Parameters
@@ -113,7 +113,7 @@ class Path:
         self.K = self.arithmetic.K
         stretches = float(start.t_end - start.t0) / float(self.K.chunk)
         if stretches > MOST_STRETCHES:
-            reason = f"is {stretches:.1g} forcing or free periods after t0; at most {MOST_STRETCHES:.0e} can be followed"
+            reason = f"is {stretches:.1g} forcing or free periods after t0; at most {MOST_STRETCHES:.0e} are followed"
             raise ParameterError("t_end", show(start.t_end), reason)
         self.two_pi = self.arithmetic.namespace["TWO_PI"]
         self.events: list[Event] = []

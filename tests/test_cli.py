@@ -13,13 +13,14 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
 import symosc
 from symosc.cli import main
 
-COMMANDS = sorted(main.commands)
+COMMANDS = main.list_commands(click.Context(main))
 PROGRAM = [sys.executable, "-m", "symosc"]
 
 

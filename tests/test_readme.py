@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
 
 import symosc
@@ -83,4 +84,4 @@ def test_every_scene_and_status_is_explained() -> None:
 
 def test_commands_in_the_text_exist() -> None:
     for name in re.findall(r"`symosc ([a-z]+)", README) + re.findall(r"^\$ symosc ([a-z]+)", README, re.MULTILINE):
-        assert name in main.commands
+        assert name in main.list_commands(click.Context(main))
