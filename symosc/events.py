@@ -216,8 +216,9 @@ def local_root(over, a, b, w, j, resolution):
             break
         change = (over + (a + (0.5 * b + (w / 6.0 + j * s / 24.0) * s) * s) * s) / slope
         s = s - change
-        bend = b + (w + 0.5 * j * s) * s
-        if abs(change * change * bend) <= resolution * abs(slope):  # the next step would be shorter than that
+        bend, third = b + (w + 0.5 * j * s) * s, w + j * s
+        # The next step would be shorter than that.
+        if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
             break
     return s
 
