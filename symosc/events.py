@@ -207,9 +207,12 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
 def local_root(over, a, b, w, j, resolution):
     """Return the root near 0 of over + a s + b s^2/2 + w s^3/6 + j s^4/24, by Newton's method.
 
-    A simple root takes a step or two; a multiple root, to which it converges slowly, as many as it needs.
+    A simple root takes a step after the start from the inverted series; a multiple root as many as it needs.
     """
     s = 0.0 * resolution
+    if abs(over * b) < 0.1 * a * a:
+        linear = over / a
+        s = -linear * (1.0 + 0.5 * linear * b / a)
     for _ in range(MOST_STEPS):
         slope = a + (b + (0.5 * w + j * s / 6.0) * s) * s
         if slope == 0.0:
