@@ -287,11 +287,12 @@ class GrazingWindow:
 
         p, number = self.place, _latex_number(self.mapping)
         relation = "=><"[self.signs[2]]
+        phases = sp.latex(self.phases, inv_trig_style="full")
         sizes = [sp.latex(rational(abs(value))) for value in (self.gamma, self.amplitude)]
         return (
             rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{p.boundary}}} = "
             rf"{sp.latex(rational(self.gamma))},\quad |\gamma_{{{number}}}| = {sizes[0]} {relation} {sizes[1]} = "
-            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {sp.latex(self.phases)}"
+            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {phases}"
         )
 
     def _repr_latex_(self) -> str:

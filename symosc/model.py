@@ -97,6 +97,13 @@ class Parameters:
         """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
         return self.v1 if boundary == 1 else self.v2
 
+    def _repr_latex_(self) -> str:
+        """Return the parameters in the paper's letters, for notebooks."""
+        letters = {"Omega": r"\Omega", "mu1": r"\mu_1", "mu2": r"\mu_2", "FN": "F_N"}
+        letters |= {name: f"{name[0]}_{name[1]}" for name in ("A0", "B0", "v1", "v2")}
+        terms = r",\; ".join(f"{letters.get(name, name)} = {value}" for name, value in self.as_dict().items())
+        return f"${terms}$"
+
     def __repr__(self) -> str:
         return f"Parameters({', '.join(f'{name}={value}' for name, value in self.as_dict().items())})"
 

@@ -104,6 +104,16 @@ class PeriodicOrbit:
     steps: int
     digits: int | None = None
 
+    def _repr_latex_(self) -> str:
+        """Return word, switching points and multipliers, for notebooks."""
+        rows = r" \\ ".join(
+            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}"
+            for label, (t, x) in zip(self.labels, self.points, strict=True)
+        )
+        multipliers = r",\; ".join(_latex_complex(complex(value)) for value in self.multipliers)
+        table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
+        return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
+
     def equations(self) -> ClosingEquations:
         """Return the closing equations in double precision."""
         return ClosingEquations(self.parameters, Word(self.labels), self.periods)
@@ -204,3 +214,14 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
 
 def _size(dt: float, dx: float) -> float:
     return inf if dt != dt else max(abs(dt), abs(dx))
+
+
+def _latex_complex(value: complex) -> str:
+    def real(number: float) -> str:
+        mantissa, _, exponent = f"{number:.6g}".partition("e")
+        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+    if value.imag == 0:
+        return real(value.real)
+    sign = "-" if value.imag < 0 else "+"
+    return rf"{real(value.real)} {sign} {real(abs(value.imag))}\,\mathrm{{i}}"

@@ -1,7 +1,7 @@
 """Theorem 7 in double precision: the window of one map, for sweeps over many parameter sets.
 
 A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0, with side = 1 for a
-contact from below and -1 for one from above (model.md, section 5). The ends are theta_cr = asin(-k v/(B0 Omega)) and
+contact from below and -1 for one from above. The ends are theta_cr = asin(-k v/(B0 Omega)) and
 pi - theta_cr. Near |k v| = |B0 Omega| the arcsine turns a rounding error into its square root, so products, comparison,
 root and arctangent are done with pairs of doubles (hi + lo): every end is within one unit in the last place.
 

@@ -1,4 +1,4 @@
-"""Mapping structures such as P32 and P4645, and which map may follow which (model.md, section 4).
+"""Mapping structures such as P32 and P4645, and which map may follow which.
 
 A word is read like a composition of functions, right to left: P32 = P3∘P2 applies P2 first. A list reads the same way;
 `Word.labels` and `Trajectory.word` are in order of time.
@@ -97,6 +97,15 @@ class Word(NamedTuple):
     """
 
     labels: tuple[str, ...]
+
+    def latex(self) -> str:
+        """Return the word as the paper writes it: P_{32} = P_3 after P_2."""
+        digits = "".join(label[1:] for label in reversed(self.labels))
+        composed = r" \circ ".join(f"P_{label[1:]}" for label in reversed(self.labels))
+        return f"P_{{{digits}}} = {composed}" if len(self.labels) > 1 else composed
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
     @property
     def maps(self) -> tuple[Map, ...]:

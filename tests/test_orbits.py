@@ -28,7 +28,7 @@ MANY_SLIPS = Parameters(
 )
 CROSSING_BOTH = FIG9.replace(Omega="5.1")
 
-# model.md, section 8: (t, x) with 25 digits.
+# (t, x) with 25 digits, computed independently of this project.
 P32 = (
     ("0.1816703979243204630141381", "4.154920661325319221515248"),
     ("0.9923714390339600100212899", "-4.22494466419768724790154"),

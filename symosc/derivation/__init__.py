@@ -1,0 +1,1 @@
+"""Derivations that check each of their steps before they print it (LaTeX, Markdown, text)."""

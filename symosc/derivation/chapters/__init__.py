@@ -1,0 +1,15 @@
+"""The chapters, in reading order. Each module has a TITLE and items(scope), which yields steps, prose and headings."""
+
+#: Subject -> what it is about.
+CHAPTERS = {
+    "motion": "equation of motion and friction law",
+    "domains": "solution in one domain, damping regimes and their limits",
+    "sticks": "stick motion and both exits",
+    "switching": "G-functions and Theorems 4 to 6",
+    "maps": "governing equations of P1 to P8",
+    "jacobians": "derivatives of the mappings and saltation",
+    "grazing": "Theorem 7, all cases",
+    "events": "why no event is missed",
+    "orbits": "fixed points of P32 and P4645",
+    "errata": "errors and gaps of the paper",
+}
