@@ -346,7 +346,7 @@ def test_latex_and_text() -> None:
     for part in (
         r"\gamma_{2} = \frac{k}{m} v_{1} = 30",
         "30 < 360",
-        r"\operatorname{asin}{\left(\frac{1}{12} \right)}",
+        r"\arcsin{\left(\frac{1}{12} \right)}",
     ):
         assert part in latex
     assert window._repr_latex_() == f"${latex}$"
