@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 import click
 
 import symosc
+from symosc.cli_settings import read_settings
 from symosc.errors import SymoscError
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
@@ -106,16 +107,7 @@ def _print_table(rows: list[list[str]], heads: list[str]) -> None:
 def _scene_with(name_or_path: str, settings: tuple[str, ...], start: dict[str, str | None]) -> Scene:
     """Return a scene with ``--set`` parameters and a start from the command line."""
     scene = load_scene(name_or_path)
-    changes: dict[str, str] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise click.BadParameter(f"{setting!r} is not NAME=VALUE, such as k=3", param_hint="--set")
-        if name in START_NAMES:
-            raise click.BadParameter(f"{name} is no parameter; use --{name.replace('_', '-')}", param_hint="--set")
-        if name in changes:
-            raise click.BadParameter(f"{name} is set twice", param_hint="--set")
-        changes[name] = value
+    changes = read_settings(settings)
     given: dict[str, Any] = {name: value for name, value in start.items() if value is not None}
     return replace(scene, parameters=scene.parameters.replace(**changes), **given)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.cli_settings import read_settings
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -112,14 +113,7 @@ def grazing(
 
 def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | None, Parameters]:
     """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
-    changes: dict[str, str] = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise click.BadParameter(f"{setting!r} is not NAME=VALUE, such as k=3", param_hint="--set")
-        if name in changes:
-            raise click.BadParameter(f"{name} is set twice", param_hint="--set")
-        changes[name] = value
+    changes = read_settings(settings)
     if scene is not None:
         problem = load_scene(scene)
         return problem.name, problem.parameters.replace(**changes)

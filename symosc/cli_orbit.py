@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.cli_settings import read_settings
 from symosc.errors import OutputError
 from symosc.exact import show
 from symosc.scenes import Scene, load_scene
@@ -78,8 +79,7 @@ def orbit(
 
 
 def _with_settings(scene: Scene, settings: tuple[str, ...]) -> Scene:
-    changes = dict(_pair(setting, "--set", "NAME=VALUE, such as k=3") for setting in settings)
-    return replace(scene, parameters=scene.parameters.replace(**changes))
+    return replace(scene, parameters=scene.parameters.replace(**read_settings(settings)))
 
 
 def _pair(text: str, option: str, form: str) -> tuple[str, str]:

@@ -9,7 +9,6 @@ from symosc.advance import FAILED, GRAZE, MOVED, TWO_PI, advance
 # Columns of a row of STATE, OUT_FLOAT and OUT_INT.
 STATE_WIDTH = 14  # mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, then theta0, n_end, theta_end
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
-INT_COLUMNS = ("trajectory", "kind", "boundary", "source", "target")
 # What a trajectory ended with, beside the codes of `advance`.
 RUNNING, FULL, IN_DOUBT = 0, -1, -2
 
