@@ -12,7 +12,7 @@ or it raises `StepError`: then nothing is printed.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -25,6 +25,7 @@ from symosc.symbolic import solution
 Expr = Any  # sympy ships no types
 
 DIGITS = 50
+POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
 AGREEMENT = mpmath.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
@@ -280,13 +281,17 @@ def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
     return expr
 
 
-def points(expr: Expr) -> Iterator[dict[Expr, Any]]:
-    """Yield a few random points that the assumptions on the letters allow, always the same ones."""
+def points(expr: Expr, sample: Any = None, count: int = POINTS) -> Iterator[dict[Expr, Any]]:
+    """Yield random points that the assumptions on the letters (or `sample`) allow, always the same ones."""
     letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
     dice = random.Random(20161031)
-    for _ in range(REFUTATION_POINTS):
-        point = {letter: sp.Rational(dice.randint(100, 4999), 1009) for letter in letters}
-        yield {q: z if q.is_nonnegative else z * dice.choice((-1, 1)) for q, z in point.items()}
+    for _ in range(count):
+        if sample is not None:
+            point = sample(dice)
+        else:
+            point = {letter: sp.Rational(dice.randint(100, 4999), 1009) for letter in letters}
+            point = {q: z if q.is_nonnegative else z * dice.choice((-1, 1)) for q, z in point.items()}
+        yield point
 
 
 def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
@@ -305,7 +310,7 @@ def _refute(statement: Relation, difference: Expr) -> None:
     """Raise StepError if a difference that should vanish clearly does not: no proof is tried then."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*_KNOWN) or difference.has(sp.Derivative):
         return
-    for point in points(difference):
+    for point in points(difference, count=REFUTATION_POINTS):
         value = sp.N(difference.subs(point, simultaneous=True), 40, maxn=120)
         if value.is_number and value.is_finite and abs(value) > DIFFERENT:
             raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
@@ -376,4 +381,18 @@ def _differs(one: Expr, other: Expr) -> bool:
         return bool(one != other)
     if one.has(sp.Function) and one.atoms(sp.Function) - one.atoms(*_KNOWN):
         return bool(sp.simplify(one - other) != 0)
-    return any(abs(sp.N((one - other).subs(point, simultaneous=True), 30)) > DIFFERENT for point in points(one - other))
+    return any(
+        abs(sp.N((one - other).subs(point, simultaneous=True), 30)) > DIFFERENT
+        for point in points(one - other, count=2)
+    )
+
+
+def verify_all(items: Sequence[Any]) -> list[tuple[Step, Evidence]]:
+    """Check every step of a chapter in order.
+
+    Raises
+    ------
+    StepError
+        At the first step that fails.
+    """
+    return [(item, item.verify()) for item in items if isinstance(item, Step)]
