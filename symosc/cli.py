@@ -29,6 +29,7 @@ FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON h
 
 #: Commands with a module of their own, symosc.cli_<...>, which is loaded when the command is used.
 MODULES = {"orbit": "orbit", "grazing": "grazing", "codegen": "export", "check": "check", "derive": "derive"}
+MODULES |= {"bench": "bench"}
 
 
 class CommandLine(click.Group):
@@ -288,22 +289,3 @@ def _as_toml(scene: Scene) -> str:
     lines += [f"{name} = {number(data['parameters'][name])}" for name in PARAMETER_NAMES]
     lines += ["", "[start]", *(f"{name} = {number(data[name])}" for name in START_NAMES[:3])]
     return "\n".join(lines)
-
-
-@main.command()
-@click.option("--quick", is_flag=True, help="Fewer repeats.")
-@json_option
-def bench(quick: bool, as_json: bool) -> None:
-    """Measure the time per event on the shipped scenes, and its error.
-
-    \b
-    Example:
-      symosc bench --quick
-    """
-    from symosc import bench as benchmark
-
-    result = benchmark.run(quick=quick)
-    if as_json:
-        _print_json(result)
-    else:
-        _print(benchmark.table(result))

@@ -18,6 +18,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import symosc
+import symosc.bench
 from symosc.cli import main
 
 COMMANDS = main.list_commands(click.Context(main))
@@ -171,8 +172,8 @@ def test_codegen_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
 
 def test_bench_prints_table_or_json(monkeypatch: pytest.MonkeyPatch) -> None:
     stub = SimpleNamespace(run=lambda quick: {"quick": quick}, table=lambda result: f"table of {result}")
-    monkeypatch.setitem(sys.modules, "symosc.bench", stub)  # type: ignore[arg-type]
-    monkeypatch.setattr(symosc, "bench", stub, raising=False)
+    monkeypatch.setitem(sys.modules, "symosc.bench.speed", stub)  # type: ignore[arg-type]
+    monkeypatch.setattr(symosc.bench, "speed", stub, raising=False)
     assert good("bench", "--quick") == "table of {'quick': True}\n"
     assert json.loads(good("bench", "--json")) == {"quick": False}
 

@@ -15,9 +15,10 @@ from functools import partial
 from math import cos, exp, sin
 from typing import Any
 
-from symosc import __version__, bench_formulas
+from symosc import __version__
 from symosc.batch import simulate_many
-from symosc.bench_formulas import best
+from symosc.bench import formulas
+from symosc.bench.formulas import best
 from symosc.errors import MissingExtraError
 from symosc.numerics import compiled
 from symosc.scenes import load_scene
@@ -57,13 +58,13 @@ def run(quick: bool = False) -> dict[str, Any]:
     Keys of a row of `rows`: scene, events, ns_per_event, evaluations_per_event (its multiple of the floor),
     first_call_s, python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40
     digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
-    `formulas` is the result of `symosc.bench_formulas.run`.
+    `formulas` is the result of `symosc.formulas.run`.
     """
     repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
     floor_ns = _floor(repeats)
     rows = [_scene(name, events, repeats, floor_ns) for name in SCENES]
     result = {"machine": _machine(), "floor_ns": floor_ns, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
-    return result | {"formulas": bench_formulas.run(quick)}
+    return result | {"formulas": formulas.run(quick)}
 
 
 def _machine() -> dict[str, str]:
@@ -168,7 +169,7 @@ def table(result: dict[str, Any]) -> str:
             f"errors: against {DIGITS} digits over the scene, relative to max(1, |value|)",
             f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
             "",
-            bench_formulas.table(result["formulas"]),
+            formulas.table(result["formulas"]),
             "",
             machine,
         ]

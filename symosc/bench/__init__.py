@@ -1,0 +1,1 @@
+"""Speed beside error: this package's own, and other people's solvers on the same scenes."""
