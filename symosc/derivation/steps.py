@@ -12,7 +12,7 @@ or it raises `StepError`: then nothing is printed.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -385,14 +385,3 @@ def _differs(one: Expr, other: Expr) -> bool:
         abs(sp.N((one - other).subs(point, simultaneous=True), 30)) > DIFFERENT
         for point in points(one - other, count=2)
     )
-
-
-def verify_all(items: Sequence[Any]) -> list[tuple[Step, Evidence]]:
-    """Check every step of a chapter in order.
-
-    Raises
-    ------
-    StepError
-        At the first step that fails.
-    """
-    return [(item, item.verify()) for item in items if isinstance(item, Step)]
