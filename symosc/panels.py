@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from symosc.model import SIDES
-from symosc.trajectory import Segment, Trajectory
+from symosc.trajectory import Trajectory
 
 BELT, MASS = "black", "#d7191c"
 ONSET, END, SWITCH = "#1f3fd6", "#0f8a2a", "#d7191c"
@@ -23,10 +23,13 @@ POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 120, 40, 20_000
 SHORT_STICK = 0.01
 # ... unless it is shorter than this fraction of t, where its curve would show rounding errors.
 RESOLVED = 1e-10
+MOST_INSETS = 2
 # A belt is drawn if that stretches the velocity axis by no more than this fraction.
 BELT_STRETCH = 0.65
 # How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
 BELT_REACH = 0.06, 0.15
+STICK_SHADE = "0.92"
+IN_INSET: dict[str, Any] = {"fontsize": 7.5, "ha": "center", "va": "center"}
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,34 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """A stick on a belt from `since` to `until`, or a point of contact (both are equal)."""
+
+    since: float
+    until: float
+    belt: int
+
+
+@dataclass(frozen=True)
 class View:
-    """Everything that the panels draw."""
+    """Everything that the panels draw.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    boundary : int
+        Whose forces are drawn.
+    t, x, v : numpy.ndarray
+        The samples of the curves.
+    marks : tuple of Mark
+        The dots.
+    contacts : tuple of Contact
+        Where panel (a) shows the displacement of a point of a belt.
+    magnified : tuple of Contact
+        At most two, which panel (b) shows in insets.
+    belt_reach : tuple of two floats
+        How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
+    """
 
     trajectory: Trajectory
     boundary: int
@@ -48,6 +77,9 @@ class View:
     x: np.ndarray
     v: np.ndarray
     marks: tuple[Mark, ...]
+    contacts: tuple[Contact, ...]
+    magnified: tuple[Contact, ...]
+    belt_reach: tuple[float, float] = BELT_REACH
 
     @property
     def domains(self) -> tuple[int, int]:
@@ -71,7 +103,11 @@ def view_of(trajectory: Trajectory, boundary: int | None) -> View:
         on_belt = trajectory.segments[0].mode.removeprefix("belt")
         nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
         boundary = int(on_belt) if on_belt in "12" else events[0].boundary if events else nearest
-    return View(trajectory, boundary, t, x, v, _marks(trajectory))
+    contacts = _sticks(trajectory) + [
+        Contact(float(event.t), float(event.t), event.boundary) for event in trajectory.events if event.kind == "graze"
+    ]
+    short = tuple(contact for contact in contacts if _is_short(contact, t))
+    return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), short[:MOST_INSETS])
 
 
 def _sample_times(trajectory: Trajectory) -> np.ndarray:
@@ -109,11 +145,12 @@ def _displacement(ax: Axes, view: View) -> None:
     """Panel (a): the mass, and the points of the belts that it sticks to or grazes (black)."""
     _curve(ax, view, view.t, view.x, "displacement $x$")
     low, high = ax.get_ylim()
-    reaches = BELT_REACH[0] * (view.t[-1] - view.t[0]), BELT_REACH[1] * (high - low)
-    for since, until, x, speed in _contacts(view.trajectory):
+    reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
+    for contact in view.contacts:
+        speed, x = float(view.trajectory.parameters.belt(contact.belt)), view.trajectory(contact.since)[0]
         reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
-        ends = np.array([since - reach, until + reach])
-        ax.plot(ends, x + speed * (ends - since), color=BELT, lw=0.6, zorder=3, label="belt")
+        ends = np.array([contact.since - reach, contact.until + reach])
+        ax.plot(ends, x + speed * (ends - contact.since), color=BELT, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
     _dots(ax, view, lambda t: t, lambda t: view.trajectory(t)[0])
     _time_axis(ax, view)
@@ -135,7 +172,13 @@ def _phase_plane(ax: Axes, view: View) -> None:
 
 
 def _forces_in_time(ax: Axes, view: View) -> None:
+    for stick in _sticks(view.trajectory):
+        if stick.belt == view.boundary:
+            ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
     _forces(ax, view, view.t, lambda t: t)
+    crossings = [mark.t for mark in view.marks if mark.label == "crossing"]
+    ends = [view.trajectory.force(domain, crossings) for domain in view.domains]
+    ax.vlines(crossings, *ends, color="0.6", lw=0.6, zorder=0)
     _time_axis(ax, view)
 
 
@@ -153,7 +196,9 @@ def _forces_in_velocity(ax: Axes, view: View) -> None:
     ax.set_xlabel(r"velocity $\dot{x}$")
 
 
-PANELS: dict[str, Callable[[Axes, View], None]] = {
+Panel = Callable[[Axes, View], None]
+
+PANELS: dict[str, Panel] = {
     "a": _displacement,
     "b": _velocity,
     "c": _phase_plane,
@@ -207,39 +252,34 @@ def _dots(ax: Axes, view: View, across: Callable[[Any], Any], up: Callable[[Any]
         ax.plot(across(times), up(times), linestyle="none", marker="o", clip_on=False, label=label, **style)
 
 
-def _contacts(trajectory: Trajectory) -> list[tuple[float, float, float, float]]:
-    """Return sticks and grazes as (first time, last time, x at the first, speed of the belt)."""
-    spans = [(float(s.t_start), float(s.t_end), s.mode[-1]) for s in trajectory.segments if s.mode[:4] == "belt"]
-    spans += [(float(e.t), float(e.t), str(e.boundary)) for e in trajectory.events if e.kind == "graze"]
-    speed = trajectory.parameters.belt
-    return [(since, until, float(trajectory(since)[0]), float(speed(int(belt)))) for since, until, belt in spans]
+def _sticks(trajectory: Trajectory) -> list[Contact]:
+    sticks = [segment for segment in trajectory.segments if segment.mode.startswith("belt")]
+    return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
 
 
-def short_sticks(view: View) -> list[Segment]:
-    """Return the first two sticks that are too short to be seen but long enough to be resolved by double precision."""
-    longest, finest = SHORT_STICK * (view.t[-1] - view.t[0]), RESOLVED * np.abs(view.t).max()
-    sticks = [
-        s for s in view.trajectory.segments[:-1] if s.mode[:4] == "belt" and finest < s.t_end - s.t_start < longest
-    ]
-    return sticks[:2]
+def _is_short(contact: Contact, t: np.ndarray) -> bool:
+    """Tell whether a stick is too short to be seen, but long enough to be resolved, and ends in the picture."""
+    longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
+    return bool(finest < contact.until - contact.since < longest and contact.until < t[-1])
 
 
 def _insets(ax: Axes, view: View) -> None:
-    """Magnify sticks that are too short to be seen, in room made above the curve."""
-    short = short_sticks(view)
-    if not short:
+    """Magnify contacts that are too short to be seen, in room made above the curve."""
+    if not view.magnified:
         return
     low, high = ax.get_ylim()
     ticks = [tick for tick in ax.get_yticks() if low <= tick <= high]
     ax.set_ylim(low, high + 0.9 * (high - low))
     ax.set_yticks(ticks)
-    for stick, left in zip(short, (0.14, 0.62) if len(short) == 2 else (0.33,), strict=True):
-        _inset(ax, view, stick, (left, 0.6, 0.34, 0.26))
+    boxes = ((0.14, 0.34), (0.62, 0.34)) if len(view.magnified) == 2 else ((0.27, 0.6),)
+    for contact, (left, width) in zip(view.magnified, boxes, strict=True):
+        _inset(ax, view, contact, (left, 0.6, width, 0.26))
 
 
-def _inset(ax: Axes, view: View, stick: Segment, box: tuple[float, float, float, float]) -> None:
-    since, until, belt = float(stick.t_start), float(stick.t_end), int(stick.mode[-1])
-    length, speed = until - since, float(view.trajectory.parameters.belt(belt))
+def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
+    since, until, belt = contact.since, contact.until, contact.belt
+    speed = float(view.trajectory.parameters.belt(belt))
+    length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
     away = view.trajectory(times)[1] - speed
@@ -247,15 +287,29 @@ def _inset(ax: Axes, view: View, stick: Segment, box: tuple[float, float, float,
     inset = ax.inset_axes(box)
     inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS, lw=1.3)
     inset.axhline(0, color=BELT, lw=0.6, zorder=3)
-    for time, color, size in ((since, ONSET, 5.4), (until, END, 4.0)):
+    dots = ((since, ONSET, 5.4), (until, END, 4.0)) if until > since else ((since, SWITCH, 5.4),)
+    for time, color, size in dots:
         inset.plot((time - since) / 10.0**shift, 0, "o", color=color, ms=size, mec="white", mew=0.4, zorder=5)
+    if until > since:
+        # Clear of the belt, between the branches of the curve.
+        height = 0.62 if away.mean() > 0 else 0.42
+        inset.text(0.5, height, f"length\n{_scientific(length)}", transform=inset.transAxes, **IN_INSET)
     inset.margins(x=0, y=0.2)
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
     inset.xaxis.set_label_position("top")
-    inset.set_xlabel(f"$10^{{{-shift}}}\\,(t - {since:.6f})$", fontsize=7.5, labelpad=2)
-    inset.set_ylabel(f"$10^{{{-scale}}}\\,(\\dot{{x}} - v_{belt})$", fontsize=7.5, labelpad=2)
+    inset.set_xlabel(f"{_power(-shift)}(t - {since:.6f})$", fontsize=IN_INSET["fontsize"], labelpad=2)
+    inset.set_ylabel(f"{_power(-scale)}(\\dot{{x}} - v_{belt})$", fontsize=IN_INSET["fontsize"], labelpad=2)
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     for corner in (box[0], box[0] + box[2]):
         style = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
         ax.annotate("", (since, speed), (corner, box[1]), "data", "axes fraction", style, zorder=0)
+
+
+def _power(exponent: int) -> str:
+    return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
+
+
+def _scientific(value: float) -> str:
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"${mantissa}\\cdot 10^{{{int(exponent)}}}$"

@@ -5,6 +5,7 @@ A figure is built without pyplot, so that nothing global changes and nothing sta
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from symosc.errors import OutputError, ParameterError
 from symosc.files import write_whole
-from symosc.panels import PANELS, View, short_sticks, view_of
+from symosc.panels import PANELS, Panel, View, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation import simulate
 from symosc.trajectory import Trajectory
@@ -23,7 +24,7 @@ from symosc.trajectory import Trajectory
 SUFFIXES = (".pdf", ".svg", ".png")
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
-SPANS = {"fig5": 14.0, "fig6": 5.0, "fig8": 9.0}
+SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
 
@@ -103,8 +104,9 @@ def figure(
     if columns not in (1, 2):
         raise ParameterError("columns", columns, "must be 1 or 2")
     view = view_of(subject, boundary)
-    with rc_context(STYLE):
-        return _draw(view, panels, min(columns, len(panels)), width=7.0 if columns == 2 else 3.4)
+    drawn = [(PANELS[letter], view) for letter in panels]
+    tall = panels.index("b") if "b" in panels and view.magnified else None
+    return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
 
 
 def default_end(scene: Scene) -> Any:
@@ -146,32 +148,47 @@ def save(drawing: Figure, path: str | Path) -> Path:
     return write_whole(path, write)
 
 
-def _draw(view: View, panels: str, columns: int, width: float) -> Figure:
-    rows = -(-len(panels) // columns)
-    heights = [2.0] * rows
-    if "b" in panels and short_sticks(view):
-        heights[panels.index("b") // columns] = 2.8  # room for the insets
-    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-    drawing = Figure(figsize=(width, sum(heights) + 0.35), layout=layout)
-    grid = drawing.add_gridspec(rows, columns, height_ratios=heights)
-    entries: dict[str, Any] = {}
-    for number, letter in enumerate(panels):
-        ax = drawing.add_subplot(grid[number // columns, number % columns])
-        PANELS[letter](ax, view)
-        ax.set_title(f"({'abcdef'[number]})", loc="left", x=-0.12, pad=4)
-        ax.tick_params(labelfontfamily="STIXGeneral")
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    order = [label for label in LEGEND_ORDER if label in entries]
-    order += [label for label in entries if label not in order]  # the forces
-    drawing.legend(
-        [entries[label] for label in order],
-        order,
-        loc="outside lower center",
-        ncols=min(len(order), 7 if width > 5 else 3),
-        frameon=False,
-        handlelength=1.6,
-        columnspacing=1.4,
-        borderpad=0.1,
-    )
+def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
+    """Draw panels into the rows of one figure, with a letter for each and one legend for all below them.
+
+    Parameters
+    ----------
+    panels : sequence of (panel, view)
+        The panel draws the view into the axes that it is given.
+    columns : int
+    width : float
+        In inches.
+    tall : int, optional
+        Index of a panel in whose row insets need more room.
+    """
+    with rc_context(STYLE):
+        heights = [2.0] * -(-len(panels) // columns)
+        if tall is not None:
+            heights[tall // columns] *= 1.4
+        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
+        drawing = Figure(figsize=(width, sum(heights) + 0.35), layout=layout)
+        grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)
+        entries: dict[str, Any] = {}
+        for number, (panel, view) in enumerate(panels):
+            ax = drawing.add_subplot(grid[number // columns, number % columns])
+            panel(ax, view)
+            ax.set_title(f"({'abcdef'[number]})", loc="left", x=-0.12, pad=4)
+            ax.tick_params(labelfontfamily="STIXGeneral")
+            for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+                entries.setdefault(label, handle)
+        order = [label for label in LEGEND_ORDER if label in entries]
+        order += [label for label in entries if label not in order]  # the forces
+        rows = -(-len(order) // round(width))
+        if rows == 2:  # filled by columns: what belongs together stands in one
+            order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
+        drawing.legend(
+            [entries[label] for label in order],
+            order,
+            loc="outside lower center",
+            ncols=-(-len(order) // rows),
+            frameon=False,
+            handlelength=1.6,
+            columnspacing=1.4,
+            borderpad=0.1,
+        )
     return drawing

@@ -64,8 +64,8 @@ def test_companions_know_what_is_round() -> None:
 def test_the_start_of_fig10_ends_a_stick_only_without_damping() -> None:
     scene = load_scene("fig10")
     numbers = starts._end_of_stick(scene)
-    assert numbers["m F(2) at the start"].startswith("-0.1995 ± 0.0007")
-    assert numbers["m F(2) without the damping c v2"].startswith("+0.0005 ± 0.0007")
+    assert numbers["m F⁽²⁾ at the start"].startswith("-0.1995 ± 0.0007")
+    assert numbers["m F⁽²⁾ without the damping c v₂"].startswith("+0.0005 ± 0.0007")
     remark = starts._remark(scene, search_start(scene))
     assert "x0 = 3.0737 differs from the printed 3.0837 in one digit" in remark
     assert "t0" not in remark

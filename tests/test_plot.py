@@ -209,7 +209,7 @@ def test_a_trajectory_has_its_own_end() -> None:
 
 
 def test_spans_of_the_scenes() -> None:
-    assert float(plot.default_end(load_scene("fig5"))) == 14
+    assert float(plot.default_end(load_scene("fig5"))) == 9
     assert float(plot.default_end(load_scene("fig7"))) == 15.1
     orbit = load_scene("fig10")
     periods = (float(plot.default_end(orbit)) - float(orbit.t0)) / (2 * np.pi / 1.75)

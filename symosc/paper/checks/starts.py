@@ -66,8 +66,8 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
     known = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
     spread = HALF_UNIT * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
     return {
-        "m F(2) at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
-        "m F(2) without the damping c v2": f"{known:+.4f} ± {spread:.4f}",
+        "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
+        "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",
     }
 
 

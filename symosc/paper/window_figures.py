@@ -1,0 +1,96 @@
+"""Theorem 7 in pictures: the phases at which a mapping grazes, for every speed of its belt (eqs. (55) to (58))."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import pi
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from symosc.grazing import grazing_window
+from symosc.model import Parameters
+from symosc.panels import SWITCH
+from symosc.paper.captions import listed_parameters, number
+from symosc.paper.views import printed_scene
+from symosc.plot_grazing import sweep_figure
+from symosc.scenes import load_scene
+from symosc.simulation import simulate
+from symosc.trajectory import Event
+from symosc.windows import place
+
+#: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
+#: the one that is about that belt.
+SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
+
+
+def window_sweep(mapping: str) -> Figure:
+    """Draw when a mapping grazes (Theorem 7 as printed) against its belt's speed, and the graze of its scene."""
+    where, name = place(mapping), f"v{place(mapping).boundary}"
+    drawing = sweep_figure(_room(mapping), mapping, name, *_range(mapping), order="paper")
+    (axes,) = drawing.axes
+    axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
+    graze = _graze(mapping)
+    if graze is not None:
+        style: dict[str, Any] = {"color": SWITCH, "ms": 5.4, "mec": "white", "mew": 0.4, "zorder": 6, "clip_on": False}
+        axes.plot(float(graze.v), float(graze.theta), "o", label="grazing point", **style)
+    return drawing
+
+
+def _equality(mapping: str) -> Fraction:
+    """Return the speed > 0 at which |gamma| = B0 Omega/m."""
+    p = load_scene(SCENES[mapping]).parameters
+    return abs(p.B0) * p.Omega / p.k
+
+
+def _range(mapping: str) -> tuple[Fraction, Fraction]:
+    edge = 2 * _equality(mapping)
+    return -edge, edge
+
+
+def _room(mapping: str) -> Parameters:
+    """Return the scene's parameters with the other belt out of the way: the window does not depend on its speed."""
+    low, high = _range(mapping)
+    p = load_scene(SCENES[mapping]).parameters
+    return p.replace(v2=high + 1) if place(mapping).boundary == 1 else p.replace(v1=low - 1)
+
+
+def _graze(mapping: str) -> Event | None:
+    """Return the scene's graze, if it is one of the mapping."""
+    where, domain = place(mapping), f"Omega{place(mapping).domain}"
+    events = simulate(SCENES[mapping]).events
+    grazes = [event for event in events if event.kind == "graze"]
+    return next((each for each in grazes if each.boundary == where.boundary and each.source == domain), None)
+
+
+def window_caption(mapping: str) -> str:
+    """Return the caption of `window_sweep`."""
+    where, p = place(mapping), load_scene(SCENES[mapping]).parameters
+    figure = printed_scene(SCENES[mapping]).removeprefix("fig")
+    case = grazing_window(p, mapping, "paper").case.strip("()").partition(".")[2]
+    graze = _graze(mapping)
+    red = "" if graze is None else f"; red dot: its graze at t = {number(float(graze.t), 7)}"
+    speed = f"v{where.boundary}"
+    return (
+        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωt_m, 2π) at which {mapping}, a motion in domain "
+        f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed {speed}, which makes "
+        f"γ = k {speed}/m and so the case. Dashed: Θcr and π − Θcr, which do not belong to it; white dots: "
+        f"|γ| = B0 Ω/m. Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
+        f"{_left_out(mapping)}{listed_parameters(p)}."
+    )
+
+
+def _left_out(mapping: str) -> str:
+    """Say which phase the theorem as printed lacks where |gamma| = B0 Omega/m."""
+    where = place(mapping)
+    name, speed = f"v{where.boundary}", where.side * _equality(mapping)
+    p = _room(mapping).replace(**{name: speed})
+    printed, full = grazing_window(p, mapping, "paper"), grazing_window(p, mapping, "full")
+    if printed.intervals == full.intervals:
+        return ""
+    quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
+    phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
+    return (
+        f"The white dot at {name} = {number(float(speed))}, {phase} grazes too: there the first two derivatives of the "
+        "force vanish and the third decides. "
+    )

@@ -1,0 +1,312 @@
+"""The paper's figures: panels as its captions list them, dots at computed events, insets over what they magnify."""
+
+from __future__ import annotations
+
+import pickle
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
+
+from symosc import find_orbit, load_scene, plot, simulate
+from symosc.panels import END, ONSET, SWITCH
+from symosc.paper.pictures import PICTURES
+
+PRINTED = {f"fig{number}": number for number in range(1, 11)}
+CORRECTED = {"fig7-corrected", "fig7-exact", "fig8-exact", "fig9-orbit", "fig10-orbit"}
+WINDOWS = {"theorem7-p2", "theorem7-p3", "theorem7-p5", "theorem7-p6"}
+COMPUTED = [key for key in PICTURES if key not in ("fig1", "fig2", "fig3", "fig4") and key not in WINDOWS]
+# As the captions of the paper's figures say: what the axes of the panels (a) to (f) are.
+TIME, X, V, FORCES = "time $t$", "displacement $x$", r"velocity $\dot{x}$", "forces"
+HISTORIES = [(TIME, X), (TIME, V)]
+PANELS = {
+    "5": [*HISTORIES, (X, V), (TIME, FORCES)],
+    "6": [*HISTORIES, (X, V), (TIME, FORCES)],
+    "7": [*HISTORIES, (TIME, V), (X, V)],
+    "8": [*HISTORIES, (TIME, V), (X, V)],
+    "9": [*HISTORIES, (X, V), (TIME, FORCES), (X, FORCES), (V, FORCES)],
+    "10": [*HISTORIES, (X, V), (TIME, FORCES), (X, FORCES), (V, FORCES)],
+}
+FORCES_OF = {"5": (1, 2), "6": (2, 3), "9": (1, 2), "10": (2, 3)}
+ENDS = {"fig5": 9, "fig6": 5, "fig8": 9, "fig8-exact": 9, "fig9": 3, "fig10": 8}
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, Figure]:
+    return {key: PICTURES[key].build() for key in COMPUTED}
+
+
+def number_of(key: str) -> str:
+    return key.removeprefix("fig").partition("-")[0]
+
+
+def dots(ax: Axes, label: str) -> np.ndarray:
+    found = [np.column_stack(line.get_data()) for line in ax.lines if line.get_label() == label]
+    return np.concatenate(found) if found else np.empty((0, 2))
+
+
+def labels(drawing: Figure) -> set[str]:
+    return {str(line.get_label()) for ax in drawing.axes for line in ax.lines}
+
+
+def test_the_ten_figures_and_the_corrected_ones() -> None:
+    assert {key: picture.paper_figure for key, picture in PICTURES.items() if picture.paper_figure} == PRINTED
+    assert {key for key, picture in PICTURES.items() if picture.paper_figure is None} == CORRECTED | WINDOWS
+    assert all(key == picture.key for key, picture in PICTURES.items())
+
+
+@pytest.mark.parametrize("key", COMPUTED)
+def test_panels_are_those_of_the_papers_caption(key: str, drawn: dict[str, Figure]) -> None:
+    panels = PANELS[number_of(key)]
+    axes = drawn[key].axes
+    assert [ax.get_title(loc="left") for ax in axes] == [f"({letter})" for letter in "abcdef"[: len(panels)]]
+    for ax, (across, up) in zip(axes, panels, strict=True):
+        assert ax.get_xlabel() == across
+        assert ax.get_ylabel().startswith(up)
+        if up == FORCES:
+            domains = FORCES_OF[number_of(key)]
+            curves = [line for line in ax.lines if str(line.get_label()).startswith("$F")]
+            assert [line.get_label() for line in curves] == [f"$F^{{({domain})}}$" for domain in domains]
+            assert [line.get_color() for line in curves] == [ONSET, END]  # blue and green
+
+
+@pytest.mark.parametrize("key", ["fig5", "fig6", "fig9", "fig10"])
+def test_dots_are_at_the_events(key: str, drawn: dict[str, Figure]) -> None:
+    trajectory = simulate(key, t_end=ENDS[key])
+    displacement, velocity, phase = drawn[key].axes[:3]
+    kinds = {"stick": "onset of stick", "slip": "end of stick", "cross": "crossing"}
+    assert trajectory.events
+    for event in trajectory.events:
+        for ax, place in (
+            (displacement, (event.t, event.x)),
+            (velocity, (event.t, event.v)),
+            (phase, (event.x, event.v)),
+        ):
+            assert np.abs(dots(ax, kinds[event.kind]) - place).max(axis=1).min() < 1e-12
+
+
+def test_sticks_are_shaded_and_end_where_a_force_vanishes(drawn: dict[str, Figure]) -> None:
+    for key in ("fig5", "fig10"):
+        forces = drawn[key].axes[3]
+        trajectory = simulate(key, t_end=ENDS[key])
+        slips = [event.t for event in trajectory.events if event.kind == "slip"]
+        shades = [patch.get_extents() for patch in forces.patches]
+        right = [forces.transData.inverted().transform((box.x1, 0))[0] for box in shades]
+        assert all(min(abs(np.array(right) - slip)) < 1e-9 for slip in slips)
+        ends = dots(forces, "end of stick")
+        zeros = ends[np.abs(ends[:, 1]) < 1e-9]
+        assert set(np.round(slips, 9)) <= set(np.round(zeros[:, 0], 9))
+
+
+def test_fig7_as_printed_touches_nothing(drawn: dict[str, Figure]) -> None:
+    drawing = drawn["fig7"]
+    assert not {"contact", "grazing point", "crossing", "onset of stick"} & labels(drawing)
+    assert not any(ax.child_axes for ax in drawing.axes)
+    first, several = drawing.axes[1:3]
+    for ax in (first, several):
+        assert max(line.get_ydata().max() for line in ax.lines if line.get_label() == "mass") < 5
+    (gap,) = [text.get_text() for text in several.texts if text.get_text().startswith("gap")]
+    assert float(gap.removeprefix("gap ")) == pytest.approx(5 - np.sqrt(20), abs=0.005)  # B0 Omega / |impedance| = √20
+
+
+@pytest.mark.parametrize("key", ["fig7", "fig7-corrected", "fig7-exact"])
+def test_black_curves_of_fig7_are_points_of_belt_1(key: str, drawn: dict[str, Figure]) -> None:
+    ax = drawn[key].axes[0]
+    belts = [line.get_data() for line in ax.lines if line.get_label() == "belt"]
+    named = np.concatenate(
+        [dots(ax, name) for name in ("start of period", "end of period", "contact", "grazing point")]
+    )
+    assert len(belts) == len(named) == (2 if key == "fig7" else 3)
+    for t, x in belts:
+        assert np.diff(x) / np.diff(t) == pytest.approx(5)
+        assert min(abs(np.interp(named[:, 0], t, x) - named[:, 1])) < 1e-9
+    start, end = dots(ax, "start of period")[0], dots(ax, "end of period")[0]
+    assert end[0] - start[0] == pytest.approx(2 * pi)
+
+
+@pytest.mark.parametrize(("key", "v"), [("fig7-exact", 5), ("fig8-exact", -4)])
+def test_exact_starts_graze(key: str, v: float, drawn: dict[str, Figure]) -> None:
+    velocity = drawn[key].axes[1]
+    assert dots(velocity, "grazing point") == pytest.approx(np.array([[pi, v]]))
+    (inset,) = velocity.child_axes
+    curve = inset.lines[0].get_ydata()
+    # A tangency: the curve stays on one side of the belt and touches it in one point.
+    assert np.abs(curve).min() == pytest.approx(0, abs=1e-9)
+    assert np.sum(np.abs(curve) < 1e-9) == 1
+    assert (np.sign(v) * np.array(curve) <= 1e-9).all()
+
+
+@pytest.mark.parametrize("key", ["fig7-corrected", "fig8"])
+def test_printed_starts_stick_for_a_moment_that_the_inset_spans(key: str, drawn: dict[str, Figure]) -> None:
+    onset, slip = simulate(key, t_end=4).events[:2]
+    assert (onset.kind, slip.kind) == ("stick", "slip")
+    velocity = drawn[key].axes[1]
+    assert dots(velocity, "contact") == pytest.approx(np.array([[onset.t, onset.v]]))
+    (inset,) = velocity.child_axes
+    scale = 1e4 if key == "fig7-corrected" else 1e3
+    low, high = inset.get_xlim()
+    assert low < 0 < scale * (slip.t - onset.t) < high
+    assert 0.2 < scale * (slip.t - onset.t) / (high - low) < 0.5
+    assert inset.lines[3].get_xdata()[0] == pytest.approx(scale * (slip.t - onset.t))  # the end of the stick
+    assert f"{onset.t:.6f}" in inset.get_xlabel()
+
+
+@pytest.mark.parametrize("key", ["fig8", "fig8-exact"])
+def test_fig8_has_two_black_curves_and_a_close_up_of_its_stick(key: str, drawn: dict[str, Figure]) -> None:
+    displacement, _, close_up, phase = drawn[key].axes
+    stick = [segment for segment in simulate(key, t_end=9).segments if segment.mode == "belt1"][-1]
+    low, high = close_up.get_xlim()
+    assert low < stick.t_start < stick.t_end < high < low + 5 * (stick.t_end - stick.t_start)
+    assert dots(close_up, "onset of stick")[:, 0] == pytest.approx([stick.t_start])
+    assert dots(close_up, "end of stick")[:, 0] == pytest.approx([stick.t_end])
+    assert len([line for line in displacement.lines if line.get_label() == "belt"]) == 2
+    assert len(dots(phase, "onset of stick")) == 1
+
+
+@pytest.mark.parametrize("number", ["9", "10"])
+def test_orbits_are_closed_and_show_how_far_the_printed_start_is(number: str, drawn: dict[str, Figure]) -> None:
+    drawing, scene = drawn[f"fig{number}-orbit"], load_scene(f"fig{number}")
+    orbit = find_orbit(scene.parameters, scene.structure)
+    displacement, velocity, phase = drawing.axes[:3]
+    t, x = next(line.get_data() for line in displacement.lines if line.get_label() == "mass")
+    np.testing.assert_allclose(x, orbit(t)[0], rtol=0, atol=1e-9)
+    assert t[-1] - t[0] >= float(orbit.period)
+    place = [float(scene.t0), float(scene.x0), float(scene.v0)]
+    for ax, (i, j) in ((displacement, (0, 1)), (velocity, (0, 2)), (phase, (1, 2))):
+        assert dots(ax, "printed start") == pytest.approx(np.array([[place[i], place[j]]]))
+        low, high = ax.get_ylim()
+        assert low < place[j] < high
+    named = {"9": ("crossing",), "10": ("onset of stick", "end of stick")}[number]
+    switchings = np.concatenate([dots(displacement, name) for name in named])
+    for point in orbit.points:
+        assert np.abs(switchings - np.array([float(point.t), float(point.x)])).max(axis=1).min() < 1e-9
+
+
+def test_fig10_magnifies_the_printed_start(drawn: dict[str, Figure]) -> None:
+    assert not drawn["fig9-orbit"].axes[2].child_axes
+    (inset,) = drawn["fig10-orbit"].axes[2].child_axes
+    end, start = inset.lines[2].get_xdata()[0], inset.lines[3].get_xdata()[0]
+    assert start - end == pytest.approx(0.01, abs=1e-5)
+    assert inset.lines[2].get_markerfacecolor() == END
+
+
+@pytest.mark.parametrize("key", COMPUTED)
+def test_nothing_overlaps(key: str, drawn: dict[str, Figure]) -> None:
+    drawing = drawn[key]
+    drawing.draw_without_rendering()
+    boxes = [Bbox(ax.get_tightbbox()) for ax in drawing.axes]
+    boxes.append(drawing.legends[0].get_window_extent())
+    for i, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[i + 1 :])
+    page = Bbox([[0, 0], drawing.bbox.size])
+    assert all(page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1 for box in boxes)
+    for ax in drawing.axes:
+        for inset in ax.child_axes:
+            _no_curve_below(ax, inset.get_tightbbox())
+
+
+def _no_curve_below(ax: Axes, box: Bbox | None) -> None:
+    assert box is not None
+    curves = [line for line in ax.lines if line.get_label() != "belt"]
+    assert curves
+    for line in curves:
+        x, y = ax.transData.transform(np.column_stack(line.get_data()).astype(float)).T
+        assert not ((box.x0 < x) & (x < box.x1) & (box.y0 < y) & (y < box.y1)).any()
+
+
+@pytest.mark.parametrize("key", COMPUTED)
+def test_texts_are_large_enough_for_a_phone(key: str, drawn: dict[str, Figure]) -> None:
+    drawing = drawn[key]
+    points_per_pixel = 72 * drawing.get_size_inches()[0] / 340
+    insets = [inset for ax in drawing.axes for inset in ax.child_axes]
+    for ax in [*drawing.axes, *insets]:
+        sizes = [text.get_fontsize() for text in [*ax.get_xticklabels(), *ax.get_yticklabels(), ax.xaxis.label]]
+        sizes += [text.get_fontsize() for text in ax.texts if isinstance(text, Annotation) and text.get_text()]
+        assert min(sizes) / points_per_pixel > 6
+
+
+@pytest.mark.parametrize("key", COMPUTED)
+def test_captions_have_the_parameters_and_the_start(key: str) -> None:
+    scene, caption = load_scene(key), PICTURES[key].caption
+    for name, value in scene.parameters.as_dict().items():
+        letter = {"Omega": "Ω", "mu1": "μ1", "mu2": "μ2"}.get(name, name)
+        assert f" {letter} = {value.replace('-', '−')}" in caption
+    for name, value in (("t0", scene.t0), ("x0", scene.x0), ("ẋ0", scene.v0)):
+        shown = caption.partition(f" {name} = ")[2].rstrip(".").split(",")[0].replace("−", "-").rstrip("….")
+        assert float(shown) == pytest.approx(float(value), rel=1e-9)
+
+
+@pytest.mark.parametrize("key", list(PICTURES))
+def test_titles_and_texts(key: str) -> None:
+    picture = PICTURES[key]
+    assert picture.title.startswith("Theorem 7, eq. (5" if key in WINDOWS else f"Fig. {number_of(key)}")
+    assert 30 < len(picture.alt) < 150
+    assert picture.alt.count(". ") == 0  # one sentence
+    assert len(picture.caption) > 80
+    assert picture.caption.endswith(".")
+    assert "-" not in picture.caption.replace("non-stick", "")  # minus signs are minus signs
+
+
+def test_captions_say_what_happens() -> None:
+    text = {key: PICTURES[key].caption for key in COMPUTED}
+    onset, slip = simulate("fig8", t_end=4).events[:2]
+    assert f"sticks to it at t = {onset.t:.6f}" in text["fig8"]
+    assert f"{1e3 * (slip.t - onset.t):.3g}·10⁻³" in text["fig8"]
+    assert f"grazes belt 1 at t = {pi:.8f}" in text["fig8-exact"]
+    assert "does not reach belt 1" in text["fig7"]
+    assert "A0 = 10 instead of 5" in text["fig7-exact"]
+    assert "(ended by F⁽¹⁾ = 0), t" in text["fig5"]
+    assert "(ended by F⁽²⁾ = 0)" in text["fig6"]
+    assert all("While it sticks, F" in text[key] and "everywhere" not in text[key] for key in ("fig5", "fig6", "fig8"))
+
+
+def test_signs_that_do_not_hold_are_said_so() -> None:
+    from symosc.panels import Contact
+    from symosc.paper.captions import _signs
+    from symosc.paper.views import stick_view
+
+    view = stick_view("fig5")
+    assert "does not hold everywhere" in _signs(view, [Contact(0.5, 3.0, 1)])
+
+
+@pytest.mark.parametrize(
+    ("key", "graze", "left_out"), [("theorem7-p3", (-4, 2 * pi), (-4, pi / 2)), ("theorem7-p5", None, (5.25, 1.5 * pi))]
+)
+def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) -> None:
+    picture = PICTURES[key]
+    (axes,) = picture.build().axes
+    assert axes.get_xlabel() == ("$v_1$" if key == "theorem7-p3" else "$v_2$")
+    red = dots(axes, "grazing point")
+    assert red == pytest.approx(np.array([graze] if graze else np.empty((0, 2))))
+    white = [np.ravel(line.get_data()) for line in axes.lines if line.get_markerfacecolor() == "white"]
+    assert any(place == pytest.approx(np.array(left_out)) for place in white)
+    # Equality is where the scene's k |v| is B0 Omega, and the picture shows as much again beyond it.
+    p = load_scene({"theorem7-p3": "fig8", "theorem7-p5": "fig10"}[key]).parameters
+    assert axes.get_xlim() == pytest.approx((-2 * float(p.B0 * p.Omega / p.k), 2 * float(p.B0 * p.Omega / p.k)))
+    assert f"The white dot at v{1 if graze else 2} = " in picture.caption
+    assert "grazes too" in picture.caption
+
+
+def test_pictures_can_be_sent_to_another_process() -> None:
+    for key, picture in PICTURES.items():
+        copy = pickle.loads(pickle.dumps(picture))
+        assert copy.caption == picture.caption
+        assert getattr(copy.build, "args", None) == getattr(picture.build, "args", None)
+        assert copy.key == key
+
+
+def test_files_are_small_and_the_same_each_time(tmp_path: Path) -> None:
+    files = [plot.save(PICTURES["fig10"].build(), tmp_path / f"{n}.svg").read_bytes() for n in range(2)]
+    assert files[0] == files[1]
+    assert len(files[0]) < 200_000
+
+
+def test_red_dots_are_red(drawn: dict[str, Figure]) -> None:
+    for key, label in (("fig7-exact", "grazing point"), ("fig8", "contact"), ("fig9", "crossing")):
+        (line,) = [line for line in drawn[key].axes[1].lines if line.get_label() == label]
+        assert line.get_markerfacecolor() == SWITCH
