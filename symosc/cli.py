@@ -29,7 +29,7 @@ FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON h
 
 #: Commands with a module of their own, symosc.cli_<...>, which is loaded when the command is used.
 MODULES = {"orbit": "orbit", "grazing": "grazing", "codegen": "export", "check": "check", "derive": "derive"}
-MODULES |= {"bench": "bench"}
+MODULES |= {"bench": "bench", "reproduce": "reproduce"}
 
 
 class CommandLine(click.Group):

@@ -11,14 +11,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import click
 import pytest
 from click.testing import CliRunner, Result
 
 import symosc
-import symosc.bench
 from symosc.cli import main
 
 COMMANDS = main.list_commands(click.Context(main))
@@ -116,7 +114,7 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     assert json.loads(as_json.stdout)["status"] == "undecidable"
 
 
-# --- figure, scenes, codegen, bench ---
+# --- figure, scenes, codegen ---
 
 
 def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
@@ -168,14 +166,6 @@ def test_codegen_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     monkeypatch.setattr(codegen, "generate", lambda: "pass\n")
     assert good("codegen") == f"wrote {tmp_path / '_generated.py'}\n"
     assert (tmp_path / "_generated.py").read_text() == "pass\n"
-
-
-def test_bench_prints_table_or_json(monkeypatch: pytest.MonkeyPatch) -> None:
-    stub = SimpleNamespace(run=lambda quick: {"quick": quick}, table=lambda result: f"table of {result}")
-    monkeypatch.setitem(sys.modules, "symosc.bench.speed", stub)  # type: ignore[arg-type]
-    monkeypatch.setattr(symosc.bench, "speed", stub, raising=False)
-    assert good("bench", "--quick") == "table of {'quick': True}\n"
-    assert json.loads(good("bench", "--json")) == {"quick": False}
 
 
 # --- help and errors ---

@@ -7,7 +7,6 @@ which compiles or loads the compiled code, is reported apart.
 
 from __future__ import annotations
 
-import platform
 import subprocess
 import sys
 import time
@@ -15,10 +14,10 @@ from functools import partial
 from math import cos, exp, sin
 from typing import Any
 
-from symosc import __version__
 from symosc.batch import simulate_many
 from symosc.bench import formulas
 from symosc.bench.formulas import best
+from symosc.bench.machine import machine, sentence
 from symosc.errors import MissingExtraError
 from symosc.numerics import compiled
 from symosc.scenes import load_scene
@@ -58,31 +57,16 @@ def run(quick: bool = False) -> dict[str, Any]:
     Keys of a row of `rows`: scene, events, ns_per_event, evaluations_per_event (its multiple of the floor),
     first_call_s, python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40
     digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
-    `formulas` is the result of `symosc.formulas.run`.
+    `formulas` is the result of `symosc.bench.formulas.run`.
     """
     repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
-    floor_ns = _floor(repeats)
-    rows = [_scene(name, events, repeats, floor_ns) for name in SCENES]
-    result = {"machine": _machine(), "floor_ns": floor_ns, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
+    unit = floor_ns(repeats)
+    rows = [_scene(name, events, repeats, unit) for name in SCENES]
+    result = {"machine": machine(), "floor_ns": unit, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
     return result | {"formulas": formulas.run(quick)}
 
 
-def _machine() -> dict[str, str]:
-    import mpmath
-    import numpy
-
-    versions = {"symosc": __version__, "python": platform.python_version(), "numpy": numpy.__version__}
-    versions["mpmath"] = mpmath.__version__
-    try:
-        import numba
-
-        versions["numba"] = numba.__version__
-    except ImportError:
-        versions["numba"] = "not installed"
-    return {"processor": platform.processor() or platform.machine(), **versions}
-
-
-def _floor(repeats: int) -> float:
+def floor_ns(repeats: int) -> float:
     """Return nanoseconds per evaluation of the closed form: compiled if numba is there, as the event loop is."""
     evaluate: Any = floor
     try:
@@ -96,7 +80,7 @@ def _floor(repeats: int) -> float:
     return best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), repeats) / FLOOR_EVALUATIONS * 1e9
 
 
-def _scene(name: str, events: int, repeats: int, floor_ns: float) -> dict[str, Any]:
+def _scene(name: str, events: int, repeats: int, unit: float) -> dict[str, Any]:
     scene = load_scene(name)
     start, far = [float(scene.t0), float(scene.x0), float(scene.v0)], float(scene.t0) + 1e7
 
@@ -111,7 +95,7 @@ def _scene(name: str, events: int, repeats: int, floor_ns: float) -> dict[str, A
         row["first_call_s"] = time.perf_counter() - begin
         seconds = best(lambda: many(events, True), repeats)
         row |= {"events": events, "ns_per_event": seconds / events * 1e9}
-        row["evaluations_per_event"] = row["ns_per_event"] / floor_ns
+        row["evaluations_per_event"] = row["ns_per_event"] / unit
     except MissingExtraError:
         row |= {"first_call_s": None, "events": 0, "ns_per_event": None, "evaluations_per_event": None}
     row["python_us_per_event"] = best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
@@ -160,7 +144,6 @@ def table(result: dict[str, Any]) -> str:
     heads = ["scene", "events", "flow evaluations per event", "ns per event", "first call [s]"]
     heads += ["CPython [us per event]", "largest error", "estimated error"]
     cold = result["cold_start"]
-    machine = ", ".join(f"{name} {version}" for name, version in result["machine"].items())
     return "\n".join(
         [
             tabulate(rows, heads, disable_numparse=True, colalign=("left", *["right"] * 7)),
@@ -171,6 +154,48 @@ def table(result: dict[str, Any]) -> str:
             "",
             formulas.table(result["formulas"]),
             "",
-            machine,
+            sentence(result["machine"]),
         ]
     )
+
+
+def section(result: dict[str, Any]) -> str:
+    """Return the result of `run` as the README's Markdown."""
+    from tabulate import tabulate
+
+    rows = [
+        [
+            row["scene"],
+            "" if row["evaluations_per_event"] is None else f"{row['evaluations_per_event']:.1f}",
+            "" if row["ns_per_event"] is None else f"{row['ns_per_event']:.0f}",
+            f"{row['python_us_per_event']:.0f}",
+            f"{row['max_error']:.1e}",
+            f"{row['max_error_estimate']:.1e}",
+        ]
+        for row in result["rows"]
+    ]
+    heads = ["scene", "flow evaluations per event", "ns per event", "CPython, µs per event"]
+    heads += ["largest error", "estimated error"]
+    events = max(row["events"] for row in result["rows"])
+    cold, other = result["cold_start"], result["formulas"]
+    gains = [
+        f"{other[f'{kind}_speedup_over_lambdify']:.1f} ({other[f'{kind}_speedup_over_lambdify, cse']:.1f})"
+        for kind in ("numpy", "compiled")
+        if f"{kind}_s" in other
+    ]
+    unit, program, numpy = result["floor_ns"], cold["simulate_fig5_s"], cold["import_numpy_s"]
+    guessed, unguessed = other["newton_P4645_ms"], other["orbit_P4645_without_guess_ms"]
+    exact, swept = other["exact_window_ms"], other["float_window_ns"]
+    return f"""\
+One run of `symosc bench` ({sentence(result["machine"])}).
+The unit is one evaluation of the closed-form flow, one exp and two sine-cosine pairs: {unit:.1f} ns, compiled, in the
+same run. All of `simulate_many` is included, over {events:,} events.
+
+{tabulate(rows, heads, tablefmt="github", disable_numparse=True)}
+
+Errors are of event times and positions against {DIGITS} digits, relative to max(1, |value|). From the shell
+`symosc simulate fig5` takes {program:.2f} s, `import numpy` alone {numpy:.2f} s. A mapping's residual over
+{other["residuals"]:,} points is {", compiled ".join(gains)} times as fast as sympy's lambdify of the same expression
+(in brackets: with common subexpressions). The orbit P4645 takes {guessed:.2f} ms from a guess, {unguessed:.0f} ms
+without one; a grazing window {exact:.2f} ms exactly, {swept:.0f} ns in a sweep of floats.
+"""

@@ -1,0 +1,150 @@
+"""Events of a solver against those of a reference: errors, missed and invented events.
+
+The two lists are aligned as sequences: an event can be matched with one of the same kind on the same boundary that is
+at most a window of time away, matches keep the order of both lists, and of all such alignments the one with the most
+and nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
+nearest counts and the others are invented.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import isfinite, pi
+from typing import Any
+
+from symosc.bench.solvers import Found
+from symosc.sample_events import WINDOW
+from symosc.scenes import Scene
+from symosc.trajectory import Event
+
+# A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
+FAR_MATCH = 0.6
+SKIP_REFERENCE, SKIP_FOUND, MATCH = range(3)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How a solver's events compare with the reference.
+
+    Attributes
+    ----------
+    error_t, error_x : float or None
+        Largest error of time and position over the matched events, relative to max(1, |value|); None if none matched.
+    matched : int
+        Number of matched events, grazes included.
+    missed, invented : int
+        Events of the reference that the solver does not have, and the reverse.
+    missed_grazes : int
+        Grazes of the reference that the solver does not report. They are not in `missed`: nothing changes at a graze,
+        and most solvers do not know them. A stick or crossings in place of one are invented events.
+    first_wrong : float or None
+        Time of the first event that is missed or invented.
+    """
+
+    error_t: float | None
+    error_x: float | None
+    matched: int
+    missed: int
+    invented: int
+    missed_grazes: int
+    first_wrong: float | None
+
+    @property
+    def error(self) -> float | None:
+        """The larger one of the two errors."""
+        return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
+
+    @property
+    def complete(self) -> bool:
+        """Whether no event is missed or invented; grazes may be."""
+        return not self.missed and not self.invented
+
+
+def window_of(scene: Scene) -> float:
+    """Return how far apart in time an event and its counterpart may be: a small part of the forcing period."""
+    return WINDOW * 2 * pi / float(scene.parameters.Omega)
+
+
+def compare(found: Iterable[Found], reference: Sequence[Event], window: float) -> Comparison:
+    """Compare a solver's events with the reference.
+
+    Parameters
+    ----------
+    found : iterable of Found
+        In any order. An event whose time or position is not finite is invented.
+    reference : sequence of Event
+        In order of time; t and x may be mpmath numbers, and are compared in their precision.
+    window : float
+        How far apart in time (> 0) a match may be; see `window_of`.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> from symosc.bench.compare import compare, window_of
+    >>> exact = simulate("fig5", digits=40)
+    >>> late = [Found(float(e.t) + 1e-9, float(e.x), e.kind, e.boundary) for e in exact.events[1:]]
+    >>> result = compare(late, exact.events, window=0.3)
+    >>> result.missed, result.invented, f"{result.error_t:.0e}"
+    (1, 0, '8e-10')
+    """
+    given = list(found)
+    ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
+    times = [float(event.t) for event in reference]
+    pairs = _align(ordered, reference, times, window)
+    matched_found, matched_reference = {j for _, j in pairs}, {i for i, _ in pairs}
+    unmatched = [i for i in range(len(reference)) if i not in matched_reference]
+    missed = [times[i] for i in unmatched if reference[i].kind != "graze"]
+    invented = [ordered[j].t for j in range(len(ordered)) if j not in matched_found]
+    return Comparison(
+        error_t=max((_error(ordered[j].t, reference[i].t) for i, j in pairs), default=None),
+        error_x=max((_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
+        matched=len(pairs),
+        missed=len(missed),
+        invented=len(invented) + len(given) - len(ordered),
+        missed_grazes=len(unmatched) - len(missed),
+        first_wrong=min(missed + invented, default=None),
+    )
+
+
+def _error(value: float, exact: Any) -> float:
+    return float(abs(exact - value) / max(1, abs(exact)))
+
+
+def _align(
+    found: Sequence[Found], reference: Sequence[Event], times: list[float], window: float
+) -> list[tuple[int, int]]:
+    """Return the pairs (reference, found) of the best alignment, in order.
+
+    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Row i of the
+    usual table differs from the one before within the window and, by what it ends with there, after it; so only the
+    window is visited, and `best` reaches to the end of the latest window.
+    """
+    found_times = [event.t for event in found]
+    best = [0.0]
+    rows: list[tuple[int, list[int]]] = []  # for each event of the reference: first candidate, steps of the walk back
+    for event, time in zip(reference, times, strict=True):
+        first, last = bisect_left(found_times, time - window), bisect_right(found_times, time + window)
+        best += [best[-1]] * (last + 1 - len(best))
+        steps = []
+        before = best[first]
+        for j in range(first, last):
+            old, left, match = best[j + 1], best[j], 0.0
+            if found[j].kind == event.kind and found[j].boundary == event.boundary:
+                match = before + 1.0 - (1.0 - FAR_MATCH) * abs(found_times[j] - time) / window
+            steps.append(MATCH if match > max(old, left) else SKIP_FOUND if left > old else SKIP_REFERENCE)
+            best[j + 1] = max(old, left, match)
+            before = old
+        rows.append((first, steps))
+    pairs = []
+    j = len(found)
+    for i in range(len(rows) - 1, -1, -1):
+        first, steps = rows[i]
+        j = min(j, first + len(steps))
+        while j > first and steps[j - 1 - first] == SKIP_FOUND:
+            j -= 1
+        if j > first and steps[j - 1 - first] == MATCH:
+            j -= 1
+            pairs.append((i, j))
+    return pairs[::-1]

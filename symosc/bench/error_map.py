@@ -1,0 +1,182 @@
+"""How exact the flow's kernels are in double precision, over damping, drive and time, against 50 digits.
+
+The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2 of
+`symosc.kernels.entire` as coefficients. The error of a time is the largest error of these functions, each relative to
+the size of what it oscillates in:
+
+    E0: max(1, |E0|),   E1: |E1| + |E0| tau/(1 + w0 tau),   E2: |E2|,   R2 and I2: |R2| + |I2|
+
+(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio
+zeta = c/(2 m w0) and Omega/w0, w0 = sqrt(k/m), for some w0 tau, twice: for the cheap closed form wherever it can be
+evaluated, and for what symosc does, which is the cheap form on one side of a border and others beyond it.
+"""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from math import cos, exp, log10, nan, sin
+from typing import Any
+
+import numpy as np
+
+from symosc.flow import Constants, constants
+from symosc.kernels import entire
+from symosc.kernels.entire_mp import BasisMP
+from symosc.model import Parameters
+from symosc.numerics import mp_context
+
+DIGITS = 50
+TAUS = (1e-6, 1e-2, 1.0, 6.0)
+#: Points per axis of the map, and of the finer grid on which the border is found.
+POINTS, QUICK_POINTS, BORDER_POINTS = 57, 25, 229
+# Values are spread by their distance from 1, down to this power of ten.
+NEAREST = 10
+#: From 10^low to 10^high.
+RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
+
+
+def value_at(place: float) -> Fraction:
+    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity.
+
+    Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
+    """
+    if abs(place - NEAREST) < 1e-9:
+        return Fraction(1)
+    if place > NEAREST:
+        return 1 + _power(place - 2 * NEAREST)
+    part = _power(-abs(place))
+    return part / (1 + part) if place < 0 else 1 / (1 + part)
+
+
+def place_of(value: float, beyond: float = 0.0) -> float:
+    """Return the place of a number, given as value + beyond so that it can be next to 1."""
+    below = (1.0 - value) - beyond
+    if below == 0.0:
+        return float(NEAREST)
+    if below < 0.0:
+        return 2 * NEAREST + log10(-below)
+    return log10((value + beyond) / below)
+
+
+def _power(exponent: float) -> Fraction:
+    return Fraction(repr(float(10.0**exponent)))
+
+
+def axis(low: int, high: int, points: int) -> np.ndarray:
+    """Return places from the value 10^low to 10^high; 1 is one of them."""
+    first, last = place_of(10.0**low), place_of(10.0**high)
+    before = round((points - 1) * (NEAREST - first) / (last - first))
+    below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
+    return np.concatenate([below, above[1:]])
+
+
+def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
+    """Return parameters with w0 = 1 and a damping ratio and a drive; forces and belts do not matter."""
+    return Parameters(m=1, c=2 * zeta, k=1, A0=0, B0=1, Omega=ratio, v1=0, v2=1, mu1=0, mu2=0, FN=0)
+
+
+def run(
+    quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
+) -> dict[str, Any]:
+    """Measure the map and return plain data.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer points.
+    progress : callable
+        Gets a sequence of steps and returns it as an iterable that may show how far it is.
+    taus : sequence of float
+        Values of w0 tau.
+
+    Returns
+    -------
+    dict
+        taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows
+        over zeta and columns over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what
+        symosc evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart"
+        (the cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
+    """
+    points = QUICK_POINTS if quick else POINTS
+    zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
+    shape = (len(taus), len(zetas), len(ratios))
+    cheap, shipped = np.full(shape, nan), np.full(shape, nan)
+    for i in progress(range(len(zetas))):
+        for j, ratio in enumerate(ratios):
+            p = parameters(value_at(zetas[i]), value_at(ratio))
+            K = constants(p)
+            exact = _exact(p)
+            for n, tau in enumerate(taus):
+                if tau > K.chunk:
+                    continue
+                truth = exact(tau)
+                shipped[n, i, j] = error(entire.basis(tau, K), truth, tau)
+                if K.under:
+                    cheap[n, i, j] = error(closed_form(tau, K), truth, tau)
+    fine_zetas, fine_ratios = axis(*ZETA_RANGE, BORDER_POINTS), axis(*RATIO_RANGE, BORDER_POINTS)
+    return {
+        "taus": list(taus),
+        "zeta": zetas.tolist(),
+        "ratio": ratios.tolist(),
+        "cheap": cheap.tolist(),
+        "symosc": shipped.tolist(),
+        "border_zeta": fine_zetas.tolist(),
+        "border_ratio": fine_ratios.tolist(),
+        "formulas": _formulas(fine_zetas, fine_ratios, taus),
+        "largest": float(np.nanmax(shipped)),
+    }
+
+
+def error(values: Sequence[float], exact: Sequence[Any], tau: float) -> float:
+    """Return the largest error of E0, E1, E2, R2, I2 relative to the sizes that the module names (w0 = 1)."""
+    E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
+    sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
+    return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
+
+
+def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
+    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap formula, wherever that is."""
+    angle, drive = K.w * tau, K.Om * tau
+    waves = (sin(angle), cos(angle), sin(drive), cos(drive))
+    values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+    return values
+
+
+def formula_of(tau: float, K: Constants) -> str:
+    """Return which formula `symosc.kernels.entire.basis` takes: "series", "apart" (the cheap one) or "careful"."""
+    return str(_naming_basis_at(tau, 0.0, 1.0, K)[0])
+
+
+def _namer(name: str) -> Callable[..., tuple[str, ...]]:
+    return lambda *arguments: (name,) * 5
+
+
+# The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
+_naming_basis_at = types.FunctionType(
+    entire.basis_at.__code__,
+    vars(entire) | {"series": _namer("series"), "basis_apart": _namer("apart"), "careful": _namer("careful")},
+)
+
+
+def _exact(p: Parameters) -> Callable[[float], tuple[Any, ...]]:
+    context = mp_context(DIGITS)
+
+    def number(value: Fraction) -> Any:
+        return context.mpf(value.numerator) / value.denominator
+
+    K, basis = constants(p, number, context.sqrt, context.atan2, +context.pi), BasisMP(context, p)
+    return lambda tau: basis(context.mpf(tau), K)
+
+
+def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
+    rows: list[list[list[str]]] = [[] for _ in taus]
+    for zeta in zetas:
+        for row in rows:
+            row.append([])
+        for ratio in ratios:
+            K = constants(parameters(value_at(zeta), value_at(ratio)))
+            for row, tau in zip(rows, taus, strict=True):
+                row[-1].append("" if tau > K.chunk else formula_of(tau, K))
+    return rows

@@ -1,0 +1,165 @@
+"""heyoka: Taylor series of high order, compiled just in time, with events found on the series itself.
+
+At its best, one integrator does everything: flights and sticks differ by its parameters, which the callbacks of its
+two terminal events rewrite, so that Python runs once per event. The drive is two more state variables: that is cheaper
+than a cosine, and keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights
+start off the belt and need no cool-down.
+
+As it comes, there is one integrator for each domain and belt, which is stopped by its terminal events and started
+again on the belt. In a step that starts where an event function is exactly 0, heyoka 7.13 does not see the next root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, sin
+from typing import Any
+
+from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
+from symosc.bench.scalar_logic import OFFSET, start_of, start_phase
+from symosc.bench.solvers import Found, Solver
+from symosc.model import SIDES
+from symosc.scenes import Scene
+
+#: Steps that a run may take: this number per period, and as many before the first one.
+MOST_STEPS = 100 * CHATTER
+
+
+def at_its_best(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+    """Prepare one integrator for all modes.
+
+    Notes
+    -----
+    State: x, v, and B0/m times the cosine and the sine of the drive. Parameters p: v' = p0 (a + p1) with
+    a = (B0 cos - k x - c v)/m, and the event functions p2 v + p3 a + p4 and p5 v + p6 a + p7. In flights these are the
+    distances of v from both belts, in sticks the accelerations on both sides.
+    """
+    import heyoka as hy
+    import numpy as np
+
+    motion = Motion(scene.parameters)
+    A = {alpha: force / motion.m for alpha, force in motion.A.items()}
+    swing, stiffness, damping = motion.B0 / motion.m, motion.k / motion.m, motion.c / motion.m
+    v1, v2 = motion.belts.values()
+    pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
+    pars |= {3 + at: np.array([0.0, 0.0, 0.0, 1.0, A[at], 0.0, 1.0, A[at + 1]]) for at in SIDES}
+    starts = {(at, at): v - OFFSET * motion.speed for at, v in motion.belts.items()}
+    starts |= {(at, at + 1): v + OFFSET * motion.speed for at, v in motion.belts.items()}
+    t0 = float(scene.t0)
+    # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
+    now: int
+    append: Any
+    item: Any
+    state: Any
+    p_now: Any
+
+    def callback(event: int) -> Callable[[Any, int], bool]:
+        """Return what the first or second event does: contact with belt 1 or 2, or a slip downward or upward."""
+        belt = motion.belts[event]
+        drag, A_below, A_above = damping * belt, A[event], A[event + 1]
+        v_below, v_above, stick = starts[event, event], starts[event, event + 1], pars[3 + event]
+
+        def act(integrator: Any, sign: int) -> bool:
+            nonlocal now
+            x, source = item(0), now
+            if source > 3:
+                boundary = source - 3
+                now = boundary + event - 1
+                state[1], p_now[:] = starts[boundary, now], pars[now]
+                append(Found(t0 + integrator.time, x, "slip", boundary))
+                return True
+            a = item(2) - stiffness * x - drag
+            if a + A_above > 0.0:
+                now, state[1], p_now[1] = event + 1, v_above, A_above
+            elif a + A_below < 0.0:
+                now, state[1], p_now[1] = event, v_below, A_below
+            else:
+                now, state[1], p_now[:] = 3 + event, belt, stick
+            kind = "stick" if now > 3 else "graze" if now == source else "cross"
+            append(Found(t0 + integrator.time, x, kind, event))
+            return True
+
+        return act
+
+    x, v, C, S = hy.make_vars("x", "v", "C", "S")
+    p, a = hy.par, C - stiffness * x - damping * v
+    rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
+    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
+    events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
+    integrator = hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
+
+    mode, boundary = start_of(scene, motion)
+    v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
+    theta = start_phase(scene)
+    start = np.array([float(scene.x0), v_start, swing * cos(theta), swing * sin(theta)])
+    duration = float(scene.t_end - scene.t0)
+    most = MOST_STEPS * (1 + int(duration / motion.period))
+
+    def run() -> list[Found]:
+        nonlocal now, append, item, state, p_now
+        found: list[Found] = []
+        now, append, integrator.time = mode, found.append, 0.0
+        state, p_now = integrator.state, integrator.pars
+        state[:], p_now[:], item = start, pars[mode], state.item
+        outcome = integrator.propagate_until(duration, max_steps=most)[0]
+        append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
+        if outcome != hy.taylor_outcome.time_limit:
+            raise PeerError(f"heyoka: {outcome} after {len(found)} events", found)
+        return found
+
+    return run
+
+
+def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+    """Prepare an integrator for each mode, to be stopped by terminal events and started again on the belt."""
+    import heyoka as hy
+
+    motion = Motion(scene.parameters)
+    x, v = hy.make_vars("x", "v")
+
+    def force(alpha: int) -> Any:
+        drive = motion.B0 * hy.cos(motion.Omega * hy.time)
+        return (motion.A[alpha] + drive - motion.k * x - motion.c * v) / motion.m
+
+    v1, v2 = motion.belts.values()
+    exits = {1: [v1 - v], 2: [v - v1, v2 - v], 3: [v - v2]}
+    exits |= {3 + at: [force(below), -force(above)] for at, (below, above) in SIDES.items()}
+    integrators = {}
+    for mode, functions in exits.items():
+        events = [hy.t_event(f, direction=hy.event_direction.negative) for f in functions]
+        rates = [(x, v), (v, force(mode) if mode < 4 else 0.0 * v)]
+        integrators[mode] = hy.taylor_adaptive(rates, [0.0, 0.0], t_events=events, tol=tolerance)
+
+    def leave(phase: Phase, t: float, x: float, v: float, t_end: float) -> Exit:
+        integrator = integrators[phase.mode]
+        integrator.time, integrator.state[:] = t, (x, v)
+        integrator.reset_cooldowns()
+        outcome = integrator.propagate_until(t_end, max_steps=MOST_STEPS)[0]
+        if outcome == hy.taylor_outcome.time_limit:
+            return Exit(0, t_end, integrator.state.item(0))
+        event = -int(outcome) - 1
+        if event >= len(phase.exits):
+            raise PeerError(f"heyoka: {outcome}")
+        return Exit(phase.exits[event][0], integrator.time, integrator.state.item(0))
+
+    return lambda: follow(scene, motion, leave)
+
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16)
+SOLVERS = (
+    Solver(
+        "heyoka",
+        at_its_best,
+        TOLERANCES,
+        needs="heyoka",
+        note=f"one integrator for flights and sticks, fast_math; flights start {OFFSET:g} off the belt",
+    ),
+    Solver(
+        "heyoka, raw",
+        as_it_comes,
+        TOLERANCES,
+        needs="heyoka",
+        raw=True,
+        note="started on the belt it misses the next root in the same step; in sticks the step grows past their end",
+    ),
+)

@@ -1,0 +1,250 @@
+"""DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
+
+Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). As it
+comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited, a
+step in which the derivative of a margin vanishes is looked at there too, the event is refined by steps of the method
+itself instead of its interpolant, and flights start off the belt.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from symosc.bench import scalar_logic
+from symosc.bench.event_logic import ATOL, STEPS, Motion
+from symosc.bench.scalar_logic import (
+    FAILED,
+    LAST_BIT,
+    OFFSET,
+    compiled,
+    force,
+    margins,
+    root,
+    runner,
+    scalars,
+    start_phase,
+    turn,
+)
+from symosc.bench.solvers import Found, Solver
+from symosc.scenes import Scene
+
+STAGES = DOP853.n_stages
+ALL_STAGES = STAGES + 1 + len(DOP853.C_EXTRA)  # with the derivative at the end, and those of the dense output
+C = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
+A = np.zeros((ALL_STAGES, ALL_STAGES))
+A[:STAGES, :STAGES], A[STAGES, :STAGES], A[STAGES + 1 :] = DOP853.A, DOP853.B, DOP853.A_EXTRA
+E3, E5, D = DOP853.E3, DOP853.E5, DOP853.D
+TERMS = len(D) + 3
+SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
+#: The first step of each flight and stick, as a part of the period.
+FIRST_STEPS = 20
+MOST_STEPS = 1_000_000
+REFINEMENTS = 3
+
+
+class Settings(NamedTuple):
+    """Tolerances, the longest and the first step, 1 for the precautions, and room for stages and dense output."""
+
+    rtol: float
+    atol: float
+    longest: float
+    first: float
+    careful: int
+    K: np.ndarray
+    F: np.ndarray
+
+
+class Step(NamedTuple):
+    """One step, for its dense output."""
+
+    F: np.ndarray
+    t: float
+    x: float
+    v: float
+    h: float
+
+
+def settings(motion: Motion, tolerance: float, careful: bool) -> Settings:
+    """Return the settings for a tolerance."""
+    tolerances = (tolerance, ATOL * tolerance if careful else tolerance)
+    steps = (motion.period / STEPS if careful else inf, motion.period / FIRST_STEPS)
+    return Settings(*tolerances, *steps, int(careful), np.zeros((2, ALL_STAGES)), np.zeros((2, TERMS)))
+
+
+def stages(q, s, mode, t, x, v, h, begin, end):
+    """Evaluate the right-hand side at some stages of a step; returns the state at the last of them."""
+    X = V = 0.0
+    for stage in range(begin, end):
+        dx = dv = 0.0
+        for j in range(stage):
+            dx += A[stage, j] * s.K[0, j]
+            dv += A[stage, j] * s.K[1, j]
+        X, V = x + h * dx, v + h * dv
+        s.K[0, stage], s.K[1, stage] = V, force(q, mode, t + h * C[stage], X, V) if mode < 4 else 0.0
+    return X, V
+
+
+def begin(q, s, mode, t, x, v):
+    """Set the first stage."""
+    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0
+
+
+def error_of(s, x, v, X, V, h):
+    """Return the error of a step in units of the tolerance, as DOP853 estimates it."""
+    third = fifth = 0.0
+    for row in range(2):
+        e3 = e5 = 0.0
+        for j in range(STAGES + 1):
+            e3 += E3[j] * s.K[row, j]
+            e5 += E5[j] * s.K[row, j]
+        size = max(abs(x), abs(X)) if row == 0 else max(abs(v), abs(V))
+        scale = s.atol + s.rtol * size
+        third += (e3 / scale) ** 2
+        fifth += (e5 / scale) ** 2
+    if fifth == 0.0:
+        return 0.0
+    return h * fifth / sqrt((fifth + 0.01 * third) * 2.0)
+
+
+def dense(q, s, mode, t, x, v, X, V, h):
+    """Fill the dense output of a step that has been made."""
+    stages(q, s, mode, t, x, v, h, STAGES + 1, ALL_STAGES)
+    for row in range(2):
+        delta = X - x if row == 0 else V - v
+        s.F[row, 0] = delta
+        s.F[row, 1] = h * s.K[row, 0] - delta
+        s.F[row, 2] = 2.0 * delta - h * (s.K[row, STAGES] + s.K[row, 0])
+        for i in range(TERMS - 3):
+            total = 0.0
+            for j in range(ALL_STAGES):
+                total += D[i, j] * s.K[row, j]
+            s.F[row, 3 + i] = h * total
+    return Step(s.F, t, x, v, h)
+
+
+def state_in(step, tau):
+    """Return the dense output after the time tau."""
+    part = tau / step.h
+    x = v = 0.0
+    for i in range(TERMS):
+        factor = part if i % 2 == 0 else 1.0 - part
+        x = (x + step.F[0, TERMS - 1 - i]) * factor
+        v = (v + step.F[1, TERMS - 1 - i]) * factor
+    return step.x + x, step.v + v
+
+
+def margin(q, mode, side, step, tau):
+    """Return the margin on one side of the dense output after the time tau; for side 0 its derivative."""
+    x, v = state_in(step, tau)
+    t = step.t + tau
+    if side == 0:
+        return turn(q, mode, t, x, v)
+    below, above = margins(q, mode, t, x, v)
+    return below if side < 0 else above
+
+
+def exit_within(q, s, mode, step, end, tolerance):
+    """Return (side, tau): where a margin becomes negative between the ends of [0, end], or side 0."""
+    x, v = state_in(step, end)
+    below, above = margins(q, mode, step.t + end, x, v)
+    if below >= 0.0 and above >= 0.0:
+        return 0, end
+    side, after = (-1, below) if below < 0.0 else (1, above)
+    before = margin(q, mode, side, step, 0.0)
+    if before < 0.0:
+        return side, 0.0
+    return side, root(q, mode, side, step, 0.0, end, before, after, tolerance)
+
+
+def refined(q, s, mode, side, step, tau):
+    """Return the exit's time and position by Newton's method on steps of the method itself."""
+    x = step.x
+    for _ in range(REFINEMENTS):
+        x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
+        below, above = margins(q, mode, step.t + tau, x, v)
+        slope = abs(turn(q, mode, step.t + tau, x, v))
+        change = (below if side < 0 else above) / slope if slope > 0.0 else 0.0
+        if not abs(change) < 1e-3 * step.h or abs(change) < LAST_BIT * (step.t + tau):
+            break
+        tau += change
+        x += v * change
+    return tau, x
+
+
+def leave(q, s, mode, t, x, v, t_end):
+    """Follow one flight or stick, step by step."""
+    h = s.first
+    begin(q, s, mode, t, x, v)
+    last_slope = turn(q, mode, t, x, v)
+    for _ in range(MOST_STEPS):
+        h = min(h, s.longest, t_end - t)
+        X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
+        error = error_of(s, x, v, X, V, h)
+        if error >= 1.0:
+            h *= max(SHRINK, SAFETY * error**EXPONENT)
+            if t + h == t:
+                return FAILED, t, x
+            continue
+        slope = turn(q, mode, t + h, X, V)
+        below, above = margins(q, mode, t + h, X, V)
+        outside = below < 0.0 or above < 0.0
+        if outside or (s.careful == 1 and slope * last_slope < 0.0):
+            # What is found in the interpolant's last bits is refined anyway.
+            tolerance = s.rtol * h
+            step = dense(q, s, mode, t, x, v, X, V, h)
+            side, tau = 0, h
+            if s.careful == 1 and slope * last_slope < 0.0:
+                extremum = root(q, mode, 0, step, 0.0, h, last_slope, slope, tolerance)
+                side, tau = exit_within(q, s, mode, step, extremum, tolerance)
+            if side == 0 and outside:
+                side, tau = exit_within(q, s, mode, step, h, tolerance)
+            if side != 0:
+                if s.careful == 1:
+                    tau, x = refined(q, s, mode, side, step, tau)
+                else:
+                    x, v = state_in(step, tau)
+                return side, t + tau, x
+        if t + h >= t_end:
+            return 0, t_end, X
+        t, x, v, last_slope = t + h, X, V, slope
+        s.K[0, 0], s.K[1, 0] = s.K[0, STAGES], s.K[1, STAGES]
+        h *= GROW if error == 0.0 else min(GROW, SAFETY * error**EXPONENT)
+    return FAILED, t, x
+
+
+MODULES = (scalar_logic, sys.modules[__name__])
+
+
+def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+    """Prepare DOP853, with or without the precautions."""
+    motion = Motion(scene.parameters)
+    q = scalars(motion, start_phase(scene))
+    offset = OFFSET * motion.speed if careful else 0.0
+    return runner(scene, compiled(MODULES), q, settings(motion, tolerance, careful), offset)
+
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
+SOLVERS = (
+    Solver(
+        "numba DOP853",
+        partial(prepare, True),
+        TOLERANCES,
+        needs="numba",
+        note=f"at least {STEPS} steps per period; extrema of the margins; flights start {OFFSET:g} off the belt",
+    ),
+    Solver(
+        "numba DOP853, raw",
+        partial(prepare, False),
+        TOLERANCES,
+        needs="numba",
+        raw=True,
+        note="sign changes between the ends of a step only; sticks are integrated with steps that grow",
+    ),
+)

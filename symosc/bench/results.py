@@ -1,0 +1,153 @@
+"""The results in the README: measured, written and illustrated by one command."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from symosc import plot
+from symosc.bench import error_map, hard, plot_error_map, plot_work, speed, work_precision, work_table
+from symosc.bench.machine import sentence
+from symosc.errors import OutputError
+from symosc.files import write_text
+
+#: Where pictures and full tables go, relative to the README.
+FOLDER = Path("symosc/bench/results")
+
+
+def check(readme: str | Path) -> str:
+    """Return the text of a README that results can be written to.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be read or written, or has no place for the results.
+    """
+    try:
+        text = Path(readme).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise OutputError(str(readme), getattr(error, "strerror", None) or "is not UTF-8 text") from None
+    if not os.access(readme, os.W_OK):
+        raise OutputError(str(readme), "Permission denied")
+    return replaced(text, "results", "", readme)
+
+
+def replaced(text: str, section: str, content: str, name: str | Path = "README") -> str:
+    """Return a text with other content between the marks ``<!-- section: begin -->`` and ``<!-- section: end -->``.
+
+    Raises
+    ------
+    OutputError
+        Unless each of the marks is there once, in this order. The first may say more before it closes.
+    """
+    begin, end = f"<!-- {section}: begin", f"<!-- {section}: end -->"
+    pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
+    if text.count(begin) != 1 or text.count(end) != 1 or not pattern.search(text):
+        raise OutputError(str(name), f"needs the lines '{begin} -->' and '{end}', once each, around the {section}")
+    return pattern.sub(lambda match: f"{match[1]}{content}{match[2]}", text)
+
+
+def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
+    """Write the results into the README, pictures and full tables into files beside it.
+
+    Parameters
+    ----------
+    readme : str or Path
+    result : dict
+        The results of the modules' `run`, speed, work_precision, hard and error_map, and quick, which they were told.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written; see also `check`.
+    """
+    text, folder = check(readme), Path(readme).parent / FOLDER
+    work, cases, command = result["work_precision"], result["hard"], _command(result)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
+    files = [
+        plot.save(plot_work.figure(work), folder / "work_precision.svg"),
+        plot.save(plot_error_map.figure(result["error_map"]), folder / "error_map.png"),
+        write_text(
+            folder / "work_precision.md",
+            _page("Work and precision", work_table.table(work, markdown=True), command, work),
+        ),
+        write_text(folder / "hard_cases.md", _page("Hard cases", _hard_tables(cases), command, cases)),
+    ]
+    text = replaced(text, "results", section(result), readme)
+    if "<!-- speed: begin" in text:
+        text = replaced(text, "speed", speed.section(result["speed"]), readme)
+    return [write_text(readme, text), *files]
+
+
+def section(result: dict[str, Any]) -> str:
+    """Return the results as Markdown."""
+    work, cases = result["work_precision"], result["hard"]
+    return f"""\
+One run of `{_command(result)}` ({sentence(work["machine"])}).
+
+**Work and precision.** Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
+errors are of event times and positions against {work_precision.DIGITS} digits, relative to max(1, |value|).
+
+![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
+({FOLDER}/work_precision.svg)
+
+Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
+missed or invented. Our time is that of {_over_floor(work)} closed-form evaluations ({work["floor_ns"]:.1f} ns each).
+{_heyoka(work)}Where doubles do not suffice for errors below 1e-13 (fig8), symosc takes more digits, and its time.
+[All tolerances, and what precautions the solvers need]({FOLDER}/work_precision.md).
+
+{work_table.summary(work)}
+
+**Hard cases.** In how many cases of a group a solver found all events, and its largest error in those.
+
+{hard.summary(cases, "github")}
+
+{chr(10).join(f"- {line}" for line in hard.legend(cases)[:-1])}
+
+[All cases, and the peers as they come]({FOLDER}/hard_cases.md).
+
+**The kernels.** Error of the flow against {error_map.DIGITS} digits over damping ratio and drive: above with the cheap
+formula everywhere, below as symosc evaluates it, with the borders between its formulas drawn in.
+
+![Maps of the error over damping ratio and drive frequency for four times of flight.]({FOLDER}/error_map.png)
+"""
+
+
+def _over_floor(work: dict[str, Any]) -> str:
+    rows = [row for row in work["rows"] if row["solver"] == work_precision.OURS.name and row["over_floor"]]
+    return ", ".join(f"{work_table.rounded(row['over_floor'], 2)} ({row['scene']})" for row in rows)
+
+
+def _heyoka(work: dict[str, Any]) -> str:
+    """Return a sentence about heyoka, with its precautions and at its finest tolerance; "" if it did not run."""
+    finest: dict[str, float] = {}
+    for row in work["rows"]:
+        if row["solver"].startswith("heyoka") and not row["raw"] and row["over_ours"]:
+            finest[row["scene"]] = row["over_ours"]  # tolerances run from coarse to fine
+    ratios = ", ".join(f"{work_table.rounded(ratio, 2)} ({scene})" for scene, ratio in finest.items())
+    return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
+
+
+def _hard_tables(cases: dict[str, Any]) -> str:
+    tables = [hard.table(cases, form="github")]
+    if any(solver["raw"] for solver in cases["solvers"]):
+        tables += ["## The peers as they come", hard.table(cases, form="github", raw=True)]
+    return "\n\n".join([*tables, *hard.legend(cases)[:-1]])
+
+
+def _command(result: dict[str, Any]) -> str:
+    return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"
+
+
+def _page(title: str, body: str, command: str, result: dict[str, Any]) -> str:
+    return f"# {title}\n\nWritten by `{command}` ({sentence(result['machine'])}).\n\n{body}\n"

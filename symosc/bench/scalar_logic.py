@@ -1,0 +1,245 @@
+"""The event logic of `event_logic` in scalars only, so that numba can compile it together with a solver.
+
+A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``: it follows one flight or stick and returns
+(side, t, x), the side being -1 or +1 where it was left, 0 where it lasts until t_end and FAILED where the solver gave
+up. Times are counted from the start of the scene, so that they are small where they matter; the phase at the start is
+in `Scalars`.
+"""
+
+from __future__ import annotations
+
+import os
+import types
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from math import cos, inf, sin
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.bench.event_logic import CHATTER, Motion, PeerError
+from symosc.bench.solvers import Found
+from symosc.model import MODE_NAMES
+from symosc.numerics import Arithmetic
+from symosc.scenes import Scene
+
+FAILED = 2
+CHATTERS, GAVE_UP = 1, 2
+CROSS, STICK, SLIP, GRAZE = range(4)
+KINDS = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
+#: One-step methods start flights from a belt this part of the larger belt speed off it, a few units in the last place:
+#: from the belt itself, some flights come back at once for ever, and errors after a near graze are in proportion.
+OFFSET = 1e-15
+FIRST_ROWS = 64
+# A root is refined until its bracket is within so many parts of its time.
+LAST_BIT = 2.0**-52
+
+
+#: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
+#: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
+leave: Any = None
+margin: Any = None
+
+
+class Scalars(NamedTuple):
+    """A parameter set: eq. (9) per mass, belt speeds, the shorter period (`Motion.period`) and the phase at t = 0."""
+
+    A1: float
+    A2: float
+    A3: float
+    swing: float
+    Omega: float
+    stiffness: float
+    damping: float
+    v1: float
+    v2: float
+    period: float
+    theta: float
+
+
+def scalars(motion: Motion, theta: float) -> Scalars:
+    """Return a parameter set as scalars, with the phase at t = 0."""
+    m, A = motion.m, motion.A
+    per_mass = (A[1] / m, A[2] / m, A[3] / m, motion.B0 / m, motion.Omega, motion.k / m, motion.c / m)
+    return Scalars(*per_mass, motion.belts[1], motion.belts[2], motion.period, theta)
+
+
+def force(q, alpha, t, x, v):
+    """Return F^(alpha), the acceleration in a domain."""
+    A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
+    return A + q.swing * cos(q.Omega * t + q.theta) - q.stiffness * x - q.damping * v
+
+
+def margins(q, mode, t, x, v):
+    """Return how far a mode is from being left downward and upward: positive inside."""
+    if mode == 1:
+        return inf, q.v1 - v
+    if mode == 2:
+        return v - q.v1, q.v2 - v
+    if mode == 3:
+        return v - q.v2, inf
+    above = force(q, mode - 2, t, x, v)
+    return above + (q.A1 - q.A2 if mode == 4 else q.A2 - q.A3), -above
+
+
+def turn(q, mode, t, x, v):
+    """Return the time derivative of the margins, up to its sign."""
+    if mode < 4:
+        return force(q, mode, t, x, v)
+    return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
+
+
+def resolve(q, boundary, t, x):
+    """Return the mode that follows at a point of a boundary (Theorems 4 and 5)."""
+    v = q.v1 if boundary == 1 else q.v2
+    if force(q, boundary + 1, t, x, v) > 0.0:
+        return boundary + 1
+    if force(q, boundary, t, x, v) < 0.0:
+        return boundary
+    return 3 + boundary
+
+
+def root(q, mode, side, piece, a, b, fa, fb, tolerance):
+    """Return a change of sign of `margin` between a and b (Chandrupatla 1997)."""
+    c, fc, part = a, fa, 0.5
+    for _ in range(200):
+        tau = a + part * (b - a)
+        f = margin(q, mode, side, piece, tau)
+        if (f < 0.0) == (fa < 0.0):
+            c, fc = a, fa
+        else:
+            c, fc, b, fb = b, fb, a, fa
+        a, fa = tau, f
+        best, least = (a, fa) if abs(fa) < abs(fb) else (b, fb)
+        smallest = (0.5 * tolerance + LAST_BIT * abs(best)) / abs(b - a)
+        if smallest > 0.5 or least == 0.0:
+            return best
+        part = 0.5
+        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        part = min(1.0 - smallest, max(smallest, part))
+    return b
+
+
+def follow(q, s, t, x, v, mode, boundary, offset, t_end):
+    """Follow a motion and return (rows, count, outcome, mode): rows of t, x, kind, boundary; outcome 0 at t_end."""
+    rows = np.empty((FIRST_ROWS, 4))
+    count = 0
+    while t < t_end:
+        if boundary > 0 and mode < 4:
+            v += offset if mode > boundary else -offset
+        side, t, x = leave(q, s, mode, t, x, v, t_end)
+        if side == 0:
+            break
+        if side == FAILED:
+            return rows, count, GAVE_UP, mode
+        source, kind = mode, SLIP
+        if source > 3:
+            boundary = source - 3
+            mode = boundary + 1 if side > 0 else boundary
+        else:
+            boundary = source if side > 0 else source - 1
+            mode = resolve(q, boundary, t, x)
+            kind = STICK if mode > 3 else GRAZE if mode == source else CROSS
+        v = q.v1 if boundary == 1 else q.v2
+        if count == len(rows):
+            longer = np.empty((2 * count, 4))
+            for i in range(count):  # a slice would make compiling three seconds longer
+                for j in range(4):
+                    longer[i, j] = rows[i, j]
+            rows = longer
+        rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = t, x, kind, boundary
+        count += 1
+        if count > CHATTER and t - rows[count - 1 - CHATTER, 0] < q.period:
+            return rows, count, CHATTERS, mode
+    return rows, count, 0, mode
+
+
+def bind(modules: Iterable[ModuleType], wrap: Callable[[Any], Any], **replaced: Any) -> dict[str, Any]:
+    """Return the functions of `modules`, wrapped (compiled), such that they call each other's wrapped forms.
+
+    Parameters
+    ----------
+    modules : iterable of modules
+    wrap : callable
+        Such as ``numba.njit``.
+    **replaced
+        Functions to take the place of those of the same name.
+    """
+    shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
+    for module in modules:
+        shared |= {name: value for name, value in vars(module).items() if not name.startswith("__")}
+    for name, value in shared.items():
+        if isinstance(value, types.FunctionType) and value.__module__ in {module.__name__ for module in modules}:
+            shared[name] = wrap(types.FunctionType(value.__code__, shared, name, value.__defaults__))
+    shared.update(replaced)
+    return shared
+
+
+@lru_cache
+def compiled(modules: tuple[ModuleType, ...]) -> dict[str, Any]:
+    """Return the functions of `modules` compiled by numba, and kept on disk."""
+    import numba
+
+    # As in `symosc.numerics`: the disk cache looks only at the file that a function is in, so all are said to be in
+    # the one that was changed last.
+    newest = max((str(module.__file__) for module in modules), key=os.path.getmtime)
+
+    def wrap(function: Any) -> Any:
+        function.__code__ = function.__code__.replace(co_filename=newest)
+        return numba.njit(error_model="numpy", cache=True)(function)
+
+    return bind(modules, wrap)
+
+
+def runner(
+    scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
+) -> Callable[[], list[Found]]:
+    """Return a function that follows a scene and returns its events.
+
+    Parameters
+    ----------
+    scene : Scene
+    functions : dict
+        From `bind` or `compiled`.
+    q : Scalars
+    settings : tuple
+        The argument `s` of `leave`.
+    offset : float
+        Flights from a belt start at this distance from its speed.
+    """
+    mode, boundary = start_of(scene, Motion(scene.parameters))
+    t0, x, v = float(scene.t0), float(scene.x0), float(scene.v0)
+    arguments = q, settings, 0.0, x, v, mode, boundary, offset
+    duration = float(scene.t_end - scene.t0)
+    follow = functions["follow"]
+    follow(*arguments, 0.0)  # compiles
+
+    def run() -> list[Found]:
+        rows, count, outcome, last = follow(*arguments, duration)
+        times, positions, kinds, boundaries = rows[:count].T.tolist()
+        times = [t0 + t for t in times]
+        found = list(map(Found, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
+        if outcome == 0:
+            return found
+        where = f"in {MODE_NAMES[last]} after t = {found[-1].t if found else t0:.6g}"
+        reason = f"chatters {where}: more than {CHATTER} events within one period"
+        raise PeerError(reason if outcome == CHATTERS else f"took too many steps {where}", found)
+
+    return run
+
+
+def start_of(scene: Scene, motion: Motion) -> tuple[int, int]:
+    """Return the first mode of a scene, and the boundary that it starts on or 0."""
+    v = float(scene.v0)
+    boundary = next((boundary for boundary, speed in motion.belts.items() if v == speed), 0)
+    if boundary:
+        return motion.resolve(boundary, float(scene.t0), float(scene.x0)), boundary
+    return 1 + sum(v > speed for speed in motion.belts.values()), 0
+
+
+def start_phase(scene: Scene) -> float:
+    """Return the phase Omega t0 mod 2 pi, right for large t0 too."""
+    return float(Arithmetic(scene.parameters).phase(scene.t0)[1])

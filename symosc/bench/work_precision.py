@@ -1,0 +1,249 @@
+"""Work and precision: time per event and error of every solver, at every tolerance, on the shipped scenes.
+
+All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
+run in 40 digits. There are two spans: a short one for everybody, on which the errors are measured, and a long one, so
+that the fixed cost of a call does not count, for those that finish it in a moment.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from statistics import median
+from typing import Any
+
+from symosc.bench.compare import compare, window_of
+from symosc.bench.machine import machine
+from symosc.bench.peers import OURS, SOLVERS
+from symosc.bench.solvers import Found, Solver
+from symosc.bench.speed import floor_ns
+from symosc.bench.time_limit import Outcome, Worker
+from symosc.exact import read_exact
+from symosc.scenes import Scene, load_scene
+from symosc.simulation import simulate
+from symosc.trajectory import Event
+
+DIGITS = 40
+#: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
+#: comes after fig8's first 20 events is no task for doubles: its sticks shrink by 3/8 each half period.
+SCENES = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
+SCENES |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
+QUICK_SCENES = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
+#: Seconds that a solver may take for one span; and for its first preparation, with all that it imports and compiles.
+LIMIT, QUICK_LIMIT, FIRST_LIMIT = 20.0, 6.0, 60.0
+# The long span is for solvers that need no more than this many seconds for it.
+LONG_RUN = 0.3
+# Calls are repeated until they have taken this many seconds ...
+BUDGET, QUICK_BUDGET = 0.2, 0.05
+# ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
+# it takes longer than a part of the limit.
+MOST_REPEATS, REPEATS, MOMENT, PART = 25, 3, 0.3, 0.1
+FLOOR_REPEATS = 5
+
+
+@dataclass(frozen=True)
+class Span:
+    """A task: a scene with `count` events, and the first of them, those before the time `until`, in 40 digits."""
+
+    scene: Scene
+    count: int
+    reference: Sequence[Event]
+    until: float
+
+
+@dataclass(frozen=True)
+class Timed:
+    """What the worker process reports of a solver on a span; times in seconds."""
+
+    prepare_s: float
+    first_call_s: float
+    times_s: list[float]
+    found: list[Found]
+
+
+def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
+    """Prepare a solver, so that what is imported and compiled once is there."""
+    follow = solver.prepare(scene, tolerance)
+    if solver == OURS:
+        follow()  # numba compiles our event loop when it is first called
+
+
+def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
+    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
+
+    Only what the call itself does is timed: events that it returns as an iterator are read afterwards.
+    """
+    begin = time.perf_counter()
+    follow = solver.prepare(scene, tolerance)
+    prepared = time.perf_counter()
+    found = follow()
+    first = time.perf_counter() - prepared
+    least = 0 if first > PART * limit else 1 if first > MOMENT else REPEATS
+    times: list[float] = []
+    while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
+        again = time.perf_counter()
+        found = follow()
+        times.append(time.perf_counter() - again)
+    return Timed(prepared - begin, first, times, [event for event in found if not event.t > until])
+
+
+def run(
+    quick: bool = False,
+    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+    solvers: Sequence[Solver] = SOLVERS,
+    scenes: dict[str, tuple[int, int, int]] | None = None,
+) -> dict[str, Any]:
+    """Measure and return plain data.
+
+    Parameters
+    ----------
+    quick : bool
+        Two scenes, only the finest tolerance of each solver, and no raw peers.
+    progress : callable
+        Gets the sequence of measurements and returns it as an iterable that may show how far it is.
+    solvers, scenes : optional
+        In place of all; scenes as in SCENES.
+
+    Returns
+    -------
+    dict
+        machine; floor_ns, one closed-form evaluation; limit_s; skipped, solver: why it cannot run here; notes, solver:
+        its precautions; and rows, one per scene, solver and tolerance, with
+        scene, solver, raw, tolerance;
+        failure: "" or what went wrong; the numbers that are then not known are None;
+        prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
+        us_per_event, us_fastest, us_slowest: median and range of the repeats;
+        over_ours, over_floor: the median as a multiple of ours and of the floor;
+        error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
+        missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
+        longest span;
+        warnings: what the solver warned of.
+    """
+    chosen = scenes or (QUICK_SCENES if quick else SCENES)
+    limit, budget = (QUICK_LIMIT, QUICK_BUDGET) if quick else (LIMIT, BUDGET)
+    spans: dict[str, tuple[Span, Span]] = {}
+    able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
+    plan = [
+        (name, solver, tolerance)
+        for name in chosen
+        for solver in able
+        for tolerance in (solver.tolerances[-1:] if quick else solver.tolerances)
+    ]
+    rows = []
+    with Bench(limit, budget) as bench:
+        floor = bench.floor_ns()
+        for name, solver, tolerance in progress(plan):
+            if name not in spans:
+                spans[name] = _spans(load_scene(name), *chosen[name])
+            row = {"scene": name, "solver": solver.name, "raw": solver.raw, "tolerance": tolerance}
+            rows.append(row | bench.row(solver, tolerance, *spans[name]))
+    _relate(rows, floor)
+    skipped = {solver.name: solver.missing for solver in solvers if solver.missing}
+    notes = {solver.name: solver.note for solver in able if solver.note}
+    about = {"machine": machine(), "floor_ns": floor, "limit_s": limit}
+    return {**about, "skipped": skipped, "notes": notes, "rows": rows}
+
+
+def span(scene: Scene, count: int, compared: int) -> Span:
+    """Return a scene cut off halfway between two events so that it has `count` of them, the first `compared` exact."""
+
+    def until(events: Sequence[Event], number: int) -> float:
+        return (float(events[number - 1].t) + float(events[number].t)) / 2
+
+    far = scene.t0 + 10**6
+    end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
+    exact = simulate(scene, t_end=far, max_events=compared + 1, digits=DIGITS).events
+    return Span(replace(scene, t_end=read_exact("t_end", end)), count, exact[:compared], until(exact, compared))
+
+
+def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
+    first = span(scene, short, short)
+    return first, first if short == long else span(scene, long, compared)
+
+
+class Bench:
+    """A worker process that measures solvers, and what it has already prepared.
+
+    Parameters
+    ----------
+    limit : float
+        Seconds that a solver may take for one span.
+    budget : float
+        Calls are repeated until they have taken this many seconds.
+    """
+
+    def __init__(self, limit: float, budget: float) -> None:
+        self.worker, self.limit, self.budget = Worker(), limit, budget
+        self.prepared: set[str] = set()  # by this process
+
+    def __enter__(self) -> Bench:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.worker.__exit__(*error)
+
+    def floor_ns(self) -> float:
+        """Return nanoseconds per closed-form evaluation, in the process that measures the solvers."""
+        outcome = self.worker.call(FIRST_LIMIT, floor_ns, FLOOR_REPEATS)
+        if outcome.failure:
+            raise RuntimeError(f"no closed-form evaluation: {outcome.failure}")
+        value: float = outcome.value
+        return value
+
+    def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> dict[str, Any]:
+        """Return the measured part of a row; see `run`."""
+        outcome = self._call(solver, tolerance, short)
+        row = _times(outcome, short) | _errors(outcome, short)
+        failure, warnings = outcome.failure, outcome.warnings
+        fast = not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN
+        if fast and long is not short:
+            longer = self._call(solver, tolerance, long)
+            if longer.failure:
+                failure = f"{longer.failure} (in {long.count} events, not in {short.count})"
+            else:
+                row |= _times(longer, long)
+                errors = _errors(longer, long)
+                row |= {name: value for name, value in errors.items() if not name.startswith("error")}
+            warnings = tuple(dict.fromkeys((*warnings, *longer.warnings)))
+        return row | {"failure": failure, "warnings": list(warnings)}
+
+    def _call(self, solver: Solver, tolerance: float, span: Span) -> Outcome:
+        if solver.name not in self.prepared:
+            outcome = self.worker.call(FIRST_LIMIT, prepare, solver, span.scene, tolerance)
+            if outcome.failure:
+                return outcome
+            self.prepared.add(solver.name)
+        task = (solver, span.scene, tolerance, span.until, self.limit, self.budget)
+        outcome = self.worker.call(self.limit, measure, *task)
+        if outcome.lost:
+            self.prepared.clear()
+        return outcome
+
+
+def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
+    names = ("prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest")
+    if outcome.failure:
+        return dict.fromkeys(names)
+    timed, count = outcome.value, span.count
+    times = timed.times_s or [timed.first_call_s]
+    per_event = [1e6 / count * seconds for seconds in (median(times), min(times), max(times))]
+    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, *per_event)
+    return dict(zip(names, values, strict=True))
+
+
+def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
+    names = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
+    if outcome.failure:
+        return {**dict.fromkeys(names), "compared": len(span.reference)}
+    comparison = compare(outcome.value.found, span.reference, window_of(span.scene))
+    return {**{name: getattr(comparison, name) for name in names}, "compared": len(span.reference)}
+
+
+def _relate(rows: list[dict[str, Any]], floor: float) -> None:
+    """Put our time on each scene and the floor beside the times."""
+    ours = {row["scene"]: row["us_per_event"] for row in rows if row["solver"] == OURS.name}
+    for row in rows:
+        own, mine = row["us_per_event"], ours.get(row["scene"])
+        row["over_ours"] = own / mine if own and mine else None
+        row["over_floor"] = 1e3 * own / floor if own else None

@@ -1,0 +1,93 @@
+"""Tables of work and precision, as plain text or Markdown."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+from tabulate import tabulate
+
+from symosc.bench.time_limit import HANG
+from symosc.bench.work_precision import DIGITS
+
+
+def table(result: dict[str, Any], markdown: bool = False) -> str:
+    """Return the result of `work_precision.run` as text, one table per scene, ratios first."""
+    heads = ["solver", "tolerance", "time / ours", "time / floor", "us per event", "range", "error"]
+    heads += ["events", "missed", "invented", "what went wrong"]
+    parts = []
+    for scene in dict.fromkeys(row["scene"] for row in result["rows"]):
+        rows = [_cells(row, result["limit_s"]) for row in result["rows"] if row["scene"] == scene]
+        form, align = "github" if markdown else "simple", ("left", *["right"] * 9, "left")
+        text = tabulate(rows, heads, tablefmt=form, disable_numparse=True, colalign=align)
+        parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
+    parts.append(
+        f"floor: one closed-form flow evaluation, {result['floor_ns']:.1f} ns; errors: of event times and positions, "
+        f"against {DIGITS} digits, relative to max(1, |value|)"
+    )
+    notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
+    parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
+    return "\n".join(parts)
+
+
+def _cells(row: dict[str, Any], limit: float) -> list[str]:
+    times = [row[name] for name in ("over_ours", "over_floor", "us_per_event", "us_fastest", "us_slowest")]
+    numbers = ["" if time is None else rounded(time, 3) for time in times]
+    numbers[3:] = [f"{numbers[3]} to {numbers[4]}" if numbers[3] else ""]
+    numbers.append(_form(row["error"], ".1e"))
+    counts = [str(row[name]) if row[name] is not None else "" for name in ("compared", "missed", "invented")]
+    failure = row["failure"]
+    if failure.startswith(HANG):
+        failure = failure.replace(HANG, f"hang: more than {limit:g} s", 1)
+    return [row["solver"], _form(row["tolerance"] or None, ".0e"), *numbers, *counts, failure]
+
+
+def _form(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def best_rows(result: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return for each solver and scene the row at the tolerance that served it best.
+
+    That is the one with the fewest missed and invented events, and of those the one with the smallest error. A solver
+    that failed at every tolerance is there with its last row.
+    """
+
+    def badness(row: dict[str, Any]) -> tuple[float, ...]:
+        if row["missed"] is None:
+            return (1, 0, 0)
+        return (0, row["missed"] + row["invented"], inf if row["error"] is None else row["error"])
+
+    best: dict[tuple[str, str], dict[str, Any]] = {}
+    for row in result["rows"]:
+        key = row["solver"], row["scene"]
+        if key not in best or badness(row) <= badness(best[key]):
+            best[key] = row
+    return best
+
+
+def summary(result: dict[str, Any]) -> str:
+    """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and what went wrong."""
+    best = best_rows(result)
+    solvers, scenes = (list(dict.fromkeys(key[i] for key in best)) for i in (0, 1))
+    rows = [[solver, *(_summed(best[solver, scene]) for scene in scenes)] for solver in solvers]
+    return tabulate(rows, ["", *scenes], tablefmt="github", disable_numparse=True)
+
+
+def _summed(row: dict[str, Any]) -> str:
+    if row["us_per_event"] is None:
+        return _brief(row["failure"])
+    words = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
+    words += [_form(row["error"], ".0e")] if row["error"] is not None else []
+    words += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
+    words += [_brief(row["failure"])] if row["failure"] else []
+    return ", ".join(words)
+
+
+def _brief(failure: str) -> str:
+    return "chatters" if "chatters" in failure else failure.partition(":")[0]
+
+
+def rounded(value: float, digits: int) -> str:
+    """Return a number with so many significant digits, and no exponent from 1e-4 to 1e6."""
+    return f"{float(f'{value:.{digits}g}'):g}"

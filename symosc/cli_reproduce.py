@@ -1,0 +1,77 @@
+"""`symosc reproduce`: the paper's claims judged, its figures drawn, and a report on both."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from symosc.cli import _print, _print_json, _print_table, json_option
+
+if TYPE_CHECKING:
+    from symosc.paper.run import Plan, Results
+
+
+@click.command()
+@click.option("-o", "--output", default="reproduced", metavar="DIR", help="Folder for the report; default: reproduced.")
+@click.option("--only", metavar="ID", help="Only claims whose id begins so, with the figures that they refer to.")
+@json_option
+def reproduce(output: str, only: str | None, as_json: bool) -> int:
+    """Recompute what the paper states, judge each claim, draw all figures and write a report.
+
+    The folder gets report.html (one file that needs no other), report.md, report.json, figures/ and derivations/. The
+    exit code is 1 if a verdict is not the committed one, or a figure or a derivation fails.
+
+    \b
+    Examples:
+      symosc reproduce
+      symosc reproduce --only fig8 -o fig8
+    """
+    from symosc.paper.claims import read_claims
+    from symosc.paper.pictures import PICTURES
+    from symosc.paper.run import Plan
+
+    plan = Plan(read_claims(PICTURES), PICTURES)
+    return carry_out(plan if only is None else plan.only(only), Path(output), as_json)
+
+
+def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | None = None) -> int:
+    """Do everything in a plan, write and print the report, and return the exit code; `workers` as for `run`."""
+    from symosc.paper import report
+    from symosc.paper.run import run
+
+    with report.Folder(output) as folder:
+        hidden = not sys.stderr.isatty()
+        with click.progressbar(length=len(plan), label="Reproducing", file=sys.stderr, hidden=hidden) as bar:
+            results = run(plan, lambda: bar.update(1), workers)
+        texts = report.files(results)
+        folder.write(texts)
+    if as_json:
+        _print_json(report.data(results))
+    else:
+        _show(results, output)
+    return 0 if results.ok else 1
+
+
+def _show(results: Results, output: Path) -> None:
+    rows = []
+    for each in results.judged:
+        mark = f"committed: {each.claim.verdict}" if each.changed else ""
+        rows.append([each.claim.id, each.claim.source, each.verdict, mark])
+    heads = ["claim", "source", "verdict", "changed"]
+    if not results.changed:
+        rows, heads = [row[:-1] for row in rows], heads[:-1]
+    _print_table(rows, heads)
+    _print("")
+    for each in results.changed:
+        _print(f"CHANGED {each.claim.id}: {each.finding}")
+    for name, error in results.failures.items():
+        _print(f"FAILED {name}: {error}")
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
+    steps = sum(done.value.steps for done in results.chapters.values() if done.value)
+    drawn = sum(done.value is not None for done in results.drawn.values())
+    _print(f"{len(results.judged)} claims: {counts}")
+    _print(f"{drawn} figures, {steps} steps of derivations checked; {results.seconds:.0f} s")
+    _print(f"report: {click.format_filename(output / 'report.html')}")

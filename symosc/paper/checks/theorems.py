@@ -1,0 +1,296 @@
+"""Section 4: G-functions and Theorems 4, 5 and 6, against the exact flow near rational contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+from symosc.model import SIDES
+from symosc.paper.checks.rational_cases import Contact, as_text, contacts
+from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
+from symosc.scenes import load_scene
+from symosc.simulation import simulate
+
+CASES = 360
+# The motion is asked for so long after a start at t = 0; by then it is as it was at the beginning.
+MOMENT = Fraction(1, 10**6)
+
+
+# --- what the paper prints ---
+
+
+def stick_condition(below: Fraction, above: Fraction) -> bool:
+    """Eqs. (26) and (27)."""
+    return below > 0 and above < 0
+
+
+def passing_condition(below: Fraction, above: Fraction) -> bool:
+    """Eqs. (34) and (35)."""
+    return below * above > 0
+
+
+def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> bool:
+    """Eqs. (38) to (43): F = 0, and dF/dt < 0 for the domain below, > 0 for the one above."""
+    return force == 0 and (slope < 0 if from_below else slope > 0)
+
+
+def slope_of_field(contact: Contact, alpha: int) -> Fraction:
+    """Eqs. (39), (40), (47), (48): grad F . (x', F) + dF/dt, with F of eq. (9)."""
+    p = contact.p
+    gradient = -p.k / p.m, -p.c / p.m
+    return gradient[0] * contact.speed + gradient[1] * contact.force(alpha) - p.B0 * p.Omega * contact.s / p.m
+
+
+#: The paper's name for the time before a contact, in the words after (19).
+BEFORE = "tₘ₊"
+
+
+# --- checks ---
+
+
+@cache
+def _cases(boundary: int) -> tuple[Contact, ...]:
+    return tuple(contacts(boundary, CASES, seed=boundary))
+
+
+def _judge(
+    boundary: int,
+    printed: Callable[[Contact], bool],
+    true: Callable[[Contact], bool],
+    degenerate: Callable[[Contact], bool],
+    words: tuple[str, str],
+) -> Evidence:
+    """Compare a printed iff with the exact flow; `degenerate` tells the equalities that the printed one passes over."""
+    cases = _cases(boundary)
+    wrong = [contact for contact in cases if printed(contact) != true(contact)]
+    generic = [contact for contact in wrong if not degenerate(contact)]
+    lo, hi = SIDES[boundary]
+    numbers = {
+        "rational contacts": str(len(cases)),
+        f"of them {words[0]} by the exact flow": str(sum(true(contact) for contact in cases)),
+        f"with {words[1]}": str(sum(degenerate(contact) for contact in cases)),
+        "printed condition differs from the flow": str(len(wrong)),
+        f"differs without {words[1]}": str(len(generic)),
+        "starts at t = 0 that were simulated": str(len(_simulated(boundary))),
+        "of them not as the exact flow": str(_simulated(boundary).count(False)),
+    }
+    shown = (generic or wrong)[:1]
+    for contact in shown:
+        numbers["a case"] = as_text(contact)
+        for alpha in (lo, hi):
+            numbers[f"F({alpha}) there"] = str(contact.force(alpha))
+            numbers[f"G(1,{alpha}) there"] = str(contact.slope(alpha))
+        numbers["what happens there"] = f"goes on in {contact.next_mode}"
+    if generic or not all(_simulated(boundary)):
+        verdict, finding = NOT_AS_PRINTED, f"wrong at {len(generic)} of {len(cases)} contacts without {words[1]}"
+    elif wrong:
+        verdict = CORRECTED
+        special = sum(degenerate(contact) for contact in cases)
+        finding = f"right at all {len(cases) - special} contacts without {words[1]}; wrong at {len(wrong)} of the "
+        finding += f"{special} with it, where the next derivative that is not 0 decides"
+    else:
+        verdict, finding = CONFIRMED, f"right at all {len(cases)} contacts"
+    return Evidence(verdict, f"{finding[0].upper()}{finding[1:]}.", numbers)
+
+
+@cache
+def _simulated(boundary: int) -> tuple[bool, ...]:
+    """Tell for each contact at phase 0 whether `simulate`, started there, does what the exact flow does."""
+    found = []
+    for contact in _cases(boundary):
+        if (contact.s, contact.c) == (0, 1):
+            motion = simulate(contact.p, t0=0, x0=contact.x, v0=contact.speed, t_end=MOMENT, max_events=1)
+            found.append(motion.mode(0.0) == contact.next_mode)
+    return tuple(found)
+
+
+def _theorem4(boundary: int) -> Evidence:
+    lo, hi = SIDES[boundary]
+    return _judge(
+        boundary,
+        lambda contact: stick_condition(contact.force(lo), contact.force(hi)),
+        lambda contact: contact.sticks,
+        lambda contact: 0 in (contact.force(lo), contact.force(hi)),
+        ("sticking", "a force that is exactly 0"),
+    )
+
+
+def theorem4_belt1() -> Evidence:
+    """Theorem 4 (i), eq. (26)."""
+    return _theorem4(1)
+
+
+def theorem4_belt2() -> Evidence:
+    """Theorem 4 (ii), eq. (27)."""
+    return _theorem4(2)
+
+
+def _theorem5(boundary: int) -> Evidence:
+    lo, hi = SIDES[boundary]
+    return _judge(
+        boundary,
+        lambda contact: passing_condition(contact.force(lo), contact.force(hi)),
+        lambda contact: contact.passes,
+        lambda contact: 0 in (contact.force(lo), contact.force(hi)),
+        ("passing", "a force that is exactly 0"),
+    )
+
+
+def theorem5_belt1() -> Evidence:
+    """Theorem 5 (i), eq. (34)."""
+    return _theorem5(1)
+
+
+def theorem5_belt2() -> Evidence:
+    """Theorem 5 (ii), eq. (35)."""
+    return _theorem5(2)
+
+
+def _theorem6(boundary: int) -> Evidence:
+    lo, hi = SIDES[boundary]
+
+    def printed(contact: Contact) -> bool:
+        rows = ((True, lo), (False, hi))
+        return any(grazing_condition(row, contact.force(a), slope_of_field(contact, a)) for row, a in rows)
+
+    return _judge(
+        boundary,
+        printed,
+        lambda contact: contact.grazes(lo) or contact.grazes(hi),
+        lambda contact: any(contact.force(a) == 0 and contact.slope(a) == 0 for a in (lo, hi)),
+        ("grazing", "F = 0 and G⁽¹⁾ = 0 together"),
+    )
+
+
+def theorem6_belt1() -> Evidence:
+    """Theorem 6 (i), eqs. (38) to (40)."""
+    return _theorem6(1)
+
+
+def theorem6_belt2() -> Evidence:
+    """Theorem 6 (ii), eqs. (41) to (43)."""
+    return _theorem6(2)
+
+
+def both_sides_at_once() -> Evidence:
+    """Eqs. (44) and (45) as they stand: both forces 0 and both inequalities, at one contact."""
+    grazing = both = each = 0
+    least = None
+    for boundary in (1, 2):
+        lo, hi = SIDES[boundary]
+        for contact in _cases(boundary):
+            if contact.slope(lo) == 0 or contact.slope(hi) == 0:
+                continue
+            below = grazing_condition(True, contact.force(lo), slope_of_field(contact, lo))
+            above = grazing_condition(False, contact.force(hi), slope_of_field(contact, hi))
+            grazes = contact.grazes(lo) or contact.grazes(hi)
+            grazing += grazes
+            both += below and above
+            each += (below or above) == grazes and grazes
+            gap = contact.force(lo) - contact.force(hi)
+            least = gap if least is None else min(least, gap)
+    numbers = {
+        "contacts that graze, with G⁽¹⁾ not 0": str(grazing),
+        "of them with (44) and (45) on both sides": str(both),
+        "of them with (44) and (45) on one side": str(each),
+        "least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts": str(least),
+    }
+    verdict = CONFIRMED if both == grazing else NOT_AS_PRINTED
+    finding = f"{both} of {grazing} grazing contacts satisfy both sides at once, {each} satisfy one side"
+    return Evidence(verdict, f"{finding}: with friction both forces cannot vanish together.", numbers)
+
+
+def no_third_way() -> Evidence:
+    """Between Theorems 4 and 5 nothing is left where no force vanishes: the boundary never repels."""
+    strict = stick = passing = repelled = neither = 0
+    for contact in (*_cases(1), *_cases(2)):
+        lo, hi = SIDES[contact.boundary]
+        below, above = contact.force(lo), contact.force(hi)
+        if below * above == 0:
+            continue
+        strict += 1
+        stick += stick_condition(below, above)
+        passing += passing_condition(below, above)
+        repelled += below < 0 < above
+        neither += not (stick_condition(below, above) or passing_condition(below, above))
+    numbers = {
+        "rational contacts with no force 0": str(strict),
+        "stick by Theorem 4": str(stick),
+        "pass by Theorem 5": str(passing),
+        "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": str(repelled),
+        "covered by neither theorem": str(neither),
+    }
+    whole = neither == repelled == 0 and stick + passing == strict
+    finding = f"{stick} + {passing} of {strict} contacts stick or pass, {neither} do neither"
+    return Evidence(CONFIRMED if whole else NOT_AS_PRINTED, f"{finding}.", numbers)
+
+
+def g_functions() -> Evidence:
+    """Eqs. (25), (30), (31), (46) to (48): G^(0) = F and G^(1) = grad F . F + dF/dt, against the series of (5)."""
+    from symosc.derivation.document import check_chapter
+    from symosc.derivation.scope import Scope
+
+    worst_value = worst_slope = Fraction(0)
+    count = 0
+    for contact in (*_cases(1)[:100], *_cases(2)[:100]):
+        for alpha in SIDES[contact.boundary]:
+            first, second, *_ = contact.derivatives(alpha)
+            worst_value = max(worst_value, abs(first - contact.force(alpha)))
+            worst_slope = max(worst_slope, abs(second - slope_of_field(contact, alpha)))
+            count += 1
+    steps = len(check_chapter("switching", Scope()).steps())
+    numbers = {
+        "rational contacts and domains": str(count),
+        "largest |ẍ(tₘ) − G⁽⁰⁾|": str(worst_value),
+        "largest |d³x/dt³(tₘ) − G⁽¹⁾|": str(worst_slope),
+        "steps of the derivation verified by computer algebra": str(steps),
+    }
+    exact = worst_value == worst_slope == 0
+    finding = "G⁽⁰⁾ and G⁽¹⁾ are the first two derivatives of ẋ along the flow, exactly" if exact else "they differ"
+    return Evidence(CONFIRMED if exact and steps else NOT_AS_PRINTED, f"{finding}, in {count} rational cases.", numbers)
+
+
+def boundary_dimension() -> Evidence:
+    """Eq. (14): in which space the boundary is, and its dimension, from contacts of (7)."""
+    numbers = {}
+    inside = True
+    for boundary in (1, 2):
+        p = _cases(boundary)[0].p
+        points = np.array([(float(x), float(p.belt(boundary))) for x in range(-3, 4)])
+        rank = int(np.linalg.matrix_rank(points - points[0]))
+        inside = inside and points.shape[1] == rank
+        numbers[f"belt {boundary}: coordinates of a point, dimension of the boundary"] = f"{points.shape[1]}, {rank}"
+    finding = "A point of the boundary has n = 2 coordinates, the boundary has n − 1 = 1 dimension"
+    return Evidence(CONFIRMED if inside else CORRECTED, f"{finding}.", numbers)
+
+
+def time_labels() -> Evidence:
+    """The words after (19): which of t_m+ and t_m- is before the contact."""
+    events = before = after = 0
+    for motion, event in _crossings():
+        events += 1
+        step = 1e-6
+        before += motion.mode(float(event.t) - step) == event.source
+        after += motion.mode(float(event.t) + step) == event.target
+    ours = "tₘ₋" if before == events else "tₘ₊"  # tm- = tm - 0 (after (17)): the side on which the source is
+    numbers = {
+        "crossings of figs. 5, 6, 9 and 10": str(events),
+        "in the domain they come from at tₘ − 1e-6": str(before),
+        "in the domain they go to at tₘ + 1e-6": str(after),
+        "the paper's name of the time before": BEFORE,
+        "its name by t± = t ± 0": ours,
+    }
+    same = ours == BEFORE
+    finding = f"the time before a contact is {ours} by the definition t± = t ± 0, {BEFORE} by the words after (19)"
+    return Evidence(CONFIRMED if same else NOT_AS_PRINTED, f"At all {events} crossings {finding}.", numbers)
+
+
+def _crossings() -> Iterator:
+    for name in ("fig5", "fig6", "fig9", "fig10"):
+        motion = simulate(load_scene(name))
+        for event in motion.events:
+            if event.kind == "cross" or event.target.startswith("Omega"):
+                yield motion, event

@@ -1,0 +1,189 @@
+"""The report on a run: as data for machines (JSON), as Markdown, and as one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from base64 import b64encode
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from symosc.bench.machine import machine
+from symosc.errors import OutputError
+from symosc.paper.claims import PARTS
+from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED
+from symosc.paper.run import ERROR, Judged, Results
+from symosc.paper.typeset import typeset
+
+PAPER = (
+    "G. Chen and J. Fan, Analysis of dynamical behaviors of a double belt friction-oscillator model, "
+    "WSEAS Transactions on Mathematics 15 (2016), 357–373"
+)
+#: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
+BADGES = {
+    CONFIRMED: ("confirmed", "✓"),
+    CORRECTED: ("corrected", "±"),
+    NOT_AS_PRINTED: ("misprinted", "✗"),
+    UNDECIDED: ("undecided", "?"),
+    ERROR: ("failed", "!"),
+}
+NAMES = ("report.html", "report.md", "report.json")
+FIGURES, DERIVATIONS = "figures", "derivations"
+
+
+def data(results: Results) -> dict[str, Any]:
+    """Return everything that a run found as plain data, the content of report.json."""
+    return {
+        "paper": PAPER,
+        "ok": results.ok,
+        "counts": results.counts,
+        "changed": [each.claim.id for each in results.changed],
+        "failures": results.failures,
+        "made": {"seconds": round(results.seconds, 1), **machine()},
+        "claims": [_claim(each) for each in results.judged],
+        "figures": [_figure(key, results) for key in results.pictures],
+        "derivations": [_derivation(subject, results) for subject in results.chapters],
+    }
+
+
+def _claim(each: Judged) -> dict[str, Any]:
+    claim = each.claim
+    return {
+        "id": claim.id,
+        "part": claim.part,
+        "source": claim.source,
+        "says": claim.says,
+        "verdict": each.verdict,
+        "committed": claim.verdict,
+        "finding": each.finding,
+        "numbers": each.numbers,
+        "correction": claim.correction,
+        "figures": list(claim.figures),
+        "derivation": claim.derivation,
+        "seconds": round(each.seconds, 3),
+    }
+
+
+def _figure(key: str, results: Results) -> dict[str, Any]:
+    picture, done = results.pictures[key], results.drawn[key]
+    return {
+        "key": key,
+        "title": picture.title,
+        "caption": done.value.caption if done.value else "",
+        "alt": picture.alt,
+        "paper_figure": picture.paper_figure,
+        "file": f"{FIGURES}/{key}.svg" if done.value else None,
+        "claims": [each.claim.id for each in results.judged if key in each.claim.figures],
+        "seconds": round(done.seconds, 3),
+    }
+
+
+def _derivation(subject: str, results: Results) -> dict[str, Any]:
+    from symosc.derivation.chapters import CHAPTERS
+
+    done = results.chapters[subject]
+    return {
+        "subject": subject,
+        "number": list(CHAPTERS).index(subject) + 1,
+        "title": CHAPTERS[subject],
+        "steps": done.value.steps if done.value else 0,
+        "file": f"{DERIVATIONS}/{done.value.name}.md" if done.value else None,
+        "claims": [each.claim.id for each in results.judged if each.claim.derivation == subject],
+        "seconds": round(done.seconds, 3),
+    }
+
+
+def files(results: Results) -> dict[str, str]:
+    """Return the text of every file of the report by its path in the folder."""
+    from symosc.paper.mathematics import chapter_html
+
+    content = data(results)
+    drawn = {key: done.value for key, done in results.drawn.items() if done.value}
+    chapters = {subject: done.value for subject, done in results.chapters.items() if done.value}
+    found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
+    found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
+    parts = {part: title for part, title in PARTS.items() if any(each.claim.part == part for each in results.judged)}
+    context = {**content, "parts": parts, "badges": BADGES, "groups": _groups(content["figures"])}
+    images = {key: _data_uri(each.svg) for key, each in drawn.items()}
+    proofs = {subject: Markup(chapter_html(each.latex, level=4)) for subject, each in chapters.items()}
+    found["report.md"] = _render("report.md.j2", context)
+    found["report.html"] = _render("report.html.j2", {**context, "images": images, "proofs": proofs})
+    found["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    return found
+
+
+def _groups(figures: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """Put the pictures that belong to one figure of the paper together: fig7, fig7-corrected and fig7-exact."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for figure in figures:
+        groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
+    return groups
+
+
+def _data_uri(svg: str) -> str:
+    return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
+
+
+def _render(template: str, context: Mapping[str, Any]) -> str:
+    environment = Environment(
+        loader=PackageLoader("symosc.paper"),
+        autoescape=lambda name: name is not None and ".html" in name,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"typeset": _typeset, "md": _markdown}
+    return environment.get_template(template).render(context)
+
+
+def _typeset(text: str) -> Markup:
+    return Markup(typeset(text))
+
+
+def _markdown(text: str) -> str:
+    """Return a text for Markdown, in a table as well: its formulas are set, its other characters mean themselves."""
+    return re.sub(r"([\\`*_|\[\]~])", r"\\\1", typeset(" ".join(text.split())))
+
+
+class Folder:
+    """A folder for a report: made and tried out before the work, filled when all of it is done.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be made or written to.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._draft = TemporaryDirectory(prefix=".symosc-", dir=self.path)
+        except OSError as error:
+            raise OutputError(str(path), error.strerror or str(error)) from None
+
+    def __enter__(self) -> Folder:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._draft.cleanup()
+
+    def write(self, texts: Mapping[str, str]) -> None:
+        """Write the files; only when all are on the disk are they moved to their places."""
+        draft = Path(self._draft.name)
+        try:
+            for name, text in texts.items():
+                (draft / name).parent.mkdir(exist_ok=True)
+                (draft / name).write_text(text, encoding="utf-8")
+            for name in texts:
+                (self.path / name).parent.mkdir(exist_ok=True)
+                os.replace(draft / name, self.path / name)
+        except OSError as error:
+            raise OutputError(str(self.path), error.strerror or str(error)) from None

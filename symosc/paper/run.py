@@ -1,0 +1,284 @@
+"""One run over everything: claims judged, pictures drawn, derivations checked, in worker processes.
+
+The processes are spawned, not forked: it is the one way that works alike on every system, and numerical libraries keep
+threads that do not survive a fork.
+"""
+
+from __future__ import annotations
+
+import os
+import traceback
+from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import Future, as_completed
+from concurrent.futures import TimeoutError as Overdue
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
+
+from symosc.errors import ParameterError
+from symosc.paper.claims import Claim
+from symosc.paper.evidence import VERDICTS, Evidence
+from symosc.paper.pictures import Picture
+
+Key = tuple[str, str]
+Tasks = dict[Key, Callable[[], Any]]
+#: Verdict of a check that raised, hung or died.
+ERROR = "error"
+#: Seconds after which a task counts as hanging.
+LIMIT = 300.0
+
+
+@dataclass(frozen=True)
+class Done:
+    """What became of a task: its value, or the error that it ended with; and the processor time that it took."""
+
+    value: Any = None
+    error: str = ""
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to do.
+
+    Attributes
+    ----------
+    claims : tuple of Claim
+    pictures : dict of str to Picture
+    """
+
+    claims: tuple[Claim, ...]
+    pictures: Mapping[str, Picture]
+
+    @property
+    def subjects(self) -> tuple[str, ...]:
+        """Chapters of derivations that the claims refer to."""
+        return tuple(dict.fromkeys(claim.derivation for claim in self.claims if claim.derivation))
+
+    def __len__(self) -> int:
+        return len(self.claims) + len(self.pictures) + len(self.subjects)
+
+    def only(self, prefix: str) -> Plan:
+        """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such claim.
+        """
+        claims = tuple(claim for claim in self.claims if claim.id.startswith(prefix))
+        if not claims:
+            heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
+            raise ParameterError("only", prefix, f"no claim's id begins so; ids begin with {', '.join(heads)}")
+        cited = {key for claim in claims for key in claim.figures}
+        return Plan(claims, {key: picture for key, picture in self.pictures.items() if key in cited})
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim and what its check found.
+
+    Attributes
+    ----------
+    claim : Claim
+    verdict : str
+        One of VERDICTS, or ERROR.
+    finding : str
+        What was found, or what went wrong.
+    numbers : dict of str to str
+    seconds : float
+    """
+
+    claim: Claim
+    verdict: str
+    finding: str
+    numbers: dict[str, str]
+    seconds: float
+
+    @property
+    def changed(self) -> bool:
+        """Whether the verdict is not the committed one."""
+        return self.verdict != self.claim.verdict
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A picture's file, and its caption."""
+
+    svg: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """Derivations on one subject; each step was checked."""
+
+    name: str
+    number: int
+    steps: int
+    latex: str
+    markdown: str
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run found.
+
+    Attributes
+    ----------
+    judged : tuple of Judged
+    pictures : dict of str to Picture
+    drawn : dict of str to Done
+        With a Drawn each, by the picture's key.
+    chapters : dict of str to Done
+        With a Chapter each, by its subject.
+    seconds : float
+        How long all of it took.
+    """
+
+    judged: tuple[Judged, ...]
+    pictures: Mapping[str, Picture]
+    drawn: Mapping[str, Done]
+    chapters: Mapping[str, Done]
+    seconds: float = field(default=0.0)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many claims got each verdict."""
+        verdicts = [each.verdict for each in self.judged]
+        return {
+            verdict: verdicts.count(verdict) for verdict in (*VERDICTS, ERROR) if verdict != ERROR or ERROR in verdicts
+        }
+
+    @property
+    def changed(self) -> tuple[Judged, ...]:
+        """Claims whose verdict is not the committed one."""
+        return tuple(each for each in self.judged if each.changed)
+
+    @property
+    def failures(self) -> dict[str, str]:
+        """Pictures and derivations that failed, and why."""
+        return {key: done.error for key, done in {**self.drawn, **self.chapters}.items() if done.error}
+
+    @property
+    def ok(self) -> bool:
+        """Whether every verdict is the committed one and nothing failed."""
+        return not self.changed and not self.failures
+
+
+def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None) -> Results:
+    """Do everything in a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+    progress : callable, optional
+        Called after each task.
+    workers : int, optional
+        How many processes; default: one per processor. 0: none, everything is done in this one, without time limits.
+    """
+    begin = perf_counter()
+    # The longest first (chapters, and the searches of the last part), so that no worker is left alone with one.
+    tasks: Tasks = {}
+    tasks |= {("chapter", subject): partial(derive, subject) for subject in plan.subjects}
+    tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
+    tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
+    done = {}
+    with closing(_done_here(tasks) if workers == 0 else _in_parallel(tasks, workers or _processors())) as outcomes:
+        for key, outcome in outcomes:
+            done[key] = outcome
+            if progress:
+                progress()
+    return Results(
+        judged=tuple(_judged(claim, done["claim", claim.id]) for claim in plan.claims),
+        pictures=plan.pictures,
+        drawn={key: done["picture", key] for key in plan.pictures},
+        chapters={subject: done["chapter", subject] for subject in plan.subjects},
+        seconds=perf_counter() - begin,
+    )
+
+
+def _processors() -> int:
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+def _done_here(tasks: Tasks) -> Generator[tuple[Key, Done], None, None]:
+    yield from ((key, timed(task)) for key, task in tasks.items())
+
+
+def _in_parallel(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done], None, None]:
+    pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
+    try:
+        futures: dict[Future[Done], Key] = {}
+        for key, task in tasks.items():
+            futures[pool.schedule(timed, args=(task,), timeout=LIMIT)] = key
+        for future in as_completed(futures):
+            yield futures[future], _outcome(future)
+    finally:
+        pool.stop()  # nothing is left to do, or the user has interrupted it
+        pool.join()
+
+
+def _outcome(future: Future[Done]) -> Done:
+    try:
+        return future.result()
+    except Overdue:
+        return Done(error=f"no result within {LIMIT:g} s")
+    except ProcessExpired as death:
+        return Done(error=f"the process ended with exit code {death.exitcode}")
+
+
+def _judged(claim: Claim, done: Done) -> Judged:
+    if done.error:
+        return Judged(claim, ERROR, done.error, {}, done.seconds)
+    return Judged(claim, done.value.verdict, done.value.finding, dict(done.value.numbers), done.seconds)
+
+
+# --- what a worker does ---
+
+
+def timed(task: Callable[[], Any]) -> Done:
+    """Call a task; its error, if it raises one, is a result too."""
+    begin = process_time()
+    try:
+        value, problem = task(), ""
+    except Exception as error:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        value, problem = None, f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})"
+    return Done(value, problem, process_time() - begin)
+
+
+def judge(check: Callable[[], Evidence]) -> Evidence:
+    """Return the evidence of a check."""
+    evidence = check()
+    if not isinstance(evidence, Evidence):
+        raise TypeError(f"{check.__name__} returned {type(evidence).__name__}, not Evidence")
+    return evidence
+
+
+def draw(picture: Picture) -> Drawn:
+    """Return a picture as SVG, with its caption, whose numbers are computed as well."""
+    from symosc import plot
+
+    with TemporaryDirectory() as scratch:
+        path = plot.save(picture.build(), Path(scratch) / "picture.svg")
+        return Drawn(path.read_text(encoding="utf-8"), picture.caption)
+
+
+def derive(subject: str) -> Chapter:
+    """Return a chapter of derivations, checked."""
+    from symosc.derivation import document
+    from symosc.derivation.scope import Scope
+
+    scope = Scope()
+    chapter = document.check_chapter(subject, scope)
+    forms = document.as_latex(chapter, scope), document.as_markdown(chapter, scope)
+    return Chapter(chapter.name, chapter.number, len(chapter.steps()), *forms)

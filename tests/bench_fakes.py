@@ -1,0 +1,45 @@
+"""Solvers and calls that go wrong, in a module that a worker process imports fast."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable
+
+from symosc.bench.solvers import Found
+from symosc.scenes import Scene
+from symosc.simulation import simulate
+
+
+def loop_for_ever() -> None:
+    while True:
+        pass
+
+
+def fail() -> None:
+    raise ValueError("no\nreason")
+
+
+def talk() -> int:
+    os.write(1, b"noise on stdout")
+    os.write(2, b"noise on stderr")
+    warnings.warn("careful", UserWarning, stacklevel=1)
+    warnings.warn("careful", UserWarning, stacklevel=1)
+    return os.getpid()
+
+
+def careless(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+    """Prepare a solver that does not see the second event, and reports all others late."""
+    events = simulate(scene).events
+    found = [Found(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
+    return lambda: found[:1] + found[2:]
+
+
+def hanging(scene: Scene, tolerance: float) -> Callable[[], None]:
+    return loop_for_ever
+
+
+def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+    if scene.t_end > 20:
+        raise ArithmeticError("too far")
+    return list

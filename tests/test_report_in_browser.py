@@ -1,0 +1,143 @@
+"""The whole of `symosc reproduce`, and its report in a real browser: nothing missing, clipped or illegible."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from symosc.paper.claims import read_claims
+from symosc.paper.pictures import PICTURES
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+#: What a page must not have; returns complaints. Boxes that scroll must show that they do, by their shadows.
+LOOK = """() => {
+  const complaints = [], tell = (what, element) => complaints.push(
+    `${what}: <${element.tagName} class="${element.className}"> ${element.textContent.trim().slice(0, 60)}`);
+  document.querySelectorAll('details').forEach(each => each.open = true);
+  const page = document.scrollingElement;
+  if (page.scrollWidth > innerWidth) tell(`page is ${page.scrollWidth} wide, window ${innerWidth}`, page);
+  for (const image of document.images) {
+    const box = image.getBoundingClientRect();
+    if (!image.naturalWidth || box.width < 100 || box.height < 50 || !image.checkVisibility()) tell('no image', image);
+    if (!image.alt) tell('no alternative text', image);
+  }
+  for (const link of document.querySelectorAll('a')) {
+    const target = link.getAttribute('href');
+    if (!target.startsWith('#') || !document.getElementById(target.slice(1))) tell(`dangling link ${target}`, link);
+  }
+  const ids = [...document.querySelectorAll('[id]')].map(each => each.id);
+  ids.filter((id, at) => ids.indexOf(id) !== at).forEach(id => complaints.push(`id twice: ${id}`));
+  const brightness = color => {
+    const linear = x => x <= .04045 ? x / 12.92 : ((x + .055) / 1.055) ** 2.4;
+    const [r, g, b] = color.slice(0, 3).map(x => linear(x / 255));
+    return .2126 * r + .7152 * g + .0722 * b;
+  };
+  const numbers = color => color.match(/[\\d.]+/g).map(Number);
+  for (const element of document.body.querySelectorAll('*')) {
+    const style = getComputedStyle(element), box = element.getBoundingClientRect();
+    if (!element.checkVisibility()) continue;
+    const clips = ['hidden', 'clip'].some(way => style.overflowX === way || style.overflowY === way);
+    if (clips && (element.scrollWidth > element.clientWidth + 1 || element.scrollHeight > element.clientHeight + 1))
+      tell('clipped', element);
+    const scrolls = ['auto', 'scroll'].includes(style.overflowX) && element.scrollWidth > element.clientWidth + 1;
+    if (scrolls && !style.backgroundAttachment.includes('local')) tell('scrolls without a sign of it', element);
+    if (![...element.childNodes].some(node => node.nodeType === 3 && node.textContent.trim())) continue;
+    const scroller = element.closest('.wide');
+    if (box.width < 1) tell('text without room', element);
+    if (!scroller && (box.right > innerWidth + 1 || box.left < -1)) tell('text outside of the window', element);
+    let ground = element;
+    while (ground && numbers(getComputedStyle(ground).backgroundColor)[3] === 0) ground = ground.parentElement;
+    const [light, dark] = [style.color, ground ? getComputedStyle(ground).backgroundColor : 'rgb(255, 255, 255)']
+      .map(color => brightness(numbers(color))).sort((one, other) => other - one);
+    if ((light + .05) / (dark + .05) < 4.5) tell(`contrast ${((light + .05) / (dark + .05)).toFixed(2)}`, element);
+    if (parseFloat(style.fontSize) < 8) tell(`letters of ${style.fontSize}`, element);
+  }
+  return complaints;
+}"""
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    command = [sys.executable, "-m", "symosc", "reproduce", "-o", str(folder)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stderr) == (0, ""), result.stdout
+    return folder
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    found = [path for path in map(shutil.which, BROWSERS) if path]
+    if not found:
+        pytest.skip(f"no browser here; looked for {', '.join(BROWSERS)}")
+    from playwright.sync_api import sync_playwright
+
+    # Chromium's sandbox does not work for the superuser, who is who runs tests in containers.
+    flags = ["--no-sandbox"] if os.geteuid() == 0 else []
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found[0], args=flags)
+        yield chromium
+        chromium.close()
+
+
+def look_at(browser: Any, path: Path, width: int, scheme: str) -> list[str]:
+    page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("requestfailed", lambda request: complaints.append(f"not loaded: {request.url[:80]}"))
+    page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
+    page.goto(path.as_uri(), wait_until="load")
+    complaints += page.evaluate(LOOK)
+    page.close()
+    return complaints
+
+
+@pytest.mark.slow
+def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
+    content = json.loads((report / "report.json").read_text(encoding="utf-8"))
+    assert content["ok"] is True
+    claims = read_claims(PICTURES)
+    assert [each["id"] for each in content["claims"]] == [claim.id for claim in claims]
+    assert [each["verdict"] for each in content["claims"]] == [claim.verdict for claim in claims]
+    assert all(each["numbers"] for each in content["claims"])
+    assert [each["key"] for each in content["figures"]] == list(PICTURES)
+    markdown = (report / "report.md").read_text(encoding="utf-8")
+    html = (report / "report.html").read_text(encoding="utf-8")
+    for claim in claims:
+        assert f'<a id="claim-{claim.id}"></a>' in markdown
+        assert f'<article class="claim" id="claim-{claim.id}">' in html
+    assert len(html) < 8e6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [360, 1280])
+def test_the_report_in_a_browser(browser: Any, report: Path, width: int, scheme: str) -> None:
+    assert look_at(browser, report / "report.html", width, scheme) == []
+
+
+@pytest.mark.slow
+def test_a_bad_page_is_noticed(browser: Any, tmp_path: Path) -> None:
+    page = tmp_path / "bad.html"
+    page.write_text(
+        '<!DOCTYPE html><p id="a">a</p><p id="a" style="color: #999">b</p><a href="#c">c</a>'
+        '<img src="none.png" alt="d">'
+        '<div style="overflow: hidden; width: 20px; white-space: nowrap">long text</div>'
+        '<div style="overflow: auto; width: 20px; white-space: nowrap">long text</div>'
+        '<p style="position: absolute; left: 3000px; font-size: 5px">e</p><script>throw Error("oh")</script>'
+    )
+    complaints = "\n".join(look_at(browser, page, 360, "light"))
+    for word in (
+        "page is 30", "no image", "dangling link #c", "id twice: a", "contrast 2.", "not loaded", "clipped",
+        "scrolls without", "outside of the window", "letters of 5px", "oh", "ERR_FILE_NOT_FOUND",
+    ):  # fmt: skip
+        assert word in complaints, word

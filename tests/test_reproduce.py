@@ -1,0 +1,301 @@
+"""symosc reproduce: reading claims, judging them, what the reports say, exit codes and bad input."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.figure import Figure
+
+from symosc import cli_reproduce
+from symosc.cli import main
+from symosc.derivation.chapters import CHAPTERS
+from symosc.errors import OutputError, ParameterError
+from symosc.paper import report
+from symosc.paper.claims import FOLDER, PARTS, Claim, ClaimsError, read_claims
+from symosc.paper.evidence import VERDICTS
+from symosc.paper.mathematics import chapter_html
+from symosc.paper.pictures import PICTURES, Picture
+from symosc.paper.run import ERROR, Plan, Results, run
+from symosc.paper.typeset import typeset
+
+ROOT = Path(__file__).parents[1]
+CLAIMS = read_claims(PICTURES)
+CHECKS = """
+import os
+import time
+from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED, Evidence
+def right(): return Evidence(CONFIRMED, "It is 1 <2>.", {"a|b": "1e-20", "F(1)": "-3"})
+def wrong(): return Evidence(NOT_AS_PRINTED, "It is 3.", {"x": "3"})
+def raises(): raise ZeroDivisionError("by nothing")
+def dies(): os._exit(7)
+def no_evidence(): return True
+def hangs(): time.sleep(600)
+"""
+CLAIM = """
+[[claim]]
+id = "{id}"
+source = "Section 9, Fig. 1"
+says = "1 < 2"
+check = "stand_ins.{check}"
+verdict = "confirmed"
+"""
+
+
+def good_picture() -> Figure:
+    figure = Figure(figsize=(1, 1))
+    figure.add_subplot().plot([0, 1], [0, 1])
+    return figure
+
+
+def bad_picture() -> Figure:
+    raise ValueError("no such curve")
+
+
+def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
+    return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."))}
+
+
+@pytest.fixture
+def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Claim, ...]]:
+    """Return a function that reads claims given as TOML, whose checks are those above."""
+    package = tmp_path / "fake_checks"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "stand_ins.py").write_text(CHECKS)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def read(text: str, part: str = "model") -> tuple[Claim, ...]:
+        folder = tmp_path / "claims"
+        folder.mkdir(exist_ok=True)
+        (folder / f"{part}.toml").write_text(text, encoding="utf-8")
+        return read_claims(["fig1"], folder, "fake_checks")
+
+    return read
+
+
+# --- the claims files ---
+
+
+def test_every_figure_and_theorem_of_the_paper_has_a_claim() -> None:
+    figures: set[int] = set()
+    theorems: set[int] = set()
+    for claim in CLAIMS:
+        for word, found in (("Fig", figures), ("Theorem", theorems)):
+            for first, joint, last in re.findall(rf"{word}s?\.? (\d+)[^,;]*?(?:( to | and )(\d+))?", claim.source):
+                found |= {int(first)} | ({int(last)} if last else set())
+                found |= set(range(int(first), int(last))) if joint == " to " else set()
+    assert figures >= set(range(1, 11))
+    assert theorems >= {4, 5, 6, 7}
+
+
+def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
+    shown = {PICTURES[key].paper_figure for claim in CLAIMS for key in claim.figures}
+    assert shown >= set(range(1, 11))
+
+
+def test_derivations_that_claims_name_are_scripts() -> None:
+    text = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.glob("*.toml"))
+    for name in set(re.findall(r'^derivation = "(.*)"', text, re.MULTILINE)):
+        script = (ROOT / "derivations" / f"{name}.py").read_text(encoding="utf-8")
+        assert f'run("{list(CHAPTERS)[int(name[:2]) - 1]}")' in script
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (("id = ", "ident = "), "id is missing"),
+        (('verdict = "confirmed"', 'verdict = "true"'), "verdict = 'true': must be one of confirmed, "),
+        (('verdict = "confirmed"', 'verdict = "not as printed"'), "correction is missing"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\ncorrection = "no"'), "although it is confirmed"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = ["fig11"]'), "figure = 'fig11': must be one of"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = "fig1"'), "must be a list of texts"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\nderivation = "11_none"'), "derivation = '11_none'"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\nremark = "x"'), "remark is unknown; known are id, "),
+        (("stand_ins.right", "stand_ins.left"), "check = 'stand_ins.left': there is no such function"),
+        (("stand_ins.right", "stand_outs.right"), "check = 'stand_outs.right': there is no such function"),
+        (("stand_ins.right", "right"), "check = 'right': there is no such function"),
+        (('says = "1 < 2"', "says = 3"), "says = 3: must be text"),
+        (('id = "one"', 'id = "One!"'), "must be kebab case"),
+        (("[[claim]]", "[[clam]]"), r"may only have \[\[claim\]\] tables, not clam"),
+        (("[[claim]]", "[[claim]"), "cannot be read"),
+    ],
+)
+def test_a_wrong_claim_is_refused(read: Any, change: tuple[str, str], complaint: str) -> None:
+    text = CLAIM.format(id="one", check="right")
+    assert read(text)
+    with pytest.raises(ClaimsError, match=complaint):
+        read(text.replace(*change))
+
+
+def test_claims_are_in_order_and_unique(read: Any) -> None:
+    read(CLAIM.format(id="two", check="right"), "theorems")
+    assert [claim.id for claim in read(CLAIM.format(id="one", check="right"))] == ["one", "two"]
+    with pytest.raises(ClaimsError, match=r"theorems.toml: id 'one' is there twice"):
+        read(CLAIM.format(id="one", check="right"), "theorems")
+    with pytest.raises(ClaimsError, match=r"extras.toml: is no part"):
+        read(CLAIM.format(id="three", check="right"), "extras")
+
+
+def test_a_part_of_a_plan() -> None:
+    plan = Plan(CLAIMS, PICTURES)
+    part = plan.only("fig7")
+    assert {claim.id.partition("-")[0] for claim in part.claims} == {"fig7"}
+    assert "fig7" in part.pictures
+    assert "fig6" not in part.pictures
+    assert 0 < len(part) < len(plan)
+    with pytest.raises(ParameterError, match="no claim's id begins so"):
+        plan.only("fig11")
+
+
+# --- a run ---
+
+
+@pytest.fixture
+def results(read: Any) -> Results:
+    names = ("right", "wrong", "raises", "dies", "no_evidence")
+    claims = read("\n".join(CLAIM.format(id=name.replace("_", "-"), check=name) for name in names))
+    return run(Plan(claims, pictures(bad_picture)), workers=2)
+
+
+def test_what_goes_wrong_is_a_result(results: Results) -> None:
+    verdicts = {each.claim.id: each.verdict for each in results.judged}
+    assert verdicts == dict.fromkeys(verdicts, ERROR) | {"right": "confirmed", "wrong": "not as printed"}
+    findings = {each.claim.id: each.finding for each in results.judged}
+    assert re.fullmatch(r"ZeroDivisionError: by nothing \(stand_ins.py, line \d+\)", findings["raises"])
+    assert findings["dies"] == "the process ended with exit code 7"
+    assert "no_evidence returned bool, not Evidence" in findings["no-evidence"]
+    assert [each.claim.id for each in results.changed] == ["wrong", "raises", "dies", "no-evidence"]
+    assert "no such curve" in results.failures["fig1"]
+    assert not results.ok
+
+    texts = report.files(results)
+    content = json.loads(texts["report.json"])
+    assert content["ok"] is False
+    assert content["changed"] == ["wrong", "raises", "dies", "no-evidence"]
+    assert content["counts"] == dict.fromkeys(VERDICTS, 0) | {"confirmed": 1, "not as printed": 1, ERROR: 3}
+    assert content["claims"][0]["numbers"] == {"a|b": "1e-20", "F(1)": "-3"}
+    assert content["figures"][0]["file"] is None
+    for name in ("report.html", "report.md"):
+        assert "not as printed" in texts[name]
+        assert "committed: confirmed" in texts[name]
+        assert "by nothing" in texts[name]
+        assert "no such curve" in texts[name]
+    assert r"a\|b | 10<sup>−20</sup>" in texts["report.md"]
+    assert "It is 1 &lt;2&gt;." in texts["report.html"]
+
+
+def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.paper.run.LIMIT", 0.5)
+    (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
+    assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
+
+
+@pytest.mark.parametrize(
+    ("check", "build", "code", "said"),
+    [
+        ("right", good_picture, 0, "1 claims: 1 confirmed"),
+        ("wrong", good_picture, 1, "CHANGED one: It is 3."),
+        ("raises", good_picture, 1, "CHANGED one: ZeroDivisionError"),
+        ("right", bad_picture, 1, "FAILED fig1: ValueError: no such curve"),
+    ],
+)
+def test_exit_codes(
+    read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], check: str, build: Any, code: int, said: str
+) -> None:
+    plan = Plan(read(CLAIM.format(id="one", check=check)), pictures(build))
+    folder = tmp_path / "deep" / "report"
+    assert cli_reproduce.carry_out(plan, folder, workers=0) == code
+    assert said in capsys.readouterr().out
+    files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert files == {*report.NAMES} | ({"figures/fig1.svg"} if build is good_picture else set())
+
+
+def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = CLAIM.format(id="one", check="right") + 'figures = ["fig1"]\nderivation = "08_no_event_missed"\n'
+    plan = Plan(read(text), pictures(good_picture))
+    assert cli_reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    (claim,), (figure,), (derivation,) = (content[key] for key in ("claims", "figures", "derivations"))
+    assert claim["verdict"] == claim["committed"] == "confirmed"
+    assert (tmp_path / figure["file"]).read_text(encoding="utf-8").count("<svg") == 1
+    assert figure["claims"] == derivation["claims"] == ["one"]
+    assert derivation["steps"] > 0
+    assert (tmp_path / derivation["file"]).is_file()
+    assert {"date", "processor", "python", "symosc", "seconds"} <= set(content["made"])
+    markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
+    for link in re.findall(r"\]\(([^#)]+)\)", markdown):
+        assert (tmp_path / link).is_file(), link
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "From 0 to v<sub>1</sub>." in html
+    assert "<math" in html
+    assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
+
+
+def test_nothing_is_written_before_the_end(read: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old = tmp_path / "out"
+    old.mkdir()
+    (old / "report.html").write_text("old")
+    plan = Plan(read(CLAIM.format(id="one", check="right")), pictures(good_picture))
+    monkeypatch.setattr(report, "files", lambda results: {"report.html": "new", "figures/\0": "not a name"})
+    with pytest.raises(ValueError, match="null byte"):
+        cli_reproduce.carry_out(plan, old, workers=0)
+    assert [(path.name, path.read_text()) for path in old.iterdir()] == [("report.html", "old")]
+
+
+def test_bad_input_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for words in (["-o", str(tmp_path / "file" / "sub")], ["--only", "fig11", "-o", str(tmp_path / "out")]):
+        result = CliRunner().invoke(main, ["reproduce", *words])
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert result.stderr.startswith("symosc: error: ")
+        assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
+    (tmp_path / "figures").touch()
+    with report.Folder(tmp_path) as folder, pytest.raises(OutputError, match="cannot write"):
+        folder.write({"figures/fig1.svg": "x", "report.html": "x"})
+    assert [path.name for path in tmp_path.iterdir()] == ["figures"]
+
+
+# --- texts ---
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("F(1) F(2) >= -mu1 FN", "F<sup>(1)</sup> F<sup>(2)</sup> ≥ −μ<sub>1</sub> F<sub>N</sub>"),
+        ("F⁽¹⁾ at x₀", "F<sup>(1)</sup> at x<sub>0</sub>"),
+        ("x_{i+1}, v_lambda and Omega^2", "x<sub>i+1</sub>, v<sub>λ</sub> and Ω<sup>2</sup>"),
+        ("1.2e-05, 1e+3 and -7", "1.2·10<sup>−5</sup>, 10<sup>3</sup> and −7"),
+        ("P4645 of v1.", "P<sub>4645</sub> of v<sub>1</sub>."),
+        ("x'' + x' = 0 <b>", "ẍ + ẋ\u00a0=\u00a00 &lt;b&gt;"),
+        ("fig7-corrected, DOP853, version v0.1, the mass's", "fig7-corrected, DOP853, version v0.1, the mass's"),
+    ],
+)
+def test_formulas_in_text(text: str, html: str) -> None:
+    assert typeset(text) == html
+
+
+def test_derivations_become_html_without_a_rest_of_latex() -> None:
+    for path in (ROOT / "derivations" / "fragments").glob("*.tex"):
+        latex = path.read_text(encoding="utf-8")
+        html = chapter_html(latex)
+        shown = re.sub(r"<[^>]*>", "", html)
+        assert not re.findall(r"[\\{}$]|begin|align", shown), path.name
+        assert html.count('id="step-') == latex.count(r"\tag{")
+        assert html.count("<h3>") == latex.count(r"\subsection{")
+
+
+def test_parts_are_the_files() -> None:
+    assert {path.stem for path in FOLDER.glob("*.toml")} == set(PARTS)
