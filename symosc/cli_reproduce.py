@@ -44,7 +44,9 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
 
     with report.Folder(output) as folder:
         hidden = not sys.stderr.isatty()
-        with click.progressbar(length=len(plan), label="Reproducing", file=sys.stderr, hidden=hidden) as bar:
+        with click.progressbar(
+            length=len(plan), label="Reproducing", file=sys.stderr, hidden=hidden, show_eta=False
+        ) as bar:
             results = run(plan, lambda: bar.update(1), workers)
         texts = report.files(results)
         folder.write(texts)
@@ -72,6 +74,6 @@ def _show(results: Results, output: Path) -> None:
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
     steps = sum(done.value.steps for done in results.chapters.values() if done.value)
     drawn = sum(done.value is not None for done in results.drawn.values())
-    _print(f"{len(results.judged)} claims: {counts}")
+    _print(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
     _print(f"{drawn} figures, {steps} steps of derivations checked; {results.seconds:.0f} s")
     _print(f"report: {click.format_filename(output / 'report.html')}")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import time
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, isnan, nan
@@ -13,15 +11,15 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from bench_moods import moody
 from oracle import flow_oracle, simulate_oracle
 
 from symosc import Parameters, Scene, load_scene, simulate
 from symosc.bench import error_map, hard, hard_table, ours
 from symosc.bench.condition import conditions, distance, shifted
-from symosc.bench.event_logic import PeerError
 from symosc.bench.hard_cases import GROUPS, PEAKS, PERIODS, Case, hard_cases, start_before_a_dip, start_before_a_peak
 from symosc.bench.plot_error_map import figure
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import Solver
 from symosc.exact import half_unit
 from symosc.flow import constants
 from symosc.kernels import entire
@@ -176,28 +174,7 @@ def test_the_bound() -> None:
 # -- the run and its table ---------------------------------------------------------------------------------------------
 
 
-def moody(scene: Scene, tolerance: float) -> Any:
-    """Prepare a solver that behaves as the scene's name says."""
-    if scene.name == "refuses":
-        raise ValueError("not this one")
-
-    def run() -> list[Found]:
-        found = ours.multiprecision(scene, 1e-20)()
-        if scene.name == "sleeps":
-            time.sleep(60)
-        if scene.name == "dies":
-            os._exit(3)
-        if scene.name == "chatters":
-            raise PeerError("chatters between Omega1 and belt1")
-        if scene.name == "misses":
-            del found[1]
-        if scene.name == "invents":
-            found.insert(1, found[0]._replace(t=found[0].t + 1e-3))
-        return [event._replace(x=event.x + tolerance) for event in found]
-
-    return run
-
-
+@pytest.mark.slow
 def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard, "LIMIT", 1.5)
     scene = replace(load_scene("fig9"), t_end=Fraction(3))
@@ -217,7 +194,7 @@ def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(steps) == 7 + 7 + 2 + 7
     cells = {row["case"]: hard_table.cell_text(row["cells"]["moody"], 1.5) for row in result["rows"]}
     assert cells == {
-        "works": "1e-09",
+        "works": "2e-10",
         "misses": "missed 1",
         "invents": "invented 1",
         "refuses": "exception: ValueError: not this one",
@@ -237,7 +214,7 @@ def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "| `misses`" in raw
     assert "refuses" not in raw
     assert "1 of 2" in raw
-    assert "1 of 7; 1e-09" in hard.summary(result)
+    assert "1 of 7; 2e-10" in hard.summary(result)
     assert any("absent: no_such_module is not installed" in line for line in hard.legend(result))
 
 

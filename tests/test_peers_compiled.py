@@ -103,7 +103,7 @@ def test_starts_on_a_belt(solver: Solver, x0: int, speed: Fraction) -> None:
 
 
 def test_random_motions() -> None:
-    """None of the careful solvers is wrong in a hundred motions but the coarse scans, which miss events of some."""
+    """No careful solver is wrong in any of sixty motions but the coarse scans, which miss events of some."""
     rng = random.Random(5)
 
     def number(low: float, high: float) -> str:
@@ -213,6 +213,19 @@ def test_the_number_of_steps_is_bounded(module: object) -> None:
     s = peers_scan.scan_of(motion, 20, 1e-9) if scan else peers_numba.settings(motion, 1e-9, True)
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
         runner(scene, functions, scalars(motion, 0.0), s)()
+
+
+def test_a_late_clock_costs_no_steps() -> None:
+    """At t = 1e6 the rounding of Omega t is above a tolerance of 1e-14; steps must not shrink until it is not."""
+    scene = load_scene("fig9")
+    motion = peers_numba.Motion(scene.parameters)
+    q, s = scalars(motion, 0.0), peers_numba.settings(motion, 1e-14, True)
+    follow = bind(peers_numba.MODULES, lambda function: function, MOST_STEPS=200)["follow"]
+    for t in (0.0, 1e6):
+        rows, count, outcome, _ = follow(q, s, t, 4.5, 0.0, 1, 0, 1e-14, t + 5.0)
+        assert outcome == 0
+        assert count >= 5
+        assert t < rows[0, 0] < rows[count - 1, 0] < t + 5
 
 
 def test_the_number_of_heyokas_steps_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

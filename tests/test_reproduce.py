@@ -200,7 +200,7 @@ def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize(
     ("check", "build", "code", "said"),
     [
-        ("right", good_picture, 0, "1 claims: 1 confirmed"),
+        ("right", good_picture, 0, "1 claim: 1 confirmed"),
         ("wrong", good_picture, 1, "CHANGED one: It is 3."),
         ("raises", good_picture, 1, "CHANGED one: ZeroDivisionError"),
         ("right", bad_picture, 1, "FAILED fig1: ValueError: no such curve"),

@@ -199,7 +199,7 @@ def _in_parallel(
                 begin = perf_counter()
                 outcome = worker.call(limit, job.function, *job.arguments)
                 seconds = perf_counter() - begin
-                fresh = bool(first_limit) and (outcome.failure == HANG or outcome.failure.startswith("crash"))
+                fresh = outcome.lost
                 results.put((job.key, outcome, seconds))
 
     def guarded(chunk: Sequence[Job]) -> None:

@@ -2,8 +2,8 @@
 
 A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``: it follows one flight or stick and returns
 (side, t, x), the side being -1 or +1 where it was left, 0 where it lasts until t_end and FAILED where the solver gave
-up. Times are counted from the start of the scene, so that they are small where they matter; the phase at the start is
-in `Scalars`.
+up. The clock that it sees starts anew with each flight and stick, and the phase at t = 0 is in `Scalars`: after many
+periods the rounding of Omega t would be more than a fine tolerance allows, and steps would shrink to nothing.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import os
 import types
 from collections.abc import Callable, Iterable
 from functools import lru_cache
-from math import cos, inf, sin
+from math import cos, inf, pi, sin
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -34,7 +34,7 @@ OFFSET = 1e-15
 FIRST_ROWS = 64
 # A root is refined until its bracket is within so many parts of its time.
 LAST_BIT = 2.0**-52
-
+TWO_PI = 2.0 * pi
 
 #: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
 #: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
@@ -63,6 +63,12 @@ def scalars(motion: Motion, theta: float) -> Scalars:
     m, A = motion.m, motion.A
     per_mass = (A[1] / m, A[2] / m, A[3] / m, motion.B0 / m, motion.Omega, motion.k / m, motion.c / m)
     return Scalars(*per_mass, motion.belts[1], motion.belts[2], motion.period, theta)
+
+
+def from_now(q, t):
+    """Return the parameter set with a clock that is 0 at t."""
+    theta = (q.theta + q.Omega * t) % TWO_PI
+    return Scalars(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
 
 
 def force(q, alpha, t, x, v):
@@ -130,7 +136,9 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     while t < t_end:
         if boundary > 0 and mode < 4:
             v += offset if mode > boundary else -offset
-        side, t, x = leave(q, s, mode, t, x, v, t_end)
+        here = from_now(q, t)
+        side, tau, x = leave(here, s, mode, 0.0, x, v, t_end - t)
+        t += tau
         if side == 0:
             break
         if side == FAILED:
@@ -141,7 +149,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
             mode = boundary + 1 if side > 0 else boundary
         else:
             boundary = source if side > 0 else source - 1
-            mode = resolve(q, boundary, t, x)
+            mode = resolve(here, boundary, tau, x)
             kind = STICK if mode > 3 else GRAZE if mode == source else CROSS
         v = q.v1 if boundary == 1 else q.v2
         if count == len(rows):

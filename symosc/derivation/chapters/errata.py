@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from symosc.derivation.chapters.motion import MU, acceleration, coulomb, newton
+from symosc.derivation.chapters.motion import MU, coulomb, newton
 from symosc.derivation.latex import named
 from symosc.derivation.scope import SIDES, F, Scope
 from symosc.derivation.steps import (
@@ -41,7 +41,6 @@ def items(scope: Scope) -> Iterator[Any]:
         r"Errors and gaps of the paper. Each item gives the paper's equation, what is right, and a checked line "
         r"that shows it."
     )
-    yield from _field()
     yield from _friction()
     yield from _repelling()
     yield from _exits()
@@ -51,19 +50,6 @@ def items(scope: Scope) -> Iterator[Any]:
     for name, chapter in figures.items():
         if scope.scene is None or scope.scene.name.partition("-")[0] == name:
             yield from chapter()
-
-
-def _field() -> Iterator[Any]:
-    yield Heading(r"Eq.~(9): the friction in $F^{(3)}$")
-    paper = named(r"F^{(3)}_{(9)}")
-    printed = acceleration(2)  # (9) repeats the constant of F^(2)
-    yield equation(
-        paper - F(3),
-        2 * mu2 * FN / m,
-        r"(9) prints $A_0 - (\mu_1 - \mu_2)F_N$ in $F^{(3)}$ again, which is $F^{(2)}$; by (5) it is "
-        r"$A_0 - (\mu_1 + \mu_2)F_N$. The difference is the whole friction of belt 2:",
-        Exact({paper: printed, F(3): newton(3)}, sp.expand),
-    )
 
 
 def _friction() -> Iterator[Any]:
