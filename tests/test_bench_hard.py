@@ -96,11 +96,11 @@ def test_long_runs_end_with_the_orbit() -> None:
     period = 2 * mpmath.pi / mpmath.mpf("1.75")
     end = case.scene.t0 + Fraction(str(20.05 * period))
     early = replace(case.scene, t_end=end)
-    expected = simulate(early, digits=30).events
+    expected = simulate(early, digits=20).events
     assert len(expected) == 20 * 4
     for event, other in zip(case.reference(early, 30), expected[-4:], strict=True):
         assert (event.kind, event.boundary) == (other.kind, other.boundary)
-        assert max(distance(event.t, other.t), distance(event.x, other.x)) < 1e-24
+        assert max(distance(event.t, other.t), distance(event.x, other.x)) < 1e-19
     turns = (case.scene.t_end - case.scene.t0) / Fraction(str(period))
     assert PERIODS < turns < PERIODS + 0.1
     last = case.reference()[-1]
@@ -142,10 +142,21 @@ def test_numbers_that_are_zero_do_not_count() -> None:
     assert shifted(load_scene("fig5"), "t0", Fraction(1, 8)) == load_scene("fig5")
 
 
-def test_an_exact_graze_is_infinitely_ill_conditioned() -> None:
-    found = conditions(load_scene("fig7-exact"))
-    assert found
-    assert found[0] == inf
+def test_events_that_any_change_turns_into_others_have_no_condition() -> None:
+    scene = load_scene("fig5")
+    first, second, third = simulate(scene, digits=130, max_events=3).events
+
+    def touching(neighbour: Scene, digits: int) -> Any:
+        k = neighbour.parameters.k
+        graze = replace(second, kind="graze" if k == scene.parameters.k else "stick")
+        return [replace(first, t=first.t + digits_of(k - scene.parameters.k, first)), graze, third]
+
+    def digits_of(value: Fraction, event: Any) -> Any:
+        return event.t.context.mpf(value.numerator) / value.denominator
+
+    found = conditions(scene, touching)
+    assert found[0] == pytest.approx(float(1 / max(1, first.t)))
+    assert found[1:] == [inf, inf]
 
 
 # -- our errors --------------------------------------------------------------------------------------------------------

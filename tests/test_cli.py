@@ -119,7 +119,7 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
 
 def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
     path = tmp_path / "fig5.pdf"
-    assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 14, 7 events\n"
+    assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 9, 6 events\n"
     assert path.read_bytes().startswith(b"%PDF-")
     assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
 
