@@ -55,7 +55,7 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
     --------
     >>> from symosc import load_scene
     >>> f"{max(conditions(load_scene('fig5'))):.1f}"
-    '16.9'
+    '11.3'
     """
     exact = {digits: events(scene, digits) for _, digits in STEPS[:1]}
     certain = len(exact[STEPS[0][1]])
