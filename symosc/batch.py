@@ -21,7 +21,7 @@ from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import Arithmetic, MpArithmetic, compiled
 from symosc.path import EVENT_KINDS, START_DIGITS, Start, State, first_state, rounded
-from symosc.simulation import ACCURACY, LONGEST_BACKUP, MOST_EVENTS, simulate, whole_number
+from symosc.simulation import LONGEST_BACKUP, MOST_EVENTS, read_accuracy, simulate, whole_number
 from symosc.trajectory import Event
 
 CAPACITY = 1 << 18
@@ -104,6 +104,7 @@ def simulate_many(
     t_end: Any,
     *,
     max_events: int | None = None,
+    accuracy: float | None = None,
     use_numba: bool | None = None,
 ) -> EventTable:
     """Follow many motions in double precision; the event loop is compiled when numba is installed (extra `fast`).
@@ -116,6 +117,9 @@ def simulate_many(
     t_end : number or array_like, shape (n,)
     max_events : int, optional
         Per trajectory (default 1,000,000).
+    accuracy : float, optional
+        A short trajectory with an event known to less than that is followed once more, as by `simulate` (default
+        1e-13, ``math.inf`` for never).
     use_numba : bool, optional
         None: if it is installed. The same source runs without it, slower, with the same results.
 
@@ -138,6 +142,7 @@ def simulate_many(
     """
     sets, problems = _read_problems(parameters, starts, t_end)
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
+    needed = read_accuracy(accuracy)
     follow = _follow_all(use_numba)
     floats: list[np.ndarray] = []
     ints: list[np.ndarray] = []
@@ -161,7 +166,7 @@ def simulate_many(
             ints.append(out_int[:rows])
         codes[members] = ends
     status = [STATUS_NAMES[code] for code in codes.tolist()]
-    return _with_closer_looks(_table(floats, ints, status), sets, problems, most)
+    return _with_closer_looks(_table(floats, ints, status), sets, problems, most, needed)
 
 
 def _follow_all(use_numba: bool | None) -> Any:
@@ -250,11 +255,11 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
 
 
 def _with_closer_looks(
-    table: EventTable, sets: list[Parameters], problems: list[tuple[Fraction, ...]], most: int
+    table: EventTable, sets: list[Parameters], problems: list[tuple[Fraction, ...]], most: int, accuracy: float
 ) -> EventTable:
     """Replace trajectories that ended in doubt, and short ones that lost accuracy, by what `simulate` says of them."""
-    inexact = (table.t_error > ACCURACY * np.maximum(1.0, np.abs(table.t))) | (
-        table.x_error > ACCURACY * np.maximum(1.0, np.abs(table.x))
+    inexact = (table.t_error > accuracy * np.maximum(1.0, np.abs(table.t))) | (
+        table.x_error > accuracy * np.maximum(1.0, np.abs(table.x))
     )
     short = np.bincount(table.trajectory, minlength=len(sets)) <= LONGEST_BACKUP
     doubtful = {i for i, status in enumerate(table.status) if status == "undecidable"}
@@ -265,7 +270,7 @@ def _with_closer_looks(
     columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
     for i in sorted(doubtful):
         t0, x0, v0, t_end = problems[i]
-        trajectory = simulate(sets[i], t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=most)
+        trajectory = simulate(sets[i], t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=most, accuracy=accuracy)
         table.status[i] = trajectory.status
         _append(columns, i, trajectory.events)
     joined = {name: np.concatenate(parts) for name, parts in columns.items()}

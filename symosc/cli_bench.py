@@ -19,13 +19,14 @@ from symosc.cli import _print, _print_json, json_option
 @json_option
 @click.option("-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png.")
 @click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
-def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> None:
+def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
     Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of
     one closed-form evaluation. Solvers that are not installed are skipped with a word (extra bench); one that hangs or
     fails is shown as such. With --hard: what the solvers make of the cases that are hard to get right, and -o draws
-    the error of symosc's kernels over damping ratio and drive instead.
+    the error of symosc's kernels over damping ratio and drive instead; the exit code is 1 if symosc itself misses or
+    invents an event, or errs by more than 1e-12 (where a case is ill-conditioned, 100 * condition * 1e-16).
 
     --results writes tables, pictures and machine into a README with the lines '<!-- results: begin -->' and
     '<!-- results: end -->'; pictures and full tables go to symosc/bench/results beside it.
@@ -54,13 +55,15 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     written = [] if readme is None else results.write(readme, result)
     if output is not None:
         written.append(plot.save(_picture(result), output))
+    code = 0 if "hard" not in result or result["hard"]["ok"] else 1
     if as_json:
         _print_json(_plain(result))
-        return
+        return code
     if readme is None:
         _print(_tables(result))
     for path in written:
         _print(f"wrote {click.format_filename(path)}")
+    return code
 
 
 def _speed(quick: bool) -> dict[str, Any]:

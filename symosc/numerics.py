@@ -70,7 +70,7 @@ class Arithmetic:
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
-        self.K = with_march(constants(parameters), entire.basis)
+        self.K = _float_constants(parameters)
         self.namespace: dict[str, Any] = {**vars(events), **vars(sticks), **vars(switching), **vars(advance)}
         self.advance = advance.advance
 
@@ -121,6 +121,12 @@ class MpArithmetic(Arithmetic):
             periods = int(self.context.floor(turns))
             theta = (turns - periods) * 2 * self.context.pi
         return periods, +theta
+
+
+@lru_cache(maxsize=1024)
+def _float_constants(parameters: Parameters) -> Constants:
+    """Return the constants in floats; their derivation in rational numbers takes longer than many a short run."""
+    return with_march(constants(parameters), entire.basis)
 
 
 @lru_cache(maxsize=32)

@@ -1,7 +1,7 @@
 """Simulation: double precision that knows when it is not enough, and any number of digits.
 
 In double precision each step brings an estimate of its error along. When a contact cannot be decided, or an event is
-known to less than ACCURACY, the same algorithm is run with BACKUP_DIGITS digits from the exact start up to there,
+known to less than `accuracy`, the same algorithm is run with BACKUP_DIGITS digits from the exact start up to there,
 and takes over; the double path goes on from its rounded result. A contact that stays open with BACKUP_DIGITS digits is
 looked at with twice as many: open still, it is a graze; decided only there, the trajectory ends as "undecidable",
 because from here on double precision, backed up as it is, would guess.
@@ -11,6 +11,7 @@ With `digits` the working precision is raised until every event is known to that
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Any
 
 from symosc.advance import FAILED, REST
@@ -43,6 +44,7 @@ def simulate(
     t_end: Any = None,
     max_events: int | None = None,
     digits: int | None = None,
+    accuracy: float | None = None,
 ) -> Trajectory:
     """Follow the motion from a start to t_end, event by event, exactly.
 
@@ -56,6 +58,10 @@ def simulate(
         Stop after that many events (default 1,000,000).
     digits : int, optional
         None: double precision. An int: every event time and position has that many correct digits (mpmath).
+    accuracy : float, optional
+        In double precision, an event whose time or position is known to less than that (relative to max(1, |value|))
+        is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster; with
+        ``math.inf`` only contacts that doubles cannot decide get more digits.
 
     Returns
     -------
@@ -64,12 +70,14 @@ def simulate(
     Raises
     ------
     ParameterError
-        If a number is missing, not finite or out of range.
+        If a number is missing, not finite or out of range, or both `digits` and `accuracy` are given.
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end})
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
-        return _double(start, most)
+        return _double(start, most, read_accuracy(accuracy))
+    if accuracy is not None:
+        raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
     return _with_digits(start, most, whole_number("digits", digits, 5, MOST_DIGITS))
 
 
@@ -102,7 +110,20 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return int(value)
 
 
-def _double(start: Start, most: int) -> Trajectory:
+def read_accuracy(value: Any) -> float:
+    """Return the accuracy that is asked of events in double precision, ACCURACY for None."""
+    if value is None:
+        return ACCURACY
+    try:
+        accuracy = float(value)
+    except (TypeError, ValueError):
+        accuracy = 0.0
+    if isnan(accuracy) or accuracy <= 0.0:
+        raise ParameterError("accuracy", value, f"must be a number > 0; the default is {ACCURACY:g}")
+    return accuracy
+
+
+def _double(start: Start, most: int, accuracy: float) -> Trajectory:
     path, backup, trusted = Path(start), None, True
     while not path.ended:
         before = len(path.events)
@@ -110,7 +131,7 @@ def _double(start: Start, most: int) -> Trajectory:
             return _trajectory(path, "max_events", f"stopped after max_events = {most} events, at t = {path.time!r}")
         path.step()
         in_doubt = not path.decided or path.code == FAILED
-        inexact = trusted and len(path.events) > before and _inexact(path.events[-1])
+        inexact = trusted and len(path.events) > before and _inexact(path.events[-1], accuracy)
         if before and len(path.events) > before and path.events[-1].t <= path.events[-2].t:
             return _unresolved(path)
         if not in_doubt and not inexact:
@@ -127,9 +148,9 @@ def _double(start: Start, most: int) -> Trajectory:
     return _trajectory(path, *_ending(path))
 
 
-def _inexact(event: Event) -> bool:
+def _inexact(event: Event, accuracy: float) -> bool:
     scales = max(1.0, abs(event.t)), max(1.0, abs(event.x))
-    return event.t_error > ACCURACY * scales[0] or event.x_error > ACCURACY * scales[1]
+    return event.t_error > accuracy * scales[0] or event.x_error > accuracy * scales[1]
 
 
 FOLLOWED, TOO_FAR, OPEN = "followed", "too far", "open"

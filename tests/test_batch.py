@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,6 +76,33 @@ def test_a_doubtful_contact_is_looked_at_with_more_digits() -> None:
     alone = simulate(scene, t_end=160)
     assert long.status == [alone.status] == ["undecidable"]
     assert len(long) == len(alone.events)
+
+
+def test_accuracy_asks_for_a_closer_look_or_none() -> None:
+    """In fig8 errors grow: a double knows its 20th event to some 1e-12, and says so."""
+    scene = load_scene("fig8")
+    start = [scene.t0, scene.x0, scene.v0]
+    exact = simulate(scene, digits=25).events
+    looked, plain = simulate(scene), simulate(scene, accuracy=math.inf)
+    rough = simulate_many(scene.parameters, start, scene.t_end, accuracy=1e-9)
+    assert max(event.x_error for event in looked.events) < 1e-13 < max(event.x_error for event in plain.events)
+    assert rough.x_error.tolist() == pytest.approx([event.x_error for event in plain.events], rel=1e-6)
+    assert len(rough) == len(plain.events) == len(exact)
+    for event, error, x in zip(exact, rough.x_error, rough.x, strict=True):
+        assert abs(float(event.x - x)) < 8 * error + 1e-15
+    again = simulate_many(scene.parameters, start, scene.t_end)
+    assert again.x.tolist() == [event.x for event in looked.events]
+
+
+@pytest.mark.parametrize("accuracy", [0, -1e-13, float("nan"), "much", [1e-9]])
+def test_accuracy_is_a_positive_number(accuracy: Any) -> None:
+    scene = load_scene("fig5")
+    with pytest.raises(ParameterError, match=r"accuracy.*> 0"):
+        simulate(scene, accuracy=accuracy)
+    with pytest.raises(ParameterError, match=r"accuracy.*> 0"):
+        simulate_many(scene.parameters, [0, 0, 0], 1, accuracy=accuracy)
+    with pytest.raises(ParameterError, match=r"accuracy.*digits = 30"):
+        simulate(scene, accuracy=1e-9, digits=30)
 
 
 def test_max_events_and_no_events() -> None:

@@ -36,7 +36,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         def run(quick: bool, progress: Callable[..., Iterable[int]] = iter) -> dict[str, Any]:
             names.append(name)
             steps = list(progress([1, 2]))
-            about: dict[str, Any] = {"machine": None, "solvers": [{"raw": True}]}
+            about: dict[str, Any] = {"machine": None, "solvers": [{"raw": True}], "ok": True}
             return about | {"name": name, "quick": quick, "steps": steps, "empty": float("nan")}
 
         return run
@@ -70,6 +70,14 @@ def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
     assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
     assert list(json.loads(good("--json", "--hard", "--quick"))) == ["quick", "hard"]
+
+
+@pytest.mark.usefixtures("calls")
+@pytest.mark.parametrize("options", [[], ["--json"]], ids=["table", "JSON"])
+def test_an_error_of_ours_above_its_bound_is_a_failure(options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = hard.run
+    monkeypatch.setattr(hard, "run", lambda **options: {**kept(**options), "ok": False})
+    assert run("--hard", *options).exit_code == 1
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,9 @@ def judge(solver: Solver, case: Case, allowed: Sequence[float]) -> dict[str, Any
         found before it said that it cannot go on).
     """
     if solver.name == MPMATH:  # unrounded
-        found = [Found(e.t, e.x, e.kind, e.boundary) for e in simulate(case.scene, digits=OURS_DIGITS).events]
+        found: Sequence[Found] = [
+            Found(e.t, e.x, e.kind, e.boundary) for e in simulate(case.scene, digits=OURS_DIGITS).events
+        ]
     else:
         found = solver.prepare(case.scene, solver.tolerances[-1])()
     reference = reference_of(case)

@@ -17,7 +17,7 @@ from typing import Any
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import OFFSET, start_of, start_phase
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import Found, Late, Solver
 from symosc.model import SIDES
 from symosc.scenes import Scene
 
@@ -25,7 +25,7 @@ from symosc.scenes import Scene
 MOST_STEPS = 100 * CHATTER
 
 
-def at_its_best(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     """Prepare one integrator for all modes.
 
     Notes
@@ -66,7 +66,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
                 boundary = source - 3
                 now = boundary + event - 1
                 state[1], p_now[:] = starts[boundary, now], pars[now]
-                append(Found(t0 + integrator.time, x, "slip", boundary))
+                append((t0 + integrator.time, x, "slip", boundary))
                 return True
             a = item(2) - stiffness * x - drag
             if a + A_above > 0.0:
@@ -76,7 +76,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
             else:
                 now, state[1], p_now[:] = 3 + event, belt, stick
             kind = "stick" if now > 3 else "graze" if now == source else "cross"
-            append(Found(t0 + integrator.time, x, kind, event))
+            append((t0 + integrator.time, x, kind, event))
             return True
 
         return act
@@ -95,14 +95,15 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
     duration = float(scene.t_end - scene.t0)
     most = MOST_STEPS * (1 + int(duration / motion.period))
 
-    def run() -> list[Found]:
+    def run() -> Late:
         nonlocal now, append, item, state, p_now
-        found: list[Found] = []
-        now, append, integrator.time = mode, found.append, 0.0
+        rows: list[tuple[Any, ...]] = []
+        now, append, integrator.time = mode, rows.append, 0.0
         state, p_now = integrator.state, integrator.pars
         state[:], p_now[:], item = start, pars[mode], state.item
         outcome = integrator.propagate_until(duration, max_steps=most)[0]
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
+        found = Late(lambda: list(map(Found._make, rows)))
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(found)} events", found)
         return found

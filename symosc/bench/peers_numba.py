@@ -9,7 +9,7 @@ itself instead of its interpolant, and flights start off the belt.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf, sqrt
 from typing import NamedTuple
@@ -222,7 +222,7 @@ def leave(q, s, mode, t, x, v, t_end):
 MODULES = (scalar_logic, sys.modules[__name__])
 
 
-def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare DOP853, with or without the precautions."""
     motion = Motion(scene.parameters)
     q = scalars(motion, start_phase(scene))

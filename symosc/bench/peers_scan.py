@@ -11,7 +11,7 @@ What happens between two samples is not seen, and the formulas divide by k and b
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import Any, NamedTuple
@@ -178,7 +178,7 @@ def interpreted() -> dict[str, Any]:
 MODULES = (scalar_logic, sys.modules[__name__])
 
 
-def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare the scan with so many samples per period."""
     functions = compiled(MODULES) if with_numba else interpreted()
     motion = Motion(scene.parameters)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from math import cos, inf, pi, sin
 from types import ModuleType
@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
-from symosc.bench.solvers import Found
+from symosc.bench.solvers import Found, Late
 from symosc.model import MODE_NAMES
 from symosc.numerics import Arithmetic
 from symosc.scenes import Scene
@@ -204,7 +204,7 @@ def compiled(modules: tuple[ModuleType, ...]) -> dict[str, Any]:
 
 def runner(
     scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
-) -> Callable[[], list[Found]]:
+) -> Callable[[], Sequence[Found]]:
     """Return a function that follows a scene and returns its events.
 
     Parameters
@@ -225,11 +225,15 @@ def runner(
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
-    def run() -> list[Found]:
+    def run() -> Late:
         rows, count, outcome, last = follow(*arguments, duration)
-        times, positions, kinds, boundaries = rows[:count].T.tolist()
-        times = [t0 + t for t in times]
-        found = list(map(Found, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
+
+        def events() -> list[Found]:
+            times, positions, kinds, boundaries = rows[:count].T.tolist()
+            times = [t0 + t for t in times]
+            return list(map(Found, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
+
+        found = Late(events)
         if outcome == 0:
             return found
         where = f"in {MODE_NAMES[last]} after t = {found[-1].t if found else t0:.6g}"

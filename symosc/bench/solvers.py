@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.util import find_spec
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from symosc.scenes import Scene
 
@@ -19,6 +20,30 @@ class Found(NamedTuple):
     boundary: int
 
 
+class Late(Sequence[Found]):
+    """Events that become Python objects when they are looked at: a solver that works in arrays is timed without that.
+
+    Parameters
+    ----------
+    make : callable
+        Returns the events.
+    """
+
+    def __init__(self, make: Callable[[], Sequence[Found]]) -> None:
+        self._make = make
+
+    @cached_property
+    def events(self) -> Sequence[Found]:
+        """The events."""
+        return self._make()
+
+    def __len__(self) -> int:
+        return len(self.events)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.events[index]
+
+
 @dataclass(frozen=True)
 class Solver:
     """A way to follow a scene.
@@ -29,7 +54,8 @@ class Solver:
         What tables and plots call it.
     prepare : callable
         ``prepare(scene, tolerance)`` returns a function without arguments that follows the scene from its start to its
-        end and returns its events. What a user would do once (compile, build the integrator) is done in `prepare`.
+        end and returns its events, `Late` where they come in arrays. What a user would do once (compile, build the
+        integrator) is done in `prepare`.
     tolerances : tuple of float
         What a work-precision curve runs through, coarse to fine; one entry 0.0 for a solver without a tolerance.
     needs : str
@@ -41,7 +67,7 @@ class Solver:
     """
 
     name: str
-    prepare: Callable[[Scene, float], Callable[[], list[Found]]]
+    prepare: Callable[[Scene, float], Callable[[], Sequence[Found]]]
     tolerances: tuple[float, ...]
     needs: str = ""
     raw: bool = False
