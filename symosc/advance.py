@@ -137,7 +137,7 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_
     belt = K.belt1 if boundary == 1 else K.belt2
     s0, c0 = sin(theta), cos(theta)
     zero = 0.0 * Fb
-    code, side, tau, Delta, slope = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
+    code, side, tau, Delta, slope, bend = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
     if tau > left:
         code, tau = NOTHING, left
     noise = 2.0 * EPS * (abs(x) + abs(v) * tau) + abs(v) * clock_error(theta, tau, K)
@@ -157,7 +157,7 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_
     if code == TANGENCY:
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
     force_error = K.w0sq * sqrt(S11) + 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
-    t_error = passing_time(force_error, slope, K.fB * K.Om * cos(theta), K.fB * K.Om * K.Om, K)
+    t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
     return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero
 

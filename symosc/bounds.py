@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.kernels._generated import next_derivative
-from symosc.kernels.entire import EPS
+from symosc.flow import fifth_derivative
+from symosc.kernels.entire import EPS, SIXTH
 
 # A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate, and Newton's method
 # goes on from there. A shift below NEAR / rate is made by Taylor's formula, to full precision.
-ISOLATED = 1e-2
+ISOLATED = 6e-2
 NEAR = EPS**0.2
 # How far a safe step stays before the root that it aims at, as a part of the step.
 SHRINK = 1e-3
@@ -35,7 +35,7 @@ def fourth_derivative_bound(w, j, s, c, K):
 def positive_on(s, p0, p1, p2, p3, p4):
     """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s] is shown by its Bernstein coefficients."""
     t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
-    if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + t2 / 6.0 <= 0.0:
+    if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
         return False
     return p0 + 0.75 * t1 + 0.5 * t2 + 0.25 * t3 > 0.0 and p0 + t1 + t2 + t3 + p4 * s * s * s * s > 0.0
 
@@ -79,25 +79,25 @@ def safe_step(cap, p0, p1, p2, p3, p4):
 
 def gap_polynomial(g, g1, g2, g3, M4, on_wall):
     """Return P's coefficients and degree, divided by the root at the start if that is `on_wall`."""
-    top, zero = -M4 / 24.0, 0.0 * g
+    top, zero = -0.25 * SIXTH * M4, 0.0 * g
     if not on_wall:
-        return g, g1, 0.5 * g2, g3 / 6.0, top, 4
+        return g, g1, 0.5 * g2, SIXTH * g3, top, 4
     if g1 > 0.0:
-        return g1, 0.5 * g2, g3 / 6.0, top, zero, 3
+        return g1, 0.5 * g2, SIXTH * g3, top, zero, 3
     if g2 > 0.0:
-        return 0.5 * g2, g3 / 6.0, top, zero, zero, 2
-    return g3 / 6.0, top, zero, zero, zero, 1
+        return 0.5 * g2, SIXTH * g3, top, zero, zero, 2
+    return SIXTH * g3, top, zero, zero, zero, 1
 
 
 def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
-    """Return (near, clear): is the first root `root` within ISOLATED/rate, and does the gap get deep behind it?
+    """Return (near, close, clear): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     on what the safe step leaves open and on what makes up for `missing` (Kantorovich).
     """
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
-    missing = M4 / 12.0
+    missing = 0.5 * SIXTH * M4
     for _ in range(degree):
         missing = missing * root
     missing = missing + abs(p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root)
@@ -110,13 +110,13 @@ def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
     depth = slope * slope
     for _ in range(4 - degree):  # back from the divided polynomial to the gap
         depth = depth * root
-    return near, depth > 2.0 * CLEAR_DEPTH * size * bend
+    return near, missing * K.rate < NEAR * slope, depth > 2.0 * CLEAR_DEPTH * size * bend
 
 
 def quartic_start(j, w, s, c, K):
     """Return a time before which a gap that starts like j tau^4/24 has no other root, by a bound like M4."""
     Om4 = K.Om * K.Om * K.Om * K.Om
-    fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
+    fifth = fifth_derivative(j, w, c, K)
     if K.steady:
         j_transient = j - Om4 * (K.Ss * s + K.Sc * c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * c - K.Sc * s)

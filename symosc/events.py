@@ -34,9 +34,8 @@ from __future__ import annotations
 from math import sqrt
 
 from symosc.bounds import NEAR, fourth_derivative_bound, gap_polynomial, is_near, positive_on, quartic_start, safe_step
-from symosc.flow import derivatives, state_at, velocity_scale
-from symosc.kernels._generated import next_derivative
-from symosc.kernels.entire import EPS, basis
+from symosc.flow import derivatives, fifth_derivative, state_at, velocity_scale
+from symosc.kernels.entire import EPS, SIXTH, basis
 
 # What a search ends with.
 NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
@@ -85,8 +84,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
     M4 = fourth_derivative_bound(w, j, s, c, K)
     if K.apart and not flat:
-        tau, dv, a, b, w, M4 = march(
-            tau_max, v0, a0, b, w, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
+        tau, dv, a, b, w, j, s, c, M4 = march(
+            tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
         )
     for _ in range(MOST_STEPS):
         if tau >= tau_max:
@@ -111,10 +110,13 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     root = cap if other < q_root else root
                 else:
                     root = cap
-        near, clear = False, True
+        near, close, clear = False, False, True
         if root < cap:
-            near, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, start_gap + abs(dv) + abs(a) * root, K)
+            size = start_gap + abs(dv) + abs(a) * root
+            near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
         if near and (clear or crossing):
+            if not close:
+                root = sharpened(root, below + dv if side < 0 else dv - above, a, b, w, j, c, K)
             return polish(tau + root, side, v0, a0, s0, c0, below, above, K)
         if (step * K.rate < SHORT_STEP or not clear) and not crossing and (start_gap > 0.0 or tau > 0.0):
             verdict, tau_min = closest_approach(tau, tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
@@ -143,7 +145,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
 
-def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K):
+def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above, on_below, on_above, K):
     """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
@@ -151,12 +153,12 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
 
     Returns
     -------
-    (tau, dv, a, b, w, M4)
-        A time up to which no wall is met, and velocity gain, derivatives and bound there.
+    (tau, dv, a, b, w, j, s, c, M4)
+        A time up to which no wall is met, and velocity gain, derivatives, sine and cosine of the phase and bound there.
     """
     M = K.march
     Om2 = K.Om * K.Om
-    v_steady, u_steady = K.Ss * s0 + K.Sc * c0, K.Ss * c0 - K.Sc * s0
+    v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free))
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
@@ -177,14 +179,31 @@ def march(tau_max, v0, a, b, w, M4, s0, c0, below, above, has_below, has_above, 
                 break
         tau = tau + M.step
         v_free, a_free = M.C * v_free + M.E1 * a_free, M.D * v_free + M.E0 * a_free
-        v_steady, u_steady = M.c * v_steady + M.s * u_steady, M.c * u_steady - M.s * v_steady
+        s, c = M.c * s + M.s * c, M.c * c - M.s * s
+        v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
         b_free = -K.cm * a_free - K.w0sq * v_free
         w_free = -K.cm * b_free - K.w0sq * a_free
         j_free = -K.cm * w_free - K.w0sq * b_free
         M4 = K.V0 * Om2 * Om2 + sqrt(j_free * j_free + K.w0sq * w_free * w_free)
         dv = v_free + v_steady - v0
         a, b, w = a_free + K.Om * u_steady, b_free - Om2 * v_steady, w_free - Om2 * K.Om * u_steady
-    return tau, dv, a, b, w, M4
+        j = j_free + Om2 * Om2 * v_steady
+    return tau, dv, a, b, w, j, s, c, M4
+
+
+def sharpened(root, over, a, b, w, j, c, K):
+    """Return a root that a lower bound has placed, by one step of Halley's method on a polynomial of degree five.
+
+    So one evaluation of the flow is enough to make it exact. All arguments belong to the time that it is counted from.
+    """
+    half, third, fourth = 0.5 * b, SIXTH * w, 0.25 * SIXTH * j
+    fifth = 0.05 * SIXTH * fifth_derivative(j, w, c, K)
+    value = over + (a + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
+    slope = a + (b + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
+    half_bend = half + (3.0 * third + (6.0 * fourth + 10.0 * fifth * root) * root) * root
+    below = slope * slope - value * half_bend
+    shift = value * slope / below if below > 0.0 else 0.0 * value
+    return root - shift if abs(shift) < 0.5 * root else root
 
 
 def polish(tau, side, v0, a0, s0, c0, below, above, K):
@@ -194,9 +213,9 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
         over = below + dv if side < 0 else dv - above
         shift = local_root(over, a, b, w, j, EPS * tau)
         if abs(shift) * K.rate < NEAR:
-            dx = dx + (v0 + dv + (0.5 * a + (b / 6.0 + w * shift / 24.0) * shift) * shift) * shift
-            fifth = next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
-            a = a + (b + (0.5 * w + (j / 6.0 + fifth * shift / 24.0) * shift) * shift) * shift
+            dx = dx + (v0 + dv + (0.5 * a + SIXTH * (b + 0.25 * w * shift) * shift) * shift) * shift
+            fifth = fifth_derivative(j, w, c, K)
+            a = a + (b + (0.5 * w + SIXTH * (j + 0.25 * fifth * shift) * shift) * shift) * shift
             s, c = turned(s, c, K.Om * shift)
             tau = tau + shift
             return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
@@ -214,10 +233,10 @@ def local_root(over, a, b, w, j, resolution):
         linear = over / a
         s = -linear * (1.0 + 0.5 * linear * b / a)
     for _ in range(MOST_STEPS):
-        slope = a + (b + (0.5 * w + j * s / 6.0) * s) * s
+        slope = a + (b + (0.5 * w + SIXTH * j * s) * s) * s
         if slope == 0.0:
             break
-        change = (over + (a + (0.5 * b + (w / 6.0 + j * s / 24.0) * s) * s) * s) / slope
+        change = (over + (a + (0.5 * b + SIXTH * (w + 0.25 * j * s) * s) * s) * s) / slope
         s = s - change
         bend, third = b + (w + 0.5 * j * s) * s, w + j * s
         # The next step would be shorter than that.
@@ -229,7 +248,7 @@ def local_root(over, a, b, w, j, resolution):
 def turned(s, c, angle):
     """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
     half = 0.5 * angle
-    sixth = angle * angle / 6.0
+    sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
     return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
 
@@ -267,7 +286,7 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
                 return HIT, tau
             if gap > allowed:
                 back = tau - start
-                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * w / 6.0, -M4 / 24.0)
+                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * w, -0.25 * SIXTH * M4)
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
                 return TANGENCY, tau

@@ -203,6 +203,11 @@ def derivatives(v, a, s, c, K):
     return b, w, j
 
 
+def fifth_derivative(j, w, c, K):
+    """Return the fifth derivative of v from the fourth and third and the cosine of the phase."""
+    return next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
+
+
 def velocity_scale(tau, v0, a0, K):
     """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
 

@@ -103,7 +103,7 @@ class MpArithmetic(Arithmetic):
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
-        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi}
+        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
         self.namespace = rebind(lambda function: function, replaced)

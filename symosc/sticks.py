@@ -17,7 +17,7 @@ from math import acos, cos, sin, sqrt
 
 from symosc.events import HIT, MOST_STEPS, NOTHING, ROUNDING, STALLED, TANGENCY
 from symosc.kernels._generated import stick_acceleration
-from symosc.kernels.entire import EPS
+from symosc.kernels.entire import EPS, SIXTH
 
 PI = acos(-1.0)
 # Phases closer than this times EPS are one.
@@ -62,12 +62,12 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
 
     Returns
     -------
-    (code, side, tau, Delta, slope)
+    (code, side, tau, Delta, slope, bend)
         NOTHING: the stick lasts (Delta at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1),
-        where Delta has `slope`. TANGENCY: a force touches 0 at tau as far as this precision tells.
+        where Delta has `slope` and `bend`. TANGENCY: a force touches 0 at tau as far as this precision tells.
     """
     zero = 0.0 * tau_max
-    tau, Delta = zero, zero
+    tau, Delta, s, c, c_end = zero, zero, s0, c0, c0
     first, second, turns_at_period = tau_max, tau_max, False
     if belt.turns:
         first = ahead(belt.angle - theta) / K.Om
@@ -98,11 +98,11 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
         noise = force_noise(F_below, end, S11, belt, K)
         turning = end < tau_max or (turns_at_period and end == K.period)
         if turning and abs(over) <= noise:
-            return TANGENCY, side, end, Delta_end, zero
+            return TANGENCY, side, end, Delta_end, zero, zero
         if over >= 0.0:
-            return exit_root(force, side, tau, end, theta, s0, c0, belt, K)
-        tau, Delta = end, Delta_end
-    return NOTHING, 0, tau_max, Delta, zero
+            return exit_root(force, side, tau, end, s, c, theta, s0, c0, belt, K)
+        tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
+    return NOTHING, 0, tau_max, Delta, zero, zero
 
 
 def force_noise(F_below, tau, S11, belt, K):
@@ -111,35 +111,51 @@ def force_noise(F_below, tau, S11, belt, K):
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
-def exit_root(force, side, low, high, theta, s0, c0, belt, K):
-    """Return the only root of force + Delta in [low, high], on which Delta is monotone.
+def exit_root(force, side, low, high, s, c, theta, s0, c0, belt, K):
+    """Return the only root of force + Delta in [low, high], on which Delta is monotone, as `belt_exit` does.
 
-    Euler's method (the root of the local parabola, which needs no slope) from the inflection of Delta (cos(theta) = 0),
-    where it is steepest, if that lies inside, from `low` otherwise; halving when a step leaves the bracket or the steps
-    do not shrink.
+    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative;
+    the first from the inflection of Delta (cos(theta) = 0), where it is steepest, if that lies inside, from `low`
+    otherwise: sine and cosine of the phase are known there (s and c at `low`). Halving when a step leaves the bracket
+    or the steps do not shrink.
     """
-    inflection = wrapped((0.5 if side * K.fB < 0.0 else 1.5) * PI - theta) / K.Om
-    tau = low if not low < inflection < high else inflection
-    third, step_before = abs(K.fB) * K.Om * K.Om, high - low
+    rising_sine = 1.0 if side * K.fB < 0.0 else -1.0
+    inflection = wrapped(0.5 * rising_sine * PI - theta) / K.Om
+    tau = low
+    if low < inflection < high:
+        tau, s, c = inflection, rising_sine + 0.0 * c, 0.0 * c
+    over = stick_acceleration(force, belt.v, tau, c - c0, K.w0sq, K.f0)
+    slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
+    Om2 = K.Om * K.Om
+    fourth, step_before, exact = abs(K.fB) * K.Om * Om2, 2.0 * (high - low), False
     for _ in range(MOST_STEPS):
+        third = Om2 * (belt.drift - slope)
+        square = slope * slope - 2.0 * over * bend
+        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
+        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
+        incline = slope + (bend + 0.5 * third * step) * step
+        useful = steepness > 0.0 and side * incline > 0.0
+        if useful:
+            change = -SIXTH * third * step * step * step / incline
+            step = step + change
+        size = abs(step)
+        if exact:  # the first point is a guess: c - c0 may have lost digits
+            if over == 0.0:
+                return HIT, side, tau, -force, slope, bend
+            if useful:
+                missing = fourth * size * size * size * size + change * change * (abs(bend) + abs(third) * size)
+                if missing <= EPS * tau * abs(incline) or tau + step == tau:
+                    return HIT, side, tau + step, -force, incline, bend + third * step
+        if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
+            step = 0.5 * (low + high) - tau
+        step_before = abs(step) if exact else step_before
+        if tau + step == tau:  # the bracket is as narrow as it gets
+            return HIT, side, tau, -force, slope, bend
+        tau, exact = tau + step, True
         Delta, slope, bend = gain(tau, s0, c0, belt, K)
         over = force + Delta
         if side * over > 0.0:
             high = tau
         else:
             low = tau
-        square = slope * slope - 2.0 * over * bend
-        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
-        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
-        size = abs(step)
-        if over == 0.0:
-            return HIT, side, tau, -force, slope
-        if steepness > 0.0 and (third * size * size * size <= EPS * tau * steepness or tau + step == tau):
-            return HIT, side, tau + step, -force, slope + bend * step
-        if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
-            step = 0.5 * (low + high) - tau
-        step_before = abs(step)
-        if tau + step == tau:  # the bracket is as narrow as it gets
-            return HIT, side, tau, -force, slope
-        tau = tau + step
-    return STALLED, side, tau, Delta, slope
+    return STALLED, side, tau, -force, slope, bend

@@ -79,7 +79,7 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
         b, w, j = derivatives(v0, a0, s0, c0, K)
         M4 = fourth_derivative_bound(w, j, s0, c0, K)
         walls = (v0 + 1, 1 - v0, True, True, False, False)
-        tau, dv, a, b, w, _ = march(K.chunk, v0, a0, b, w, M4, s0, c0, *walls, K)
+        tau, dv, a, b, w, j, s, c, _ = march(K.chunk, v0, a0, b, w, j, M4, s0, c0, *walls, K)
         exact = state_at(tau, v0, a0, s0, c0, K)
         scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
         assert dv == pytest.approx(exact[1], abs=1e-12 * scale)
@@ -118,7 +118,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
         s0, c0 = math.sin(theta), math.cos(theta)
-        code, side, tau, _, _ = belt_exit(K.period, below, below - belt.J, theta, s0, c0, 0.0, belt, K)
+        code, side, tau, _, _, _ = belt_exit(K.period, below, below - belt.J, theta, s0, c0, 0.0, belt, K)
         inside = [below + gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
         assert all(0 < force < belt.J for force in inside)
         if code == HIT:

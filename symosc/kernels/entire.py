@@ -28,6 +28,7 @@ from symosc.kernels._generated import basis_apart
 SERIES_BELOW = 0.8
 APART_ABOVE = 0.8
 EPS = 2.0**-53
+SIXTH = 1.0 / 6.0  # a product with it takes a third of the time of a division
 INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
