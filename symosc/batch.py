@@ -146,7 +146,8 @@ def simulate_many(
     follow = _follow_all(use_numba)
     floats: list[np.ndarray] = []
     ints: list[np.ndarray] = []
-    codes = np.zeros(len(sets), np.int64)
+    codes, short = np.zeros(len(sets), np.int64), np.zeros(len(sets), bool)
+    worst = np.zeros(len(sets))
     groups: dict[Parameters, list[int]] = {}
     for i, p in enumerate(sets):
         groups.setdefault(p, []).append(i)
@@ -156,17 +157,20 @@ def simulate_many(
         states = np.array([_initial_row(Start(p, *problems[i]), arithmetic) for i in members])
         t0 = np.array([float(problems[i][0]) for i in members])
         counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
+        errors = np.zeros(len(members))
         begin = 0
         while begin < len(members):
             out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int32)
-            begin, rows = follow(begin, states, t0, counts, ends, most, out_float, out_int, K)
+            begin, rows = follow(begin, states, t0, counts, ends, errors, most, out_float, out_int, K)
             if len(groups) > 1:
                 out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
             floats.append(out_float[:rows])
             ints.append(out_int[:rows])
-        codes[members] = ends
+        codes[members], worst[members], short[members] = ends, errors, counts <= LONGEST_BACKUP
     status = [STATUS_NAMES[code] for code in codes.tolist()]
-    return _with_closer_looks(_table(floats, ints, status), sets, problems, most, needed)
+    table = _table(floats, ints, status, sort=len(groups) > 1)
+    doubtful = np.flatnonzero((codes == loop.IN_DOUBT) | (short & (worst > needed)))
+    return _with_closer_looks(table, doubtful.tolist(), sets, problems, most, needed) if doubtful.size else table
 
 
 def _follow_all(use_numba: bool | None) -> Any:
@@ -240,9 +244,9 @@ def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
     return [*entries, state.theta, float(n_end - state.n), theta_end]
 
 
-def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str]) -> EventTable:
+def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str], sort: bool) -> EventTable:
     numbers, codes = (parts[0] if len(parts) == 1 else np.concatenate(parts) for parts in (floats, ints))
-    if np.any(np.diff(codes[:, 0]) < 0):  # several parameter sets
+    if sort:
         order = np.argsort(codes[:, 0], kind="stable")
         numbers, codes = numbers[order], codes[order]
     columns = dict(zip(loop.FLOAT_COLUMNS, numbers.T, strict=True))
@@ -255,20 +259,12 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
 
 
 def _with_closer_looks(
-    table: EventTable, sets: list[Parameters], problems: list[tuple[Fraction, ...]], most: int, accuracy: float
+    table: EventTable, doubtful: list[int], sets: Any, problems: Any, most: int, accuracy: float
 ) -> EventTable:
     """Replace trajectories that ended in doubt, and short ones that lost accuracy, by what `simulate` says of them."""
-    inexact = (table.t_error > accuracy * np.maximum(1.0, np.abs(table.t))) | (
-        table.x_error > accuracy * np.maximum(1.0, np.abs(table.x))
-    )
-    short = np.bincount(table.trajectory, minlength=len(sets)) <= LONGEST_BACKUP
-    doubtful = {i for i, status in enumerate(table.status) if status == "undecidable"}
-    doubtful |= {int(i) for i in np.unique(table.trajectory[inexact]) if short[i]}
-    if not doubtful:
-        return table
-    kept = ~np.isin(table.trajectory, list(doubtful))
+    kept = ~np.isin(table.trajectory, doubtful)
     columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
-    for i in sorted(doubtful):
+    for i in doubtful:
         t0, x0, v0, t_end = problems[i]
         trajectory = simulate(sets[i], t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=most, accuracy=accuracy)
         table.status[i] = trajectory.status

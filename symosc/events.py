@@ -17,7 +17,8 @@ M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^2/m over the next 1/Omega of time, and no
 
 and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its
 Bernstein coefficients, which are all positive. Near a simple root P tells its place to fourth order, so the steps
-converge on it from the left, and two of them suffice. At a start on the wall the known root is divided out of P (one
+converge on it from the left; once P shows that the first root is the only one nearby, its place is improved with the
+true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root is divided out of P (one
 factor s for each derivative that vanishes), so a start is never mistaken for a hit and an immediate return is not
 missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
 
@@ -226,12 +227,18 @@ def polish(tau, side, v0, a0, s0, c0, below, above, K):
 def local_root(over, a, b, w, j, resolution):
     """Return the root near 0 of over + a s + b s^2/2 + w s^3/6 + j s^4/24, by Newton's method.
 
-    A simple root takes a step after the start from the inverted series; a multiple root as many as it needs.
+    A simple root so near that the inverted series has it to `resolution` needs no step, one farther off takes a step or
+    two after the series, a multiple root as many as it needs.
     """
     s = 0.0 * resolution
     if abs(over * b) < 0.1 * a * a:
-        linear = over / a
-        s = -linear * (1.0 + 0.5 * linear * b / a)
+        inverse = 1.0 / a
+        linear = over * inverse
+        B, W = 0.5 * b * inverse * linear, SIXTH * w * inverse * linear * linear
+        s = -linear * (1.0 + B + 2.0 * B * B - W)
+        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(j * inverse * linear * linear * linear)
+        if abs(linear) * missing <= resolution:
+            return s
     for _ in range(MOST_STEPS):
         slope = a + (b + (0.5 * w + SIXTH * j * s) * s) * s
         if slope == 0.0:

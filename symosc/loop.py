@@ -13,7 +13,7 @@ FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 RUNNING, FULL, IN_DOUBT = 0, -1, -2
 
 
-def follow_all(begin, states, t0, counts, codes, most, out_float, out_int, K):
+def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int, K):
     """Follow trajectories from number `begin` on, until all are done or the output is full.
 
     Parameters
@@ -22,6 +22,7 @@ def follow_all(begin, states, t0, counts, codes, most, out_float, out_int, K):
     states : (n, STATE_WIDTH) array, updated; n counts periods since t0.
     t0 : (n,) start times.
     counts, codes : (n,) events so far, and what each trajectory ended with; updated.
+    worst : (n,) largest t_error and x_error so far, relative to max(1, |value|); updated.
     most : events after which a trajectory is FULL.
     out_float, out_int : output rows, (capacity, 6) and (capacity, 5).
     K : Constants
@@ -53,9 +54,11 @@ def follow_all(begin, states, t0, counts, codes, most, out_float, out_int, K):
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                out_float[rows, 0] = t0[i] + (n * TWO_PI + (theta - theta0)) / K.Om
-                out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = x, v, theta
-                out_float[rows, 4], out_float[rows, 5] = t_error, abs(v) * t_error + sqrt(S11)
+                t = t0[i] + (n * TWO_PI + (theta - theta0)) / K.Om
+                x_error = abs(v) * t_error + sqrt(S11)
+                worst[i] = max(worst[i], t_error / max(1.0, abs(t)), x_error / max(1.0, abs(x)))
+                out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = t, x, v, theta
+                out_float[rows, 4], out_float[rows, 5] = t_error, x_error
                 out_int[rows, 0], out_int[rows, 1], out_int[rows, 2] = i, step, boundary
                 out_int[rows, 3], out_int[rows, 4] = source, mode
                 rows += 1

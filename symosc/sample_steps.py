@@ -176,12 +176,13 @@ def _rows(theta: Any, x: Any, v: Any, at: Any, n_end: Any, theta_end: Any, K: Co
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
     states, count = rows.copy(), len(rows)
-    events_of, codes, start = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
+    events_of, codes = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    start, errors = np.zeros(count), np.zeros(count)
     follow_all, begin = _loop(count), 0
     floats, ints = [], []
     while begin < count:
         out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
-        begin, filled = follow_all(begin, states, start, events_of, codes, MOST_EVENTS, out_float, out_int, K)
+        begin, filled = follow_all(begin, states, start, events_of, codes, errors, MOST_EVENTS, out_float, out_int, K)
         floats.append(out_float[:filled, [0, 1, 3]])
         ints.append(out_int[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)

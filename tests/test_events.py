@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symosc import Parameters, events
+from symosc import Parameters, events, load_scene, simulate_many, sticks
 from symosc.bounds import fourth_derivative_bound, positive_on, safe_step
 from symosc.events import HIT, NOTHING, first_exit, march
 from symosc.flow import Constants, derivatives, state_at
@@ -156,3 +157,28 @@ def test_a_phase_turned_by_taylor() -> None:
         with mpmath.workdps(30):
             assert abs(s - mpmath.sin(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
             assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts = {"state_at": 0, "gain": 0}
+
+    def counted(module: Any, function: str) -> None:
+        original = getattr(module, function)
+
+        def call(*arguments: Any) -> Any:
+            counts[function] += 1
+            return original(*arguments)
+
+        monkeypatch.setattr(module, function, call)
+
+    counted(events, "state_at")
+    counted(sticks, "gain")
+    scene = load_scene(name)
+    start = [scene.t0, scene.x0, scene.v0]
+    table = simulate_many(scene.parameters, start, 10**6, max_events=400, use_numba=False)
+    held = np.count_nonzero(table.kind == "slip")
+    assert counts["state_at"] <= 1.02 * (len(table) - held) + 10  # some more before the motion is periodic
+    assert counts["gain"] <= 2 * held + 10
