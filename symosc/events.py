@@ -18,9 +18,9 @@ M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^2/m over the next 1/Omega of time, and no
 and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its
 Bernstein coefficients, which are all positive. Near a simple root P tells its place to fourth order, so the steps
 converge on it from the left; once P shows that the first root is the only one nearby, its place is improved with the
-true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root is divided out of P (one
-factor s for each derivative that vanishes), so a start is never mistaken for a hit and an immediate return is not
-missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
+true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root
+is divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
+immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
 
 Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
 gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken

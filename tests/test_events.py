@@ -85,6 +85,8 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
         scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
         assert dv == pytest.approx(exact[1], abs=1e-12 * scale)
         assert a == pytest.approx(exact[2], abs=1e-11 * scale * K.rate)
+        assert j == pytest.approx(exact[5], abs=1e-11 * scale * K.rate**4)
+        assert (s, c) == pytest.approx(exact[6:8], abs=1e-14)
         marched += tau > 0
         for time in np.linspace(0, tau, 50):
             assert abs(v0 + state_at(time, v0, a0, s0, c0, K)[1]) < 1
