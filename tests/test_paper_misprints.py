@@ -9,6 +9,7 @@ import pytest
 
 from symosc import find_orbit, load_scene
 from symosc.paper.checks import starts
+from symosc.paper.checks.periodic_figures import start_on_orbit
 from symosc.paper.evidence import CONFIRMED, CORRECTED
 from symosc.paper.misprints import Companion, search_parameters, search_start
 from symosc.scenes import Scene
@@ -48,8 +49,10 @@ def test_a_misprinted_start_is_found(name: str) -> None:
 @pytest.mark.slow
 def test_verdicts_follow_from_the_numbers() -> None:
     on_orbit = printed(FIG9)
+    assert starts.start(on_orbit) == start_on_orbit(on_orbit)
     assert starts.misprint(on_orbit).verdict == CONFIRMED
-    shifted = starts.misprint(replace(on_orbit, x0=on_orbit.x0 + 1))
+    shifted = starts.start(replace(on_orbit, x0=on_orbit.x0 + 1))
+    assert "The start is not on the periodic motion" in shifted.finding
     # A0 and mu2 shift the orbit in x, as x0 does: three explanations, and the evidence names them all.
     assert shifted.verdict == CORRECTED
     assert all(name in shifted.finding for name in ("A0 =", "mu2 =", "x0 ="))

@@ -41,6 +41,12 @@ def drawn() -> dict[str, Figure]:
     return {key: PICTURES[key].build() for key in COMPUTED}
 
 
+@pytest.fixture(scope="module")
+def stacked() -> dict[str, Figure]:
+    """Return what phones show."""
+    return {key: PICTURES[key].narrow() for key in COMPUTED}
+
+
 def number_of(key: str) -> str:
     return key.removeprefix("fig").partition("-")[0]
 
@@ -58,6 +64,8 @@ def test_the_ten_figures_and_the_corrected_ones() -> None:
     assert {key: picture.paper_figure for key, picture in PICTURES.items() if picture.paper_figure} == PRINTED
     assert {key for key, picture in PICTURES.items() if picture.paper_figure is None} == CORRECTED | WINDOWS
     assert all(key == picture.key for key, picture in PICTURES.items())
+    assert list(PICTURES)[-4:] == sorted(WINDOWS)
+    assert list(dict.fromkeys(number_of(key) for key in PICTURES))[:10] == [str(number) for number in range(1, 11)]
 
 
 @pytest.mark.parametrize("key", COMPUTED)
@@ -196,8 +204,19 @@ def test_fig10_magnifies_the_printed_start(drawn: dict[str, Figure]) -> None:
 
 
 @pytest.mark.parametrize("key", COMPUTED)
-def test_nothing_overlaps(key: str, drawn: dict[str, Figure]) -> None:
-    drawing = drawn[key]
+def test_phones_get_the_same_panels_above_each_other(
+    key: str, drawn: dict[str, Figure], stacked: dict[str, Figure]
+) -> None:
+    narrow, wide = stacked[key].axes, drawn[key].axes
+    assert [ax.get_ylabel() for ax in narrow] == [ax.get_ylabel() for ax in wide]
+    assert [len(ax.lines) for ax in narrow] == [len(ax.lines) for ax in wide]
+    assert {ax.get_subplotspec().colspan.stop for ax in narrow} == {1}
+
+
+@pytest.mark.parametrize("form", ["drawn", "stacked"])
+@pytest.mark.parametrize("key", COMPUTED)
+def test_nothing_overlaps(key: str, form: str, request: pytest.FixtureRequest) -> None:
+    drawing = request.getfixturevalue(form)[key]
     drawing.draw_without_rendering()
     boxes = [Bbox(ax.get_tightbbox()) for ax in drawing.axes]
     boxes.append(drawing.legends[0].get_window_extent())
@@ -220,14 +239,14 @@ def _no_curve_below(ax: Axes, box: Bbox | None) -> None:
 
 
 @pytest.mark.parametrize("key", COMPUTED)
-def test_texts_are_large_enough_for_a_phone(key: str, drawn: dict[str, Figure]) -> None:
-    drawing = drawn[key]
+def test_texts_are_large_enough_for_a_phone(key: str, stacked: dict[str, Figure]) -> None:
+    drawing = stacked[key]
     points_per_pixel = 72 * drawing.get_size_inches()[0] / 340
     insets = [inset for ax in drawing.axes for inset in ax.child_axes]
     for ax in [*drawing.axes, *insets]:
         sizes = [text.get_fontsize() for text in [*ax.get_xticklabels(), *ax.get_yticklabels(), ax.xaxis.label]]
         sizes += [text.get_fontsize() for text in ax.texts if isinstance(text, Annotation) and text.get_text()]
-        assert min(sizes) / points_per_pixel > 6
+        assert min(sizes) / points_per_pixel > 9
 
 
 @pytest.mark.parametrize("key", COMPUTED)
@@ -279,7 +298,11 @@ def test_signs_that_do_not_hold_are_said_so() -> None:
 )
 def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) -> None:
     picture = PICTURES[key]
-    (axes,) = picture.build().axes
+    drawing = picture.build()
+    drawing.draw_without_rendering()
+    (axes,), (legend,) = drawing.axes, drawing.legends
+    assert not Bbox(axes.get_tightbbox()).overlaps(legend.get_window_extent())
+    assert ("grazing point" in [text.get_text() for text in legend.get_texts()]) is (graze is not None)
     assert axes.get_xlabel() == ("$v_1$" if key == "theorem7-p3" else "$v_2$")
     red = dots(axes, "grazing point")
     assert red == pytest.approx(np.array([graze] if graze else np.empty((0, 2))))

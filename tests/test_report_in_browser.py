@@ -28,6 +28,9 @@ LOOK = """() => {
     const box = image.getBoundingClientRect();
     if (!image.naturalWidth || box.width < 100 || box.height < 50 || !image.checkVisibility()) tell('no image', image);
     if (!image.alt) tell('no alternative text', image);
+    // The smallest letters of pictures have 8 of their points, each 4/3 of a pixel in the natural size.
+    const letters = 8 * 4 / 3 * box.width / image.naturalWidth;
+    if (letters < 9) tell(`picture with letters of ${letters.toFixed(1)}px`, image);
   }
   for (const link of document.querySelectorAll('a')) {
     const target = link.getAttribute('href');
@@ -131,6 +134,8 @@ def test_a_bad_page_is_noticed(browser: Any, tmp_path: Path) -> None:
     page.write_text(
         '<!DOCTYPE html><p id="a">a</p><p id="a" style="color: #999">b</p><a href="#c">c</a>'
         '<img src="none.png" alt="d">'
+        '<img width=300 alt="e" src="data:image/svg+xml,'
+        "<svg xmlns='http://www.w3.org/2000/svg' width='400pt' height='99pt'/>\">"
         '<div style="overflow: hidden; width: 20px; white-space: nowrap">long text</div>'
         '<div style="overflow: auto; width: 20px; white-space: nowrap">long text</div>'
         '<p style="position: absolute; left: 3000px; font-size: 5px">e</p><script>throw Error("oh")</script>'
@@ -138,6 +143,6 @@ def test_a_bad_page_is_noticed(browser: Any, tmp_path: Path) -> None:
     complaints = "\n".join(look_at(browser, page, 360, "light"))
     for word in (
         "page is 30", "no image", "dangling link #c", "id twice: a", "contrast 2.", "not loaded", "clipped",
-        "scrolls without", "outside of the window", "letters of 5px", "oh", "ERR_FILE_NOT_FOUND",
+        "scrolls without", "outside of the window", "letters of 5px", "letters of 6.0px", "oh", "ERR_FILE_NOT_FOUND",
     ):  # fmt: skip
         assert word in complaints, word

@@ -59,7 +59,7 @@ def bad_picture() -> Figure:
 
 
 def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
-    return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."))}
+    return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
 
 
 @pytest.fixture
@@ -98,6 +98,7 @@ def test_every_figure_and_theorem_of_the_paper_has_a_claim() -> None:
 def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
     shown = {PICTURES[key].paper_figure for claim in CLAIMS for key in claim.figures}
     assert shown >= set(range(1, 11))
+    assert {key for claim in CLAIMS for key in claim.figures} == set(PICTURES)
 
 
 def test_derivations_that_claims_name_are_scripts() -> None:
@@ -236,6 +237,7 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "From 0 to v<sub>1</sub>." in html
     assert "<math" in html
+    assert html.count("<source ") == 1  # the picture in the form for phones
     assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
 
 
@@ -280,7 +282,10 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
         ("1.2e-05, 1e+3 and -7", "1.2·10<sup>−5</sup>, 10<sup>3</sup> and −7"),
         ("P4645 of v1.", "P<sub>4645</sub> of v<sub>1</sub>."),
         ("x'' + x' = 0 <b>", "ẍ + ẋ\u00a0=\u00a00 &lt;b&gt;"),
-        ("fig7-corrected, DOP853, version v0.1, the mass's", "fig7-corrected, DOP853, version v0.1, the mass's"),
+        ("F⁽ˡᵒ⁾ at ∂Ωᵢⱼ, μ FN", "F<sup>(lo)</sup> at ∂Ω<sub>ij</sub>, μ F<sub>N</sub>"),
+        ("x0 = −3.1049009630…, −(c/m)", "x<sub>0</sub>\u00a0=\u00a0−3.1049009630…, −\u2060(c/m)"),
+        ("fig7-corrected and fig10: belt2", "Fig.\u00a07 (corrected) and Fig.\u00a010: belt\u00a02"),
+        ("DOP853, version v0.1, the mass's", "DOP853, version v0.1, the mass's"),
     ],
 )
 def test_formulas_in_text(text: str, html: str) -> None:

@@ -22,7 +22,6 @@ PARTS = {
     "theorems": "Theorems 4 to 7",
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
-    "starts": "The printed starting points",
 }
 REQUIRED = ("id", "source", "says", "check", "verdict")
 LISTS = ("figures",)

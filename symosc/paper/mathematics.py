@@ -44,7 +44,9 @@ def chapter_html(latex: str, level: int = 3) -> str:
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
     parts = text.split("$")
-    return "".join(formula(part) if odd % 2 else _plain(part) for odd, part in enumerate(parts))
+    html = "".join(formula(part) if odd % 2 else _plain(part) for odd, part in enumerate(parts))
+    # No line begins with the comma after a formula.
+    return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
 
 
 def formula(latex: str, display: bool = False) -> str:

@@ -30,8 +30,8 @@ from symosc.paper.views import (
 from symosc.plot import assemble
 from symosc.scenes import load_scene
 
-# Two columns in this width (inches) stay legible on a phone, where a point of it is about a pixel.
-WIDTH = 5.2
+# In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
+WIDTHS = {2: 5.2, 1: 3.4}
 # A printed start that is nearer to the orbit than this fraction of the axis is magnified in an inset.
 NEAR = 0.02
 # Where that inset is (fractions of the axes), and room for texts and marks beyond the curves (of the axis).
@@ -40,13 +40,13 @@ GAP_ROOM, START_ROOM = 0.15, 0.06
 START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
 
 
-def stick_figure(name: str) -> Figure:
+def stick_figure(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 5 or 6: (a) displacement, (b) velocity, (c) phase plane, (d) forces."""
     view = stick_view(name)
-    return _paper_form([(PANELS[letter], view) for letter in "abcd"])
+    return _paper_form([(PANELS[letter], view) for letter in "abcd"], columns)
 
 
-def grazing_figure_P2(name: str) -> Figure:
+def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
     first, several = first_period_view(name), several_periods_view(name)
     periods = partial(_velocity_of_periods, start=start_time(name), period=period(name))
@@ -56,23 +56,23 @@ def grazing_figure_P2(name: str) -> Figure:
         (periods, several),
         (PANELS["c"], several),
     ]
-    return _paper_form(panels, tall=1 if first.magnified else None)
+    return _paper_form(panels, columns, tall=1 if first.magnified else None)
 
 
-def grazing_figure_P3(name: str) -> Figure:
+def grazing_figure_P3(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 8: (a) displacement, (b) velocity, (c) velocity near the stick, (d) phase plane."""
     view = grazing_view(name)
     panels = [(PANELS["a"], view), (PANELS["b"], view), (PANELS["b"], stick_close_up(name)), (PANELS["c"], view)]
-    return _paper_form(panels, tall=1)
+    return _paper_form(panels, columns, tall=1)
 
 
-def motion_figure(name: str) -> Figure:
+def motion_figure(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 9 or 10 from the printed start: as Fig. 5, then (e), (f) forces against displacement and velocity."""
     view = motion_view(name)
-    return _paper_form([(PANELS[letter], view) for letter in "abcdef"])
+    return _paper_form([(PANELS[letter], view) for letter in "abcdef"], columns)
 
 
-def orbit_figure(name: str) -> Figure:
+def orbit_figure(name: str, columns: int = 2) -> Figure:
     """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start beside it."""
     view, scene = orbit_view(name), load_scene(printed_scene(name))
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
@@ -80,11 +80,11 @@ def orbit_figure(name: str) -> Figure:
     for letter, start in (("a", (t, x)), ("b", (t, v))):
         panels[letter] = partial(_with_start, panel=PANELS[letter], start=start)
     panels["c"] = partial(_phase_plane_with_start, start=(x, v))
-    return _paper_form([(panel, view) for panel in panels.values()])
+    return _paper_form([(panel, view) for panel in panels.values()], columns)
 
 
-def _paper_form(panels: list[tuple[Panel, View]], tall: int | None = None) -> Figure:
-    return assemble(panels, 2, WIDTH, tall=tall)
+def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None = None) -> Figure:
+    return assemble(panels, columns, WIDTHS[columns], tall=tall)
 
 
 # --- panels that only the paper has ---

@@ -36,6 +36,8 @@ class Picture:
         Draws it; can be pickled.
     describe : callable
         Returns the caption, with the numbers computed.
+    narrow : callable, optional
+        Draws it for the screen of a phone, its panels above each other.
     """
 
     key: str
@@ -44,6 +46,7 @@ class Picture:
     paper_figure: int | None
     build: Callable[[], Figure]
     describe: Callable[[], str]
+    narrow: Callable[[], Figure] | None = None
 
     @property
     def caption(self) -> str:
@@ -55,12 +58,18 @@ def _drawn(build: Callable[[], Figure], describe: Callable[[], str], number: int
     return Picture(f"fig{number}", f"Fig. {number}: {title}", alt, number, build, describe)
 
 
-def _computed(form: tuple[Callable[[str], Figure], Callable[[str], str]], scene: str, title: str, alt: str) -> Picture:
+def _computed(form: tuple[Callable[..., Figure], Callable[[str], str]], scene: str, title: str, alt: str) -> Picture:
     build, describe = form
     number, _, corrected = scene.removeprefix("fig").partition("-")
     heading = f"Fig. {number}{', corrected' if corrected else ''}: {title}"
     return Picture(
-        scene, heading, alt, None if corrected else int(number), partial(build, scene), partial(describe, scene)
+        scene,
+        heading,
+        alt,
+        None if corrected else int(number),
+        partial(build, scene),
+        partial(describe, scene),
+        partial(build, scene, columns=1),
     )
 
 
@@ -112,7 +121,6 @@ _ALL = (
         title="basic mappings",
         alt="Arcs in the strips of the phase plane and pieces of the boundaries, labelled P1 to P8.",
     ),
-    *map(_window, SCENES),
     _computed(
         STICK,
         "fig5",
@@ -179,7 +187,8 @@ _ALL = (
         title="the periodic orbit P4645",
         alt="The orbit is a closed loop with two straight pieces on belt 2; the printed start lies close to it.",
     ),
+    *map(_window, SCENES),
 )
 
-#: Every picture by its key, in the paper's order.
+#: Every picture by its key: the paper's figures in its order, then Theorem 7.
 PICTURES: dict[str, Picture] = {picture.key: picture for picture in _ALL}

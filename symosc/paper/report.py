@@ -33,6 +33,19 @@ BADGES = {
     UNDECIDED: ("undecided", "?"),
     ERROR: ("failed", "!"),
 }
+#: Words and symbols that the findings use without explaining them each time.
+WORDS = {
+    "F(1), F(2), F(3)": "The acceleration in each domain, eq. (9); F⁽ˡᵒ⁾ and F⁽ʰⁱ⁾ are those below and above a belt.",
+    "G⁽⁰⁾, G⁽¹⁾, G⁽²⁾, …": "F and its derivatives along the flow; G(1,2) is the first one in domain 2.",
+    "P1 to P8": "The motions from one contact with a belt to the next, Fig. 4. P32 is P2, then P3.",
+    "stick, slip, graze": "The mass begins to move with a belt; it leaves that belt; its velocity touches a belt's and "
+    "returns.",
+    "rational or exact contact": "Parameters, place and the sine and cosine of the phase are rational numbers: what "
+    "happens there is decided exactly, without rounding.",
+    "exact start": "The start next to the printed one from which the motion grazes, with 40 digits.",
+    "residual": "What is left of an equation, 0 in theory, where computed numbers are put in.",
+    "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
+}
 NAMES = ("report.html", "report.md", "report.json")
 FIGURES, DERIVATIONS = "figures", "derivations"
 
@@ -109,11 +122,12 @@ def files(results: Results) -> dict[str, str]:
     found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
     found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
     parts = {part: title for part, title in PARTS.items() if any(each.claim.part == part for each in results.judged)}
-    context = {**content, "parts": parts, "badges": BADGES, "groups": _groups(content["figures"])}
+    context = {**content, "parts": parts, "badges": BADGES, "groups": _groups(content["figures"]), "words": WORDS}
     images = {key: _data_uri(each.svg) for key, each in drawn.items()}
+    narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}
     proofs = {subject: Markup(chapter_html(each.latex, level=4)) for subject, each in chapters.items()}
     found["report.md"] = _render("report.md.j2", context)
-    found["report.html"] = _render("report.html.j2", {**context, "images": images, "proofs": proofs})
+    found["report.html"] = _render("report.html.j2", {**context, "images": images, "narrow": narrow, "proofs": proofs})
     found["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     return found
 

@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
+from matplotlib.figure import Figure
 from pebble import ProcessExpired, ProcessPool
 
 from symosc.errors import ParameterError
@@ -110,10 +111,11 @@ class Judged:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A picture's file, and its caption."""
+    """A picture's file, its caption, and what a phone shows in place of it, if that is another file."""
 
     svg: str
     caption: str
+    narrow: str = ""
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,8 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
         How many processes; default: one per processor. 0: none, everything is done in this one, without time limits.
     """
     begin = perf_counter()
-    # The longest first (chapters, and the searches of the last part), so that no worker is left alone with one.
+    # The longest first (chapters, and the searches, which are among the last claims), so that no worker is left alone
+    # with one.
     tasks: Tasks = {}
     tasks |= {("chapter", subject): partial(derive, subject) for subject in plan.subjects}
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
@@ -266,11 +269,14 @@ def judge(check: Callable[[], Evidence]) -> Evidence:
 
 def draw(picture: Picture) -> Drawn:
     """Return a picture as SVG, with its caption, whose numbers are computed as well."""
+    return Drawn(_svg(picture.build), picture.caption, _svg(picture.narrow) if picture.narrow else "")
+
+
+def _svg(build: Callable[[], Figure]) -> str:
     from symosc import plot
 
     with TemporaryDirectory() as scratch:
-        path = plot.save(picture.build(), Path(scratch) / "picture.svg")
-        return Drawn(path.read_text(encoding="utf-8"), picture.caption)
+        return plot.save(build(), Path(scratch) / "picture.svg").read_text(encoding="utf-8")
 
 
 def derive(subject: str) -> Chapter:

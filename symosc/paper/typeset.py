@@ -14,12 +14,17 @@ GREEK = {
 }  # fmt: skip
 SIGNS = {">=": "≥", "<=": "≤", "!=": "≠", "->": "→", "+-": "±", "x'''": "x‴", "x''": "ẍ", "x'": "ẋ", " - ": " − "}
 LETTER = r"(?<![^\W_\d])([A-Za-zα-ωΑ-Ωẋẍ])"  # alone, not the end of a word
-RAISED, LOWERED = "[⁰¹²³⁴-⁹⁺⁻⁼⁽⁾ⁱⁿᵅ]+", "[₀-₉₊₋₌₍₎ₐ-ₜᵢ-ᵥ]+"
+RAISED, LOWERED = "[⁰¹²³⁴-⁹⁺⁻⁼⁽⁾ʰⁱˡⁿᵅᵒ]+", "[₀-₉₊₋₌₍₎ₐ-ₜᵢ-ᵥⱼ]+"
 PLAIN: list[tuple[str, Replacement]] = [
+    # Names that are for the command line.
+    (r"\bfig(\d+)\b(?!-)", "Fig.\u00a0\\1"),
+    (r"\bfig(\d+)-(\w+)", "Fig.\u00a0\\1 (\\2)"),
+    (r"\bbelt([12])\b", "belt\u00a0\\1"),
     (rf"(?<![A-Za-z])({'|'.join(GREEK)})(?![A-Za-z])", lambda found: GREEK[found[1]]),
     (r"(?<![A-Za-z])oo\b", "∞"),
-    (r" = (?=[\w.−-]{1,12}(?![\w.]))", "\u00a0=\u00a0"),  # a short equation stays on its line
+    (r" = (?=[\w.…−-]{1,16}(?![\w.…]))", "\u00a0=\u00a0"),  # a short equation stays on its line
     (r"(^|[\s(\[{=<>≤≥≠,;:|/·])-(?=[\w.(∞])", r"\1−"),
+    (r"−(?=\()", "−\u2060"),  # no line ends with a sign
 ]
 MARKED: list[tuple[str, Replacement]] = [
     (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: _power_of_ten(*found.groups())),
@@ -27,7 +32,7 @@ MARKED: list[tuple[str, Replacement]] = [
     (LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: _lowered(*found.groups())),
     (r"\b(d?[FG])\((\d(?:, ?[\dα])?)\)", r"\1<sup>(\2)</sup>"),
     (LETTER + r"(\d+)(?!\w|\.\d|<)", r"\1<sub>\2</sub>"),
-    (r"\bFN\b", "F<sub>N</sub>"),
+    (r"(?<![A-Za-z])FN\b", "F<sub>N</sub>"),
     # One look for all: the raised and lowered characters of Unicode too.
     (RAISED, lambda found: f"<sup>{normalize('NFKC', found[0]).replace('ɑ', 'α')}</sup>"),
     (LOWERED, lambda found: f"<sub>{normalize('NFKC', found[0])}</sub>"),

@@ -6,6 +6,7 @@ from fractions import Fraction
 from math import pi
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from symosc.grazing import grazing_window
@@ -13,6 +14,7 @@ from symosc.model import Parameters
 from symosc.panels import SWITCH
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
+from symosc.plot import STYLE
 from symosc.plot_grazing import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation import simulate
@@ -22,19 +24,34 @@ from symosc.windows import place
 #: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
 #: the one that is about that belt.
 SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
+# In inches: as wide as Figs. 1 to 4, and legible on a phone.
+SIZE = 3.6, 3.1
 
 
 def window_sweep(mapping: str) -> Figure:
     """Draw when a mapping grazes (Theorem 7 as printed) against its belt's speed, and the graze of its scene."""
     where, name = place(mapping), f"v{place(mapping).boundary}"
     drawing = sweep_figure(_room(mapping), mapping, name, *_range(mapping), order="paper")
+    drawing.set_size_inches(SIZE)
     (axes,) = drawing.axes
     axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
+    for area in axes.collections:
+        area.set_linewidth(1.0)  # no seam where two areas meet
+    (given,) = [line for line in axes.lines if line.get_label() == "given value"]
+    given.set_label(f"$v_{where.boundary}$ in Fig. {_number(mapping)}")
     graze = _graze(mapping)
     if graze is not None:
         style: dict[str, Any] = {"color": SWITCH, "ms": 5.4, "mec": "white", "mew": 0.4, "zorder": 6, "clip_on": False}
-        axes.plot(float(graze.v), float(graze.theta), "o", label="grazing point", **style)
+        axes.plot(float(graze.v), float(graze.theta), "o", label="grazing point", ls="", **style)
+    drawing.legends[0].remove()
+    with rc_context(STYLE):
+        drawing.legend(loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
     return drawing
+
+
+def _number(mapping: str) -> str:
+    """Return the number of the paper's figure whose parameters are taken."""
+    return printed_scene(SCENES[mapping]).removeprefix("fig")
 
 
 def _equality(mapping: str) -> Fraction:
@@ -66,17 +83,17 @@ def _graze(mapping: str) -> Event | None:
 def window_caption(mapping: str) -> str:
     """Return the caption of `window_sweep`."""
     where, p = place(mapping), load_scene(SCENES[mapping]).parameters
-    figure = printed_scene(SCENES[mapping]).removeprefix("fig")
     case = grazing_window(p, mapping, "paper").case.strip("()").partition(".")[2]
     graze = _graze(mapping)
     red = "" if graze is None else f"; red dot: its graze at t = {number(float(graze.t), 7)}"
     speed = f"v{where.boundary}"
+    critical = "Θ^{cr}"
     return (
-        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωt_m, 2π) at which {mapping}, a motion in domain "
+        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a motion in domain "
         f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed {speed}, which makes "
-        f"γ = k {speed}/m and so the case. Dashed: Θcr and π − Θcr, which do not belong to it; white dots: "
-        f"|γ| = B0 Ω/m. Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
-        f"{_left_out(mapping)}{listed_parameters(p)}."
+        f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 Ω)) and π − {critical}, "
+        f"which do not belong to it; white dots: |γ| = B0 Ω/m. Dotted: {speed} in Fig. {_number(mapping)}, case {case} "
+        f"of ({where.equation}){red}. {_left_out(mapping)}{listed_parameters(p)}."
     )
 
 
@@ -91,6 +108,6 @@ def _left_out(mapping: str) -> str:
     quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
     phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
     return (
-        f"The white dot at {name} = {number(float(speed))}, {phase} grazes too: there the first two derivatives of the "
-        "force vanish and the third decides. "
+        f"The white dot at {name} = {number(float(speed))}, {phase} grazes too: there the force and its first two "
+        "derivatives vanish and the third decides. "
     )

@@ -81,7 +81,7 @@ def friction_levels() -> Evidence:
         "rational parameter sets and domains": str(total),
         "F_f not the sum of both belts' Coulomb friction": str(wrong_coulomb),
         "A_α − A₀ not -F_f": str(wrong_motion),
-        "levels of fig. 5": ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3)),
+        "levels of Fig. 5": ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3)),
     }
     right = wrong_coulomb == wrong_motion == 0
     finding = "F_f is the friction of both belts as a resistance: it stands with a minus on the right of (5)"
@@ -164,16 +164,16 @@ def stick_condition() -> Evidence:
                 wrong_strict += (abs(force) < held) != contact.sticks
     numbers = {
         "rational contacts with both belts": str(total),
-        "|Fₛ| ≤ μFN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": str(differs),
-        "|Fₛ| not μFN, and the exact flow does otherwise": str(wrong_strict),
-        "|Fₛ| = μFN": str(equal),
+        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": str(differs),
+        "|Fₛ| not μ FN, and the exact flow does otherwise": str(wrong_strict),
+        "|Fₛ| = μ FN": str(equal),
         "of them the mass stays on the belt": str(stays),
         "of them it leaves at once": str(leaves),
     }
     if differs or wrong_strict:
         return Evidence(NOT_AS_PRINTED, f"Wrong at {differs + wrong_strict} of {total} contacts.", numbers)
-    finding = f"|Fₛ| ≤ μFN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without equality. "
-    finding += f"At |Fₛ| = μFN the mass leaves at once in {leaves} of {equal} cases; Theorem 4 has < there."
+    finding = f"|Fₛ| ≤ μ FN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without equality. "
+    finding += f"At |Fₛ| = μ FN the mass leaves at once in {leaves} of {equal} cases; Theorem 4 has < there."
     return Evidence(CORRECTED if leaves else CONFIRMED, finding, numbers)
 
 
@@ -224,7 +224,7 @@ def friction_order() -> Evidence:
     wrong = sum((contact.force(contact.boundary) > 0 > contact.force(contact.boundary + 1)) != contact.sticks
                 for contact in reversed_)  # fmt: skip
     numbers = {
-        "events of figs. 5, 6, 8, 9, 10 compared with their mirror image": str(events),
+        "events of Figs. 5, 6, 8, 9, 10 compared with their mirror image": str(events),
         "figures whose mirror image has other events": str(other),
         "largest difference of t and x": f"{worst:.2g}",
         "rational contacts with μ₁ < μ₂": str(len(reversed_)),
@@ -266,7 +266,7 @@ def frequency() -> Evidence:
         event = motion.events[0]
         force = float(motion.force(2, event.t))
         found[words] = (float(event.t), abs(force))
-    numbers = {"√(k/m) of fig. 8": f"{sqrt(p.k / p.m):g}"}
+    numbers = {"√(k/m) of Fig. 8": f"{sqrt(p.k / p.m):g}"}
     for words, (t, force) in found.items():
         numbers[f"Ω = 2 as {words}: first contact at t"] = f"{t:.10g}"
         numbers[f"Ω = 2 as {words}: |F⁽²⁾| there (0 is a graze)"] = f"{force:.2g}"
@@ -288,8 +288,10 @@ def motion_states() -> Evidence:
     p = load_scene("fig10").parameters.replace(mu2=0)
     scene = load_scene("fig10")
     without = simulate(p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, max_events=60)
-    numbers = {f"stretches in {mode}": str(counts.get(mode, 0)) for mode in MODE_NAMES.values()}
-    numbers["sticks on belt 2 of fig. 10 without friction there"] = str(without.word.count("P4"))
+    numbers = {}
+    for mode in MODE_NAMES.values():
+        numbers[f"stretches {'on' if mode.startswith('belt') else 'in'} {mode}"] = str(counts.get(mode, 0))
+    numbers["sticks on belt 2 of Fig. 10 without friction there"] = str(without.word.count("P4"))
     right = set(counts) == set(MODE_NAMES.values()) and len(counts) == 5
     finding = f"{len(counts)} states occur in the motions of the paper's figures: three domains and two belts"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}.", numbers)
@@ -325,7 +327,7 @@ def vector_fields() -> Evidence:
     numbers = {
         "rational states and domains": str(total),
         "(9) not Newton's law with Coulomb's friction": str(wrong),
-        "jumps that are not 2 μFN/m": str(jumps),
+        "jumps that are not 2 μ FN/m": str(jumps),
     }
     finding = f"(9) agrees with Newton's law and Coulomb's friction in {total - wrong} of {total} exact cases"
     return Evidence(NOT_AS_PRINTED if wrong or jumps else CONFIRMED, f"{finding}.", numbers)

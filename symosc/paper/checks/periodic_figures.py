@@ -90,16 +90,6 @@ def orbit_exists(scene: Scene) -> Evidence:
     return Evidence(verdict(found.periods == 1 and found.stable), finding, numbers)
 
 
-def fig9_start() -> Evidence:
-    """Check that the printed start of Fig. 9 is on the periodic motion."""
-    return start_on_orbit(load_scene("fig9"))
-
-
-def fig10_start() -> Evidence:
-    """Check that the printed start of Fig. 10 is on the periodic motion."""
-    return start_on_orbit(load_scene("fig10"))
-
-
 def start_on_orbit(scene: Scene) -> Evidence:
     """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
     found = orbit_of(scene)
@@ -118,7 +108,7 @@ def start_on_orbit(scene: Scene) -> Evidence:
     }
     for i, (before, after) in enumerate(pairwise(states)):
         dx, dv = after - before
-        numbers[f"change of x, ẋ over period {i + 1}"] = f"{dx:+.7f}, {dv:+.7f}"
+        numbers[f"change of x, ẋ over period {i + 1}"] = f"{dx:+.5g}, {dv:+.5g}"
     name = f"the periodic motion {lowered(found.word)}"
     finding = f"The start is on {name}, to all printed digits."
     if not on_orbit:

@@ -120,7 +120,7 @@ def _complete(mappings: tuple[str, ...]) -> Evidence:
         return Evidence(NOT_AS_PRINTED, f"{several} pairs have several cases.", numbers)
     if not missing:
         return Evidence(CONFIRMED, "Every pair has exactly one case.", numbers)
-    words = ", ".join(f"γ = {'-' if ratio == -1 else ratio} B₀Ω/m" for ratio in sorted(missing))
+    words = ", ".join(f"γ = {'−' if ratio == -1 else f'{ratio} '}B₀Ω/m" for ratio in sorted(missing))
     finding = f"No case for {words}; {grazing} of the contacts there graze"
     return Evidence(CORRECTED, f"{finding}.", numbers)
 

@@ -74,7 +74,7 @@ def without_force() -> Evidence:
                 "what happens there": f"{event.kind}, {event.source} -> {event.target}",
             }
     numbers = {
-        "arrivals at a belt in figs. 5, 6, 8, 9, 10": str(arrivals),
+        "arrivals at a belt in Figs. 5, 6, 8, 9, 10": str(arrivals),
         "of them grazes": str(grazes),
         "phase in the printed window, no graze": str(inside),
     } | shown

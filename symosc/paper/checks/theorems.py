@@ -83,7 +83,7 @@ def _judge(
         for alpha in (lo, hi):
             numbers[f"F({alpha}) there"] = str(contact.force(alpha))
             numbers[f"G(1,{alpha}) there"] = str(contact.slope(alpha))
-        numbers["what happens there"] = f"goes on in {contact.next_mode}"
+        numbers["what happens there"] = f"goes on {'on' if contact.sticks else 'in'} {contact.next_mode}"
     if generic or not all(_simulated(boundary)):
         verdict, finding = NOT_AS_PRINTED, f"wrong at {len(generic)} of {len(cases)} contacts without {words[1]}"
     elif wrong:
@@ -277,14 +277,14 @@ def time_labels() -> Evidence:
         after += motion.mode(float(event.t) + step) == event.target
     ours = "tₘ₋" if before == events else "tₘ₊"  # tm- = tm - 0 (after (17)): the side on which the source is
     numbers = {
-        "crossings of figs. 5, 6, 9 and 10": str(events),
+        "crossings of Figs. 5, 6, 9 and 10": str(events),
         "in the domain they come from at tₘ − 1e-6": str(before),
         "in the domain they go to at tₘ + 1e-6": str(after),
         "the paper's name of the time before": BEFORE,
-        "its name by t± = t ± 0": ours,
+        "its name by tₘ₋ = tₘ − 0": ours,
     }
     same = ours == BEFORE
-    finding = f"the time before a contact is {ours} by the definition t± = t ± 0, {BEFORE} by the words after (19)"
+    finding = f"the time before a contact is {ours} by the definition tₘ₋ = tₘ − 0, {BEFORE} by the words after (19)"
     return Evidence(CONFIRMED if same else NOT_AS_PRINTED, f"At all {events} crossings {finding}.", numbers)
 
 
