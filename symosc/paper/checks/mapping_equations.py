@@ -175,7 +175,7 @@ def _stick_exits(boundary: int, equation: int) -> Evidence:
     total, right = sum(exits.values()), sum(satisfied.values())
     numbers = {"sticks that end": str(total)}
     for target in sorted(exits):
-        scenes = ", ".join(f"{name} {count}" for (name, into), count in sorted(by_scene.items()) if into == target)
+        scenes = ", ".join(f"{count} in {name}" for (name, into), count in sorted(by_scene.items()) if into == target)
         numbers[f"into {target}"] = f"{exits[target]} ({scenes})"
         numbers[f"into {target}: ({equation}) satisfied"] = f"{satisfied[target]} of {exits[target]}"
     numbers |= {
