@@ -357,6 +357,20 @@ def test_results_are_written_into_the_readme(
     assert [file.read_bytes() for file in written] == before
 
 
+def test_what_a_looser_accuracy_saves_is_said() -> None:
+    times = {("fig5", 1e-9): 0.2, ("fig5", 1e-13): 0.2, ("fig8", 1e-9): 8, ("fig8", 1e-13): 2000}
+    rows = [
+        {"scene": scene, "solver": OURS[0].name, "tolerance": tolerance, "us_per_event": time, "error": 2e-12}
+        for (scene, tolerance), time in times.items()
+    ]
+    assert results.looser({"rows": rows}).splitlines() == [
+        "Where doubles cannot keep errors below 1e-13, symosc takes more digits, and its time.",
+        "With `accuracy=1e-09` fig8 takes 8 instead of 2000 µs per event,",
+        "and has an error of 2e-12.",
+    ]
+    assert results.looser({"rows": rows[:2]}) == ""
+
+
 def test_the_speed_section_has_the_numbers() -> None:
     text = speed.section(SPEED)
     assert "| fig5" in text

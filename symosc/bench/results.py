@@ -106,7 +106,7 @@ errors are of event times and positions against {work_precision.DIGITS} digits, 
 
 Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
 missed or invented. Our time is that of {_over_floor(work)} closed-form evaluations ({work["floor_ns"]:.1f} ns each).
-{_heyoka(work)}{_looser(work)}[All tolerances, and what precautions the solvers need]({FOLDER}/work_precision.md).
+{_heyoka(work)}{looser(work)}[All tolerances, and what precautions the solvers need]({FOLDER}/work_precision.md).
 
 {work_table.summary(work)}
 
@@ -140,23 +140,23 @@ def _heyoka(work: dict[str, Any]) -> str:
     return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
 
 
-def _looser(work: dict[str, Any]) -> str:
-    """Return a sentence about scenes in which a looser accuracy than the default saves us most of the time, if any."""
+def looser(work: dict[str, Any]) -> str:
+    """Return what a looser accuracy than the default saves us, for the scenes where that is most of the time."""
     ours: dict[str, list[dict[str, Any]]] = {}
     for row in work["rows"]:
         if row["solver"] == work_precision.OURS.name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
-    parts = []
+    lines = []
     for scene, rows in ours.items():
         loose, fine = rows[0], rows[-1]
-        times = [work_table.rounded(row["us_per_event"], 2) for row in (loose, fine)]
         if loose["us_per_event"] < SAVES * fine["us_per_event"]:
-            parts.append(
-                f"With `accuracy={loose['tolerance']:g}` {scene} takes {times[0]} instead of {times[1]} µs per"
-            )
-            parts[-1] += f" event, with an error of {loose['error']:.0e}."
-    default = f"Where doubles cannot keep errors below {ACCURACY:g}, symosc takes more digits, and its time."
-    return "\n".join([default, *parts]) + "\n" if parts else ""
+            times = [work_table.rounded(row["us_per_event"], 2) for row in (loose, fine)]
+            option = f"`accuracy={loose['tolerance']:g}`"
+            lines.append(f"With {option} {scene} takes {times[0]} instead of {times[1]} µs per event,")
+            lines.append(f"and has an error of {loose['error']:.0e}.")
+    if lines:
+        lines.insert(0, f"Where doubles cannot keep errors below {ACCURACY:g}, symosc takes more digits, and its time.")
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _hard_tables(cases: dict[str, Any]) -> str:
