@@ -127,7 +127,8 @@ formula everywhere, below as symosc evaluates it, with the borders between its f
 
 def _over_floor(work: dict[str, Any]) -> str:
     rows = [row for row in work["rows"] if row["solver"] == work_precision.OURS.name and row["over_floor"]]
-    return ", ".join(f"{work_table.rounded(row['over_floor'], 2)} ({row['scene']})" for row in rows)
+    finest = {row["scene"]: row["over_floor"] for row in rows}
+    return ", ".join(f"{work_table.rounded(multiple, 2)} ({scene})" for scene, multiple in finest.items())
 
 
 def _heyoka(work: dict[str, Any]) -> str:
