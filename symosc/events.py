@@ -151,13 +151,14 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
+    Where the bound allows it, steps are strides.
 
     Returns
     -------
     (tau, dv, a, b, w, j, s, c, M4)
         A time up to which no wall is met, and velocity gain, derivatives, sine and cosine of the phase and bound there.
     """
-    M = K.march
+    M, long = K.march, False
     Om2 = K.Om * K.Om
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
@@ -167,17 +168,23 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
     room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack
     has_below = has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below)
     has_above = has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above)
+    square = K.stride.step * K.stride.step
+    reach = 0.25 * SIXTH * square * square
     tau = 0.0 * tau_max
     dv = tau
     while tau + M.step < tau_max:
+        free = True
         if has_below:
             p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, a, b, w, M4, on_below and tau == 0.0)
-            if not positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4):
-                break
-        if has_above:
+            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
+        if has_above and free:
             p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -a, -b, -w, M4, on_above and tau == 0.0)
-            if not positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4):
+            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
+        if not free:
+            if not long:
                 break
+            M, long = K.march, False
+            continue
         tau = tau + M.step
         v_free, a_free = M.C * v_free + M.E1 * a_free, M.D * v_free + M.E0 * a_free
         s, c = M.c * s + M.s * c, M.c * c - M.s * s
@@ -189,6 +196,13 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
         dv = v_free + v_steady - v0
         a, b, w = a_free + K.Om * u_steady, b_free - Om2 * v_steady, w_free - Om2 * K.Om * u_steady
         j = j_free + Om2 * Om2 * v_steady
+        least = reach * M4
+        long = (
+            (not has_below or below + dv + min(a, 0.0) * K.stride.step > least)
+            and (not has_above or above - dv - max(a, 0.0) * K.stride.step > least)
+            and tau + K.stride.step < tau_max
+        )
+        M = K.stride if long else K.march
     return tau, dv, a, b, w, j, s, c, M4
 
 

@@ -23,6 +23,8 @@ LONGEST_PHASE = 50
 SIGMAS = Fraction(8)
 # Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
 MARCH_STEP = 1.0
+# ... and where nothing moves as fast as that any more, because the drive is slow and the transient has died away.
+STRIDE = 4.0
 
 
 class BeltConstants(NamedTuple):
@@ -85,6 +87,7 @@ class Constants(NamedTuple):
     belt1: BeltConstants
     belt2: BeltConstants
     march: MarchConstants
+    stride: MarchConstants
 
 
 def constants(
@@ -150,14 +153,18 @@ def constants(
         belt1=belts[0],
         belt2=belts[1],
         march=MarchConstants(*[number(Fraction(0))] * 7),
+        stride=MarchConstants(*[number(Fraction(0))] * 7),
     )
 
 
 def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constants:
-    """Return K with the constants for marching, from the entire functions at one step."""
-    step = MARCH_STEP / K.rate
-    E0, E1, E2, _, _, s, c = basis(step, K)
-    return K._replace(march=MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c))
+    """Return K with the constants for marching, from the entire functions at one step and at one stride."""
+
+    def constants_of(step: Any) -> MarchConstants:
+        E0, E1, E2, _, _, s, c = basis(step, K)
+        return MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c)
+
+    return K._replace(march=constants_of(MARCH_STEP / K.rate), stride=constants_of(STRIDE * MARCH_STEP / K.rate))
 
 
 def _belt_constants(
