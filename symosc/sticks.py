@@ -100,7 +100,7 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
         if turning and abs(over) <= noise:
             return TANGENCY, side, end, Delta_end, zero, zero
         if over >= 0.0:
-            return exit_root(force, side, tau, end, s, c, theta, s0, c0, belt, K)
+            return exit_root(force, side, tau, end, Delta, s, c, theta, s0, c0, belt, K)
         tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
     return NOTHING, 0, tau_max, Delta, zero, zero
 
@@ -111,20 +111,25 @@ def force_noise(F_below, tau, S11, belt, K):
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
-def exit_root(force, side, low, high, s, c, theta, s0, c0, belt, K):
+def exit_root(force, side, low, high, Delta, s, c, theta, s0, c0, belt, K):
     """Return the only root of force + Delta in [low, high], on which Delta is monotone, as `belt_exit` does.
 
     Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative;
-    the first from the inflection of Delta (cos(theta) = 0), where it is steepest, if that lies inside, from `low`
-    otherwise: sine and cosine of the phase are known there (s and c at `low`). Halving when a step leaves the bracket
+    the first from `low` or from the inflection of Delta (cos(theta) = 0), where it is steepest, whichever is nearer to
+    the root: there sine and cosine of the phase are known (s and c at `low`). Halving when a step leaves the bracket
     or the steps do not shrink.
     """
-    rising_sine = 1.0 if side * K.fB < 0.0 else -1.0
-    inflection = wrapped(0.5 * rising_sine * PI - theta) / K.Om
-    tau = low
+    sine = 1.0 if side * K.fB < 0.0 else -1.0
+    inflection = wrapped(0.5 * sine * PI - theta) / K.Om
+    tau, over = low, force + Delta
     if low < inflection < high:
-        tau, s, c = inflection, rising_sine + 0.0 * c, 0.0 * c
-    over = stick_acceleration(force, belt.v, tau, c - c0, K.w0sq, K.f0)
+        there = stick_acceleration(force, belt.v, inflection, -c0, K.w0sq, K.f0)
+        if abs(there) < abs(over):
+            tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
+        if side * there > 0.0:
+            high = inflection
+        else:
+            low = inflection
     slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
     Om2 = K.Om * K.Om
     fourth, step_before, exact = abs(K.fB) * K.Om * Om2, 2.0 * (high - low), False
@@ -139,7 +144,7 @@ def exit_root(force, side, low, high, s, c, theta, s0, c0, belt, K):
             change = -SIXTH * third * step * step * step / incline
             step = step + change
         size = abs(step)
-        if exact:  # the first point is a guess: c - c0 may have lost digits
+        if exact:  # the first point is a guess, for which digits may have been lost
             if over == 0.0:
                 return HIT, side, tau, -force, slope, bend
             if useful:

@@ -30,6 +30,7 @@ class BasisMP:
         self.w0sq = parameters.k / parameters.m
         self.Om = parameters.Omega
         self.guard_bits = self._guard_bits()
+        self._known_roots: dict[int, tuple[Any, Any, Any]] = {}  # by precision
 
     def _roots(self) -> tuple[Any, Any, Any]:
         """Return l1 (the slow root, or the one above the real axis), l2 and i Omega in the current precision."""
@@ -56,52 +57,49 @@ class BasisMP:
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
-        if K.rate * tau < SERIES_BELOW:
-            values = self._series(tau, K)
-        else:
-            with self.context.workprec(self.context.prec + self.guard_bits):
-                values = self._divided_differences(tau, K)
-        with self.context.workprec(self.context.prec + 10):
-            angle = K.Om * tau
-            values += (self.context.sin(angle), self.context.cos(angle))
+        short = K.rate * tau < SERIES_BELOW
+        with self.context.workprec(self.context.prec + (10 if short else self.guard_bits)):
+            values = self._series(tau, K) if short else self._divided_differences(tau)
         return tuple(+value for value in values)
 
     def _series(self, tau: Any, K: Any) -> tuple[Any, ...]:
         one = self.context.mpf(1)
-        with self.context.workprec(self.context.prec + 10):
-            before, term = 0 * one, tau
-            E0, E1, E2 = one, tau, tau * tau / 2
-            r, i = E2, 0 * one
-            R2, I2 = r, i
-            n, small_before = 0, False
-            while True:
-                n += 1
-                slope = -K.cm * term - K.w0sq * tau * before / n
-                before, term = term, slope * tau / (n + 1)
-                shorter = tau / (n + 2)
-                r, i = (term - K.Om * i) * shorter, K.Om * r * shorter
-                E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
-                eps = self.context.eps
-                small = abs(slope) <= eps
-                if small and small_before and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
-                    return E0, E1, E2, R2, I2
-                small_before = small  # single terms may be 0 by accident
+        before, term = 0 * one, tau
+        E0, E1, E2 = one, tau, tau * tau / 2
+        r, i = E2, 0 * one
+        R2, I2 = r, i
+        n, small_before = 0, False
+        while True:
+            n += 1
+            slope = -K.cm * term - K.w0sq * tau * before / n
+            before, term = term, slope * tau / (n + 1)
+            shorter = tau / (n + 2)
+            r, i = (term - K.Om * i) * shorter, K.Om * r * shorter
+            E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
+            eps = self.context.eps
+            small = abs(slope) <= eps
+            if small and small_before and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
+                wave = self.context.expj(K.Om * tau)
+                return E0, E1, E2, R2, I2, wave.imag, wave.real
+            small_before = small  # single terms may be 0 by accident
 
-    def _divided_differences(self, tau: Any, K: Any) -> tuple[Any, ...]:
+    def _divided_differences(self, tau: Any) -> tuple[Any, ...]:
         context, one = self.context, self.context.mpf(1)
-        l1, l2, i_Om = self._roots()
+        if context.prec not in self._known_roots:
+            self._known_roots[context.prec] = self._roots()
+        l1, l2, i_Om = self._known_roots[context.prec]
+        wave = context.exp(i_Om * tau)
+        exp1 = context.exp(l1 * tau)
         if l1 == l2:
-            decay = context.exp(l1 * tau)
-            inner, slope = tau * decay, (1 + l1 * tau) * decay
+            inner, slope = tau * exp1, (1 + l1 * tau) * exp1
         else:
-            exp1, exp2 = context.exp(l1 * tau), context.exp(l2 * tau)
+            exp2 = context.conj(exp1) if context.im(l1) else context.exp(l2 * tau)
             inner, slope = (exp1 - exp2) / (l1 - l2), (l1 * exp1 - l2 * exp2) / (l1 - l2)
-        E2 = tau * tau / 2 if l2 == 0 else (self._first(0 * one, l1, tau) - inner) / (0 - l2)
-        Z = (self._first(i_Om, l1, tau) - inner) / (i_Om - l2)
-        return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z)
 
-    def _first(self, a: Any, b: Any, tau: Any) -> Any:
-        """Return tau e[a tau, b tau]."""
-        if a == b:
-            return tau * self.context.exp(a * tau)
-        return (self.context.exp(a * tau) - self.context.exp(b * tau)) / (a - b)
+        def first(a: Any, exp_a: Any) -> Any:
+            """Return tau e[a tau, l1 tau]."""
+            return tau * exp1 if a == l1 else (exp_a - exp1) / (a - l1)
+
+        E2 = tau * tau / 2 if l2 == 0 else (first(0 * one, one) - inner) / (0 - l2)
+        Z = (first(i_Om, wave) - inner) / (i_Om - l2)
+        return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z), wave.imag, wave.real
