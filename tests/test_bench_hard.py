@@ -225,7 +225,7 @@ def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "| `misses`" in raw
     assert "refuses" not in raw
     assert "1 of 2" in raw
-    assert "1 of 7; 2e-10" in hard.summary(result)
+    assert "1 of 7: 2e-10" in hard.summary(result)
     assert any("absent: no_such_module is not installed" in line for line in hard.legend(result))
 
 

@@ -81,7 +81,7 @@ def table(result: dict[str, Any], form: str = "simple", raw: bool = False) -> st
 
 
 def summary(result: dict[str, Any], form: str = "simple", raw: bool = False) -> str:
-    """Return one row per group: in how many of its cases a solver found all events, and its largest error in those."""
+    """Return one row per group: a solver's largest error, and in how many cases it found all events, if not in all."""
     solvers = columns(result, raw)
     rows = []
     for group, hard in GROUPS.items():
@@ -90,15 +90,17 @@ def summary(result: dict[str, Any], form: str = "simple", raw: bool = False) -> 
             continue
         known = [row["condition"] for row in members if row["condition"] is not None]
         cells = [_of_group([row["cells"][name] for row in members]) for name in solvers]
-        rows.append([group, hard, f"{max(known):.0e}" if known else "", *cells])
-    return _tabulate(rows, ["group", "what is hard", "condition", *solvers], form)
+        rows.append([f"{group} ({len(members)})", f"{max(known):.0e}" if known else "", *cells, hard])
+    return _tabulate(rows, ["group (cases)", "condition", *solvers, "what is hard"], form)
 
 
 def _of_group(cells: Sequence[dict[str, Any]]) -> str:
     good = [cell for cell in cells if all_found(cell)]
     errors = [cell["error"] for cell in good if cell["error"] is not None]
-    largest = f"; {max(errors):.0e}" if errors else ""
-    return f"{len(good)} of {len(cells)}{largest}"
+    largest = [f"{max(errors):.0e}"] if errors else []
+    if len(good) == len(cells):
+        return "".join(largest) or "right"
+    return ": ".join([f"{len(good)} of {len(cells)}", *largest])
 
 
 def columns(result: dict[str, Any], raw: bool = False) -> list[str]:

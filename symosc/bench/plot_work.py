@@ -97,11 +97,11 @@ def _panel(ax: Axes, scene: str, rows: Sequence[dict[str, Any]], looks: dict[str
     ax.set_title(scene, loc="left", pad=4)
     if failed:
         ax.text(
-            0.98,
+            0.02,
             0.03,
             f"{failed} run{'s' * (failed > 1)} failed",
             transform=ax.transAxes,
-            ha="right",
+            ha="left",
             va="bottom",
             fontsize=7,
         )

@@ -110,7 +110,8 @@ missed or invented. Our time is that of {_over_floor(work)} closed-form evaluati
 
 {work_table.summary(work)}
 
-**Hard cases.** In how many cases of a group a solver found all events, and its largest error in those.
+**Hard cases.** The largest error of a solver in the cases of a group; and if it did not find all events in all of them,
+in how many it did, and its largest error in those.
 
 {hard.summary(cases, "github")}
 
