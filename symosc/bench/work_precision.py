@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from math import nan
 from statistics import median
 from typing import Any
 
@@ -17,7 +18,7 @@ from symosc.bench.compare import compare, window_of
 from symosc.bench.machine import machine
 from symosc.bench.peers import OURS, SOLVERS
 from symosc.bench.solvers import Found, Solver
-from symosc.bench.speed import floor_ns
+from symosc.bench.speed import floor_s
 from symosc.bench.time_limit import Outcome, Worker
 from symosc.exact import read_exact
 from symosc.scenes import Scene, load_scene
@@ -39,7 +40,6 @@ BUDGET, QUICK_BUDGET = 0.2, 0.05
 # ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
 # it takes longer than a part of the limit.
 MOST_REPEATS, REPEATS, MOMENT, PART = 25, 3, 0.3, 0.1
-FLOOR_REPEATS = 5
 
 
 @dataclass(frozen=True)
@@ -54,16 +54,21 @@ class Span:
 
 @dataclass(frozen=True)
 class Timed:
-    """What the worker process reports of a solver on a span; times in seconds."""
+    """What the worker process reports of a solver on a span; times in seconds.
+
+    Right after each call one closed-form evaluation is timed: some machines change their pace by the second.
+    """
 
     prepare_s: float
     first_call_s: float
     times_s: list[float]
+    floors_s: list[float]
     found: list[Found]
 
 
 def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
     """Prepare a solver, so that what is imported and compiled once is there."""
+    floor_s()
     follow = solver.prepare(scene, tolerance)
     if solver == OURS:
         follow()  # numba compiles our event loop when it is first called
@@ -81,11 +86,13 @@ def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit:
     first = time.perf_counter() - prepared
     least = 0 if first > PART * limit else 1 if first > MOMENT else REPEATS
     times: list[float] = []
+    floors: list[float] = [floor_s()] if not least else []
     while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
         again = time.perf_counter()
         found = follow()
         times.append(time.perf_counter() - again)
-    return Timed(prepared - begin, first, times, [event for event in found if not event.t > until])
+        floors.append(floor_s())
+    return Timed(prepared - begin, first, times, floors, [event for event in found if not event.t > until])
 
 
 def run(
@@ -114,7 +121,8 @@ def run(
         failure: "" or what went wrong; the numbers that are then not known are None;
         prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
         us_per_event, us_fastest, us_slowest: median and range of the repeats;
-        over_ours, over_floor: the median as a multiple of ours and of the floor;
+        floor_ns, over_floor, over_ours: the floor as it was then (the best), median of the time as its multiple, and
+        that by ours;
         error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
         missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
         longest span;
@@ -132,17 +140,16 @@ def run(
     ]
     rows = []
     with Bench(limit, budget) as bench:
-        floor = bench.floor_ns()
         for name, solver, tolerance in progress(plan):
             if name not in spans:
                 spans[name] = _spans(load_scene(name), *chosen[name])
             row = {"scene": name, "solver": solver.name, "raw": solver.raw, "tolerance": tolerance}
             rows.append(row | bench.row(solver, tolerance, *spans[name]))
-        floor = min(floor, bench.floor_ns())  # the better one: other programs may have disturbed one of them
-    _relate(rows, floor)
+    _relate(rows)
     skipped = {solver.name: solver.missing for solver in solvers if solver.missing}
     notes = {solver.name: solver.note for solver in able if solver.note}
-    about = {"machine": machine(), "floor_ns": floor, "limit_s": limit}
+    floors = [row["floor_ns"] for row in rows if row["floor_ns"]]
+    about = {"machine": machine(), "floor_ns": min(floors, default=nan), "limit_s": limit}
     return {**about, "skipped": skipped, "notes": notes, "rows": rows}
 
 
@@ -184,14 +191,6 @@ class Bench:
     def __exit__(self, *error: object) -> None:
         self.worker.__exit__(*error)
 
-    def floor_ns(self) -> float:
-        """Return nanoseconds per closed-form evaluation, in the process that measures the solvers."""
-        outcome = self.worker.call(FIRST_LIMIT, floor_ns, FLOOR_REPEATS)
-        if outcome.failure:
-            raise RuntimeError(f"no closed-form evaluation: {outcome.failure}")
-        value: float = outcome.value
-        return value
-
     def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> dict[str, Any]:
         """Return the measured part of a row; see `run`."""
         outcome = self._call(solver, tolerance, short)
@@ -223,13 +222,16 @@ class Bench:
 
 
 def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
-    names = ("prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest")
+    names = ["prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest"]
+    names += ["floor_ns", "over_floor"]
     if outcome.failure:
         return dict.fromkeys(names)
     timed, count = outcome.value, span.count
     times = timed.times_s or [timed.first_call_s]
     per_event = [1e6 / count * seconds for seconds in (median(times), min(times), max(times))]
-    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, *per_event)
+    multiple = median(a / b for a, b in zip(times, timed.floors_s, strict=True)) / count
+    floor = 1e9 * min(timed.floors_s)
+    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, *per_event, floor, multiple)
     return dict(zip(names, values, strict=True))
 
 
@@ -241,10 +243,9 @@ def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
     return {**{name: getattr(comparison, name) for name in names}, "compared": len(span.reference)}
 
 
-def _relate(rows: list[dict[str, Any]], floor: float) -> None:
-    """Put our time on each scene and the floor beside the times."""
-    ours = {row["scene"]: row["us_per_event"] for row in rows if row["solver"] == OURS.name}
+def _relate(rows: list[dict[str, Any]]) -> None:
+    """Put our time on each scene beside the times, both in units of the floor of their moment."""
+    ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS.name}
     for row in rows:
-        own, mine = row["us_per_event"], ours.get(row["scene"])
+        own, mine = row["over_floor"], ours.get(row["scene"])
         row["over_ours"] = own / mine if own and mine else None
-        row["over_floor"] = 1e3 * own / floor if own else None
