@@ -259,7 +259,12 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
 
 
 def _with_closer_looks(
-    table: EventTable, doubtful: list[int], sets: Any, problems: Any, most: int, accuracy: float
+    table: EventTable,
+    doubtful: list[int],
+    sets: list[Parameters],
+    problems: list[tuple[Fraction, ...]],
+    most: int,
+    accuracy: float,
 ) -> EventTable:
     """Replace trajectories that ended in doubt, and short ones that lost accuracy, by what `simulate` says of them."""
     kept = ~np.isin(table.trajectory, doubtful)
