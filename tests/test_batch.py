@@ -92,6 +92,11 @@ def test_accuracy_asks_for_a_closer_look_or_none() -> None:
         assert abs(float(event.x - x)) < 8 * error + 1e-15
     again = simulate_many(scene.parameters, start, scene.t_end)
     assert again.x.tolist() == [event.x for event in looked.events]
+    in_t, in_x = ((error / np.maximum(1, np.abs(value))).max() for error, value in
+                  ((rough.t_error, rough.t), (rough.x_error, rough.x)))  # fmt: skip
+    assert in_t < in_x  # the position alone is reason enough
+    by_x = simulate_many(scene.parameters, start, scene.t_end, accuracy=math.sqrt(in_t * in_x))
+    assert by_x.x.tolist() == again.x.tolist()
 
 
 @pytest.mark.parametrize("accuracy", [0, -1e-13, float("nan"), "much", [1e-9]])

@@ -161,26 +161,42 @@ def test_a_phase_turned_by_taylor() -> None:
             assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
 
 
-@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
-def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    counts = {"state_at": 0, "gain": 0}
+def counted(monkeypatch: pytest.MonkeyPatch, *functions: tuple[Any, str]) -> dict[str, int]:
+    """Count the calls of functions, given as (module, name)."""
+    counts = {name: 0 for _, name in functions}
 
-    def counted(module: Any, function: str) -> None:
-        original = getattr(module, function)
-
+    def replaced(original: Any, name: str) -> Any:
         def call(*arguments: Any) -> Any:
-            counts[function] += 1
+            counts[name] += 1
             return original(*arguments)
 
-        monkeypatch.setattr(module, function, call)
+        return call
 
-    counted(events, "state_at")
-    counted(sticks, "gain")
+    for module, name in functions:
+        monkeypatch.setattr(module, name, replaced(getattr(module, name), name))
+    return counts
+
+
+def interpreted(name: str, most: int) -> Any:
     scene = load_scene(name)
     start = [scene.t0, scene.x0, scene.v0]
-    table = simulate_many(scene.parameters, start, 10**6, max_events=400, use_numba=False)
+    return simulate_many(scene.parameters, start, 10**6, max_events=most, accuracy=math.inf, use_numba=False)
+
+
+@pytest.mark.parametrize(("name", "most"), [("fig5", 400), ("fig9", 400), ("fig10", 400), ("fig8", 20)])
+def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
+    name: str, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts = counted(monkeypatch, (events, "state_at"), (sticks, "gain"))
+    table = interpreted(name, most)
     held = np.count_nonzero(table.kind == "slip")
-    assert counts["state_at"] <= 1.02 * (len(table) - held) + 10  # some more before the motion is periodic
-    assert counts["gain"] <= 2 * held + 10
+    assert counts["gain"] <= 2 * held
+    if name != "fig8":  # near its grazes the search takes smaller steps
+        assert counts["state_at"] <= 1.02 * (len(table) - held) + 10  # some more before the motion is periodic
+
+
+def test_a_slow_drive_is_passed_in_strides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half a period of fig6's drive is 31 short steps."""
+    counts = counted(monkeypatch, (events, "gap_polynomial"))
+    table = interpreted("fig6", 200)
+    assert counts["gap_polynomial"] < 20 * len(table)

@@ -197,7 +197,7 @@ def test_where_the_closed_form_divides_by_zero(change: dict[str, int]) -> None:
 def test_compiled_and_interpreted_agree() -> None:
     """The same source without numba, as far as it can be: sums may be fused."""
     scene = load_scene("fig10")
-    q = scalars(peers_numba.Motion(scene.parameters), float(scene.parameters.Omega * scene.t0))
+    q = scalars(peers_numba.Motion(scene.parameters, scene.t0))
     s = peers_numba.settings(peers_numba.Motion(scene.parameters), 1e-8, True)
     plain = runner(scene, bind(peers_numba.MODULES, lambda function: function), q, s)()
     assert error(plain, found_by(SOLVERS["numba DOP853"], scene, 1e-8)) < 1e-9  # type: ignore[arg-type]
@@ -212,14 +212,14 @@ def test_the_number_of_steps_is_bounded(module: object) -> None:
     scan = module is peers_scan
     s = peers_scan.scan_of(motion, 20, 1e-9) if scan else peers_numba.settings(motion, 1e-9, True)
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
-        runner(scene, functions, scalars(motion, 0.0), s)()
+        runner(scene, functions, scalars(motion), s)()
 
 
 def test_a_late_clock_costs_no_steps() -> None:
     """At t = 1e6 the rounding of Omega t is above a tolerance of 1e-14; steps must not shrink until it is not."""
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
-    q, s = scalars(motion, 0.0), peers_numba.settings(motion, 1e-14, True)
+    q, s = scalars(motion), peers_numba.settings(motion, 1e-14, True)
     follow = bind(peers_numba.MODULES, lambda function: function, MOST_STEPS=200)["follow"]
     for t in (0.0, 1e6):
         rows, count, outcome, _ = follow(q, s, t, 4.5, 0.0, 1, 0, 1e-14, t + 5.0)

@@ -207,6 +207,13 @@ class Motion:
             return below
         return 3 + boundary
 
+    def start(self, t: float, x: float, v: float) -> tuple[int, int]:
+        """Return the mode in which a motion starts, and the boundary that it starts on or 0."""
+        boundary = next((boundary for boundary, speed in self.belts.items() if v == speed), 0)
+        if boundary:
+            return self.resolve(boundary, t, x), boundary
+        return 1 + sum(v > speed for speed in self.belts.values()), 0
+
 
 def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> list[Found]:
     """Follow a scene from phase to phase and return its events.
@@ -229,9 +236,7 @@ def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> l
     """
     t, x, v, t_end = map(float, (scene.t0 - motion.origin, scene.x0, scene.v0, scene.t_end - motion.origin))
     origin = float(motion.origin)
-    boundary = next((boundary for boundary, speed in motion.belts.items() if v == speed), 0)
-    domain = 1 + sum(v > speed for speed in motion.belts.values())
-    mode = motion.resolve(boundary, t, x) if boundary else domain
+    mode, boundary = motion.start(t, x, v)
     found: list[Found] = []
     while t < t_end:
         if boundary and mode < 4:

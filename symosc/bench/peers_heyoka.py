@@ -16,7 +16,7 @@ from math import cos, sin
 from typing import Any
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
-from symosc.bench.scalar_logic import OFFSET, start_of, start_phase
+from symosc.bench.scalar_logic import OFFSET
 from symosc.bench.solvers import Found, Late, Solver
 from symosc.model import SIDES
 from symosc.scenes import Scene
@@ -37,7 +37,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     import heyoka as hy
     import numpy as np
 
-    motion = Motion(scene.parameters)
+    motion = Motion(scene.parameters, scene.t0)
     A = {alpha: force / motion.m for alpha, force in motion.A.items()}
     swing, stiffness, damping = motion.B0 / motion.m, motion.k / motion.m, motion.c / motion.m
     v1, v2 = motion.belts.values()
@@ -88,10 +88,9 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
     integrator = hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
 
-    mode, boundary = start_of(scene, motion)
+    mode, boundary = motion.start(0.0, float(scene.x0), float(scene.v0))
     v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
-    theta = start_phase(scene)
-    start = np.array([float(scene.x0), v_start, swing * cos(theta), swing * sin(theta)])
+    start = np.array([float(scene.x0), v_start, swing * cos(motion.theta), swing * sin(motion.theta)])
     duration = float(scene.t_end - scene.t0)
     most = MOST_STEPS * (1 + int(duration / motion.period))
 

@@ -29,7 +29,6 @@ from symosc.bench.scalar_logic import (
     root,
     runner,
     scalars,
-    start_phase,
     turn,
 )
 from symosc.bench.solvers import Found, Solver
@@ -224,10 +223,9 @@ MODULES = (scalar_logic, sys.modules[__name__])
 
 def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare DOP853, with or without the precautions."""
-    motion = Motion(scene.parameters)
-    q = scalars(motion, start_phase(scene))
+    motion = Motion(scene.parameters, scene.t0)
     offset = OFFSET * motion.speed if careful else 0.0
-    return runner(scene, compiled(MODULES), q, settings(motion, tolerance, careful), offset)
+    return runner(scene, compiled(MODULES), scalars(motion), settings(motion, tolerance, careful), offset)
 
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
-from symosc.bench.scalar_logic import FAILED, bind, compiled, margins, root, runner, scalars, start_phase
+from symosc.bench.scalar_logic import FAILED, bind, compiled, margins, root, runner, scalars
 from symosc.bench.solvers import Found, Solver
 from symosc.scenes import Scene
 
@@ -181,9 +181,8 @@ MODULES = (scalar_logic, sys.modules[__name__])
 def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare the scan with so many samples per period."""
     functions = compiled(MODULES) if with_numba else interpreted()
-    motion = Motion(scene.parameters)
-    q = scalars(motion, start_phase(scene))
-    return runner(scene, functions, q, scan_of(motion, points, tolerance))
+    motion = Motion(scene.parameters, scene.t0)
+    return runner(scene, functions, scalars(motion), scan_of(motion, points, tolerance))
 
 
 TOLERANCES = (1e-4, 1e-7, 1e-10, 1e-13)

@@ -21,7 +21,6 @@ import numpy as np
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
 from symosc.bench.solvers import Found, Late
 from symosc.model import MODE_NAMES
-from symosc.numerics import Arithmetic
 from symosc.scenes import Scene
 
 FAILED = 2
@@ -58,11 +57,11 @@ class Scalars(NamedTuple):
     theta: float
 
 
-def scalars(motion: Motion, theta: float) -> Scalars:
-    """Return a parameter set as scalars, with the phase at t = 0."""
+def scalars(motion: Motion) -> Scalars:
+    """Return a parameter set as scalars; t = 0 is the motion's origin."""
     m, A = motion.m, motion.A
     per_mass = (A[1] / m, A[2] / m, A[3] / m, motion.B0 / m, motion.Omega, motion.k / m, motion.c / m)
-    return Scalars(*per_mass, motion.belts[1], motion.belts[2], motion.period, theta)
+    return Scalars(*per_mass, motion.belts[1], motion.belts[2], motion.period, motion.theta)
 
 
 def from_now(q, t):
@@ -218,8 +217,8 @@ def runner(
     offset : float
         Flights from a belt start at this distance from its speed.
     """
-    mode, boundary = start_of(scene, Motion(scene.parameters))
     t0, x, v = float(scene.t0), float(scene.x0), float(scene.v0)
+    mode, boundary = Motion(scene.parameters, scene.t0).start(0.0, x, v)
     arguments = q, settings, 0.0, x, v, mode, boundary, offset
     duration = float(scene.t_end - scene.t0)
     follow = functions["follow"]
@@ -241,17 +240,3 @@ def runner(
         raise PeerError(reason if outcome == CHATTERS else f"took too many steps {where}", found)
 
     return run
-
-
-def start_of(scene: Scene, motion: Motion) -> tuple[int, int]:
-    """Return the first mode of a scene, and the boundary that it starts on or 0."""
-    v = float(scene.v0)
-    boundary = next((boundary for boundary, speed in motion.belts.items() if v == speed), 0)
-    if boundary:
-        return motion.resolve(boundary, float(scene.t0), float(scene.x0)), boundary
-    return 1 + sum(v > speed for speed in motion.belts.values()), 0
-
-
-def start_phase(scene: Scene) -> float:
-    """Return the phase Omega t0 mod 2 pi, right for large t0 too."""
-    return float(Arithmetic(scene.parameters).phase(scene.t0)[1])
