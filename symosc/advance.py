@@ -8,18 +8,21 @@ The state between events is a plain tuple of numbers:
     x, v         position and velocity
     Fb, Fa       acceleration; on a belt the accelerations F^(below) and F^(above) of both sides
     S11 S12 S22  covariance of the error of (x, v) at a fixed time
+    rest         what the rounding of theta left over: the phase is theta + rest
 
-Time is carried as (n, theta) only: Omega t never loses digits however large t becomes.
+Time is carried as the phase only: Omega t never loses digits however large t becomes, and `elapsed` reads the time off
+it to an ulp or two, however slow the drive is.
 """
 
 from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import NOTHING, STALLED, TANGENCY, first_exit, never_leaves
+from symosc.events import HIT, NOTHING, STALLED, TANGENCY, first_exit
 from symosc.flow import derivatives, state_at, velocity_scale
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS, SERIES_BELOW
+from symosc.rests import beside_a_wall, creeps_for_ever, never_leaves
 from symosc.sticks import belt_exit, force_noise
 from symosc.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, carried_error, resolve
 
@@ -28,16 +31,19 @@ CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
+# The upper 26 bits of TWO_PI and the others: their products with up to 2^26 periods are exact.
+TWO_PI_UPPER = 6.283185243606567
+TWO_PI_LOWER = TWO_PI - TWO_PI_UPPER
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
 
 
-def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K):
+def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, n_end, theta_end, K):
     """Advance a state to its next event, or to the end of a stretch without events.
 
     Parameters
     ----------
-    mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22 : the state, see the module's docstring.
+    mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest : the state, see the module's docstring.
     n_end, theta_end : phase at which the simulation ends.
     K : Constants
 
@@ -47,48 +53,60 @@ def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K
         code CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
         REST (no event will come any more; at rest or in a steady motion) or FAILED. `decided` is False when the outcome
         depends on less than the rounding error. t_error is the standard error of the event's time. The new state has
-        the same eleven entries.
+        the same twelve entries.
     """
-    left = ((n_end - n) * TWO_PI + (theta_end - theta)) / K.Om
+    left = ((n_end - n) * TWO_PI + ((theta_end - theta) - rest)) / K.Om
     tau_max = left if left < K.chunk else K.chunk
     if mode > 3:
-        return advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_end, theta_end, K)
-    return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, left, tau_max, n_end, theta_end, K)
+        return advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K)
+    return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K)
 
 
-def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n_end, theta_end, K):
+def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K):
     """Advance through a domain; see `advance`."""
-    s0, c0 = sin(theta), cos(theta)
     has_below, has_above = mode > 1, mode < 3
     lower, upper = (K.belt1 if mode == 2 else K.belt2), (K.belt1 if mode == 1 else K.belt2)
+    if K.creeps and creeps_for_ever(v, a0, x, S11, S22, lower, upper, has_below, has_above, mode, K):
+        return REST, 0, True, 0.0, mode, at, n, theta, x, v, a0, a0, S11, S12, S22, rest
+    s0, c0 = sin(theta), cos(theta)
+    s0, c0 = s0 + rest * c0, c0 - rest * s0
     on_below, on_above = at == mode - 1 and at > 0, at == mode
-    code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
-        tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
-    )
-    if tau > left:  # a contact just past the end
+    while True:
+        code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
+            tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
+        )
+        # Two searches must not meet where a belt is: each would leave a touch there to the other.
+        if code != NOTHING or tau_max >= left or tau_max > 1.5 * K.chunk:
+            break
+        size = abs(v) + abs(dv) + (abs(a0) + abs(K.f0)) / K.rate
+        if not beside_a_wall(v + dv, size, lower.v, upper.v, has_below, has_above):
+            break
+        tau_max = tau_max + 0.125 * K.chunk
+        tau_max = left if left < tau_max else tau_max
+    if tau > left and code in (HIT, TANGENCY):  # a contact just past the end
         code, tau = NOTHING, left
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
-    slip = clock_error(theta, tau, K)
+    slip = 2.0 * EPS * tau  # the phase is rounded once more than the time
     x_noise = 2.0 * EPS * (abs(x) + abs(dx)) + abs(v) * slip
     v_noise = 4.0 * EPS * (abs(v) + velocity_scale(tau, v, a0, K)) + abs(a0) * slip
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:
         if tau >= left:
-            return END, 0, True, 0.0, mode, 0, n_end, theta_end, x, v + dv, a, a, S11, S12, S22
-        if never_leaves(v + dv, a, s, c, lower.v, upper.v, has_below, has_above, K):
+            return END, 0, True, 0.0, mode, 0, n_end, theta_end, x, v + dv, a, a, S11, S12, S22, 0.0 * rest
+        if never_leaves(v + dv, a, s, c, lower.v, upper.v, has_below, has_above, mode, K):
             # The end is reached from the last start, in one piece.
-            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22
-        n, theta = later(n, theta, tau, K)
+            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, rest
+        n, theta, rest = later(n, theta, rest, tau, K)
         v = v + dv
-        a = acceleration(x, v, cos(theta), K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
-        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22
-    n, theta = later(n, theta, tau, K)
+        a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
+        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22, rest
+    n, theta, rest = later(n, theta, rest, tau, K)
     boundary = mode - 1 if side < 0 else mode
     belt = K.belt1 if boundary == 1 else K.belt2
     v = belt.v
     if code == STALLED:
-        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22
+        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22, rest
     if code == TANGENCY:
         a = 0.0 * a
     elif tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
@@ -102,7 +120,8 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
         inflection = side * w > abs(j) * doubt and abs(b) <= abs(w) * doubt
         if not inflection:
             t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
-            return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22
+            touch = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
+            return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22, rest
     Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
     decided = not vague
     other = Fa if side > 0 else Fb
@@ -117,67 +136,91 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, left, tau_max, n
     elif Fb > 0.0 and Fa < 0.0:
         where = BELT
     else:
-        where = resolve(v, Fb, Fa, sin(theta), cos(theta), K)
+        where = resolve(v, Fb, Fa, s, c, K)
     if where == BELT:
         S12, S22 = 0.0 * S12, 0.0 * S22  # the belt takes the error of the velocity away
-        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22
+        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22, rest
     out = Fa if where == DOMAIN_ABOVE else Fb
     ratio = out / a if a != 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * a
-        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22
+        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22, rest
     S12, S22 = ratio * S12, ratio * ratio * S22
-    return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22
+    return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22, rest
 
 
-def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, left, tau_max, n_end, theta_end, K):
+def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K):
     """Advance along a belt; see `advance`."""
     boundary = mode - 3
     belt = K.belt1 if boundary == 1 else K.belt2
     s0, c0 = sin(theta), cos(theta)
+    s0, c0 = s0 + rest * c0, c0 - rest * s0
     zero = 0.0 * Fb
     code, side, tau, Delta, slope, bend = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
-    if tau > left:
+    if tau > left and code in (HIT, TANGENCY):
         code, tau = NOTHING, left
-    noise = 2.0 * EPS * (abs(x) + abs(v) * tau) + abs(v) * clock_error(theta, tau, K)
+    noise = 2.0 * EPS * (abs(x) + 2.0 * abs(v) * tau)
     S11 = S11 + noise * noise
     x = x + v * tau
     if code == NOTHING:
         if tau >= left:
-            return END, 0, True, 0.0, mode, boundary, n_end, theta_end, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
+            Fb, Fa = Fb + Delta, Fa + Delta
+            return END, 0, True, 0.0, mode, boundary, n_end, theta_end, x, v, Fb, Fa, S11, zero, zero, 0.0 * rest
         if belt.drift == 0.0 and tau >= K.period:  # the forces repeat: no exit in one period means none ever
-            return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero
-        n, theta = later(n, theta, tau, K)
-        return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero
-    n, theta = later(n, theta, tau, K)
+            return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero, rest
+        n, theta, rest = later(n, theta, rest, tau, K)
+        return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero, rest
+    n, theta, rest = later(n, theta, rest, tau, K)
     Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
     if code == STALLED:
-        return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
+        return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
     if code == TANGENCY:
-        return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero
+        return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
     force_error = K.w0sq * sqrt(S11) + 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
-    return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero
+    return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero, rest
 
 
-def later(n, theta, tau, K):
-    """Return the phase `tau` later; a whole period leaves theta as it is, exactly."""
+def later(n, theta, rest, tau, K):
+    """Return the phase `tau` later; a whole period leaves it as it is, exactly."""
     if tau == K.period:
-        return n + 1, theta
-    theta = theta + K.Om * tau
-    while theta >= TWO_PI:
-        theta = (theta - TWO_PI) - TWO_PI_REST
+        return n + 1, theta, rest
+    turn = K.Om * tau
+    total = theta + turn
+    part = total - theta
+    rest = rest + ((theta - (total - part)) + (turn - part))  # what the sum lost (Knuth)
+    while total >= TWO_PI:
+        total = total - TWO_PI
+        rest = rest - TWO_PI_REST
         n = n + 1
-    if theta < 0.0:  # by the rest of 2 pi
-        theta = 0.0 * theta
-    return n, theta
+    if total + rest < 0.0:  # by the rest of 2 pi
+        total, rest = 0.0 * total, 0.0 * rest
+    return n, total, rest
 
 
-def clock_error(theta, tau, K):
-    """Return the error of a time that is read off a rounded phase."""
-    return 2.0 * EPS * (theta / K.Om + tau)
+def elapsed(n, theta, rest, theta0, rest0, K):
+    """Return the time from the phase (0, theta0, rest0) to (n, theta, rest) in two parts, the sum right to an ulp."""
+    upper, lower = n * TWO_PI_UPPER, n * TWO_PI_LOWER
+    whole = upper + lower
+    low = (upper - whole) + lower + (n * TWO_PI_REST + (rest - rest0))
+    turn = theta - theta0
+    part = turn - theta
+    low = low + ((theta - (turn - part)) - (theta0 + part))
+    total = whole + turn
+    part = total - whole
+    low = low + ((whole - (total - part)) + (turn - part))
+    time = total / K.Om
+    return time, (low - K.Om_lost * time) / K.Om
+
+
+def clock(t0, t0_rest, n, theta, rest, theta0, rest0, K):
+    """Return the time at a phase, for a motion that began at t0 + t0_rest with the phase (0, theta0, rest0)."""
+    time, low = elapsed(n, theta, rest, theta0, rest0, K)
+    t = t0 + time
+    part = t - t0
+    return t + (((t0 - (t - part)) + (time - part)) + (t0_rest + low))
 
 
 def passing_time(error, first, second, third, K):

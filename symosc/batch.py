@@ -6,30 +6,28 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import cos
+from math import isinf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from symosc import loop
-from symosc.advance import END, REST
+from symosc.advance import END
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact
 from symosc.files import write_whole
-from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, Parameters
-from symosc.numerics import Arithmetic, MpArithmetic, compiled
-from symosc.path import EVENT_KINDS, START_DIGITS, Start, State, first_state, rounded
-from symosc.simulation import LONGEST_BACKUP, MOST_EVENTS, read_accuracy, simulate, whole_number
+from symosc.numerics import Arithmetic, compiled
+from symosc.path import EVENT_KINDS, check_reached, last_phase
+from symosc.scenes import read_start_error
+from symosc.simulation import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy, whole_number
+from symosc.start import Start, first_state
 from symosc.trajectory import Event
 
 CAPACITY = 1 << 18
-STATUS_NAMES = {END: "t_end", REST: "t_end", loop.FULL: "max_events", loop.IN_DOUBT: "undecidable"}
 #: Kinds of events by code.
 KIND_NAMES = EVENT_KINDS
-# A force on a belt at the start that is smaller than this part of its terms is looked at with more digits.
-CLEAR_FORCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -105,6 +103,7 @@ def simulate_many(
     *,
     max_events: int | None = None,
     accuracy: float | None = None,
+    start_error: Any = None,
     use_numba: bool | None = None,
 ) -> EventTable:
     """Follow many motions in double precision; the event loop is compiled when numba is installed (extra `fast`).
@@ -118,8 +117,10 @@ def simulate_many(
     max_events : int, optional
         Per trajectory (default 1,000,000).
     accuracy : float, optional
-        A short trajectory with an event known to less than that is followed once more, as by `simulate` (default
-        1e-13, ``math.inf`` for never).
+        A trajectory with an event known to less than that is followed as by `simulate`, with more digits (default
+        1e-13). With ``math.inf`` the paths that doubles compute are followed for what they are, as by `simulate`.
+    start_error : number or three numbers, optional
+        Half-widths to which all t0, x0 and v0 are known, as in `simulate`; None: they are exact.
     use_numba : bool, optional
         None: if it is installed. The same source runs without it, slower, with the same results.
 
@@ -136,41 +137,48 @@ def simulate_many(
 
     Notes
     -----
-    A trajectory with a contact that double precision cannot decide, and a short one that lost accuracy, is followed
-    once more by `simulate`. In the others decisions refer to the computed path; how far that may be from the true one
-    is what t_error and x_error estimate.
+    Events, errors and statuses are those of `simulate` for each motion, to the last bit: the same source, and a motion
+    with a contact that doubles cannot decide, or an event known to less than `accuracy`, is followed by `simulate`.
     """
-    sets, problems = _read_problems(parameters, starts, t_end)
+    sets, problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
-    needed = read_accuracy(accuracy)
+    asked = read_accuracy(accuracy)
+    needed = attainable(asked, problems[0])
     follow = _follow_all(use_numba)
     floats: list[np.ndarray] = []
     ints: list[np.ndarray] = []
-    codes, short = np.zeros(len(sets), np.int64), np.zeros(len(sets), bool)
-    worst = np.zeros(len(sets))
+    codes = np.zeros(len(sets), np.int64)
+    last = np.zeros((len(sets), 3))
     groups: dict[Parameters, list[int]] = {}
     for i, p in enumerate(sets):
         groups.setdefault(p, []).append(i)
     for p, members in groups.items():
         arithmetic = Arithmetic(p)
-        K = arithmetic.K._replace(sigmas=0.0)
-        states = np.array([_initial_row(Start(p, *problems[i]), arithmetic) for i in members])
-        t0 = np.array([float(problems[i][0]) for i in members])
+        K = arithmetic.K._replace(sigmas=0.0) if isinf(asked) else arithmetic.K
+        states = np.array([_initial_row(problems[i], arithmetic) for i in members])
+        t0 = np.array([float(problems[i].t0) for i in members])
         counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
-        errors = np.zeros(len(members))
         begin = 0
         while begin < len(members):
             out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int32)
-            begin, rows = follow(begin, states, t0, counts, ends, errors, most, out_float, out_int, K)
+            begin, rows = follow(begin, states, t0, counts, ends, most, needed, out_float, out_int, K)
             if len(groups) > 1:
                 out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
             floats.append(out_float[:rows])
             ints.append(out_int[:rows])
-        codes[members], worst[members], short[members] = ends, errors, counts <= LONGEST_BACKUP
-    status = [STATUS_NAMES[code] for code in codes.tolist()]
-    table = _table(floats, ints, status, sort=len(groups) > 1)
-    doubtful = np.flatnonzero((codes == loop.IN_DOUBT) | (short & (worst > needed)))
-    return _with_closer_looks(table, doubtful.tolist(), sets, problems, most, needed) if doubtful.size else table
+        codes[members], last[members] = ends, states[:, [0, 5, 2]]
+    table = _table(floats, ints, [""] * len(sets), sort=len(groups) > 1)
+    open_ones = []
+    for i, (code, (mode, v, periods)) in enumerate(zip(codes.tolist(), last.tolist(), strict=True)):
+        if code in (loop.IN_DOUBT, loop.INEXACT):
+            open_ones.append(i)
+        elif code == loop.FULL:
+            table.status[i] = "max_events"
+        else:
+            table.status[i] = end_status(code, int(mode), v, sets[i])
+            if code == END:
+                check_reached(problems[i], int(periods))
+    return _with_closer_looks(table, open_ones, problems, most, asked) if open_ones else table
 
 
 def _follow_all(use_numba: bool | None) -> Any:
@@ -184,7 +192,9 @@ def _follow_all(use_numba: bool | None) -> Any:
         return loop.follow_all
 
 
-def _read_problems(parameters: Any, starts: Any, t_end: Any) -> tuple[list[Parameters], list[tuple[Fraction, ...]]]:
+def _read_problems(
+    parameters: Any, starts: Any, t_end: Any, start_error: Any
+) -> tuple[list[Parameters], list[Start]]:
     sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
     for p in sets:
         if not isinstance(p, Parameters):
@@ -212,36 +222,16 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any) -> tuple[list[Param
         start = tuple(read(name, value) for name, value in zip(names, row, strict=True))
         if end <= start[0]:
             raise ParameterError("t_end", float(end), f"must be later than t0 = {float(start[0])}")
-        problems.append((*start, end))
-    return [sets[i % len(sets)] for i in range(count)], problems
+        problems.append(Start(sets[i % len(sets)], *start, end, start_error))
+    return [problem.parameters for problem in problems], problems
 
 
 def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
-    """Return a row of `symosc.loop`'s states; only a start on a belt with a force near 0 needs more than floats."""
-    p, K = start.parameters, arithmetic.K
-    n, theta = arithmetic.phase(start.t0)
-    n_end, theta_end = arithmetic.phase(start.t_end)
-    x, v, c = float(start.x0), float(start.v0), cos(theta)
-    at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
-    mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
-    lowest, highest = (at, at + 1) if at else (mode, mode)
-    A = (K.A1, K.A2, K.A3)
-    Fb, Fa = (acceleration(x, v, c, A[domain - 1], K.cm, K.w0sq, K.f0) for domain in (lowest, highest))
-    eps = 2.0**-53
-    S11, S22 = (eps * x) ** 2, 0.0 if at else (eps * v) ** 2
-    if at:
-        size = CLEAR_FORCE * (abs(A[lowest - 1]) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v))
-        if min(abs(Fb), abs(Fa)) <= size:
-            state = rounded(first_state(start, MpArithmetic(p, START_DIGITS)))
-        else:
-            mode = at + 1 if Fa > 0.0 else at if Fb < 0.0 else 3 + at
-            Fb, Fa = (Fb, Fa) if mode > 3 else (Fa, Fa) if mode > at else (Fb, Fb)
-            state = State(mode, at, n, theta, x, v, Fb, Fa, S11, 0.0, S22)
-    else:
-        state = State(mode, at, n, theta, x, v, Fb, Fa, S11, 0.0, S22)
-    entries = [float(entry) for entry in state.as_tuple()]
-    entries[2] = 0.0
-    return [*entries, state.theta, float(n_end - state.n), theta_end]
+    """Return a row of `symosc.loop`'s states."""
+    state, (n_end, theta_end) = first_state(start, arithmetic), last_phase(start, arithmetic)
+    *entries, rest = (float(entry) for entry in state.as_tuple())
+    t0_rest = float(start.t0 - Fraction(float(start.t0)))
+    return [*entries, state.theta, float(n_end), theta_end, rest, rest, t0_rest]
 
 
 def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str], sort: bool) -> EventTable:
@@ -260,18 +250,16 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
 
 def _with_closer_looks(
     table: EventTable,
-    doubtful: list[int],
-    sets: list[Parameters],
-    problems: list[tuple[Fraction, ...]],
+    open_ones: list[int],
+    problems: list[Start],
     most: int,
     accuracy: float,
 ) -> EventTable:
-    """Replace trajectories that ended in doubt, and short ones that lost accuracy, by what `simulate` says of them."""
-    kept = ~np.isin(table.trajectory, doubtful)
+    """Replace trajectories that ended in doubt or lost accuracy by what `simulate` says of them."""
+    kept = ~np.isin(table.trajectory, open_ones)
     columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
-    for i in doubtful:
-        t0, x0, v0, t_end = problems[i]
-        trajectory = simulate(sets[i], t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=most, accuracy=accuracy)
+    for i in open_ones:
+        trajectory = in_doubles(problems[i], most, accuracy)
         table.status[i] = trajectory.status
         _append(columns, i, trajectory.events)
     joined = {name: np.concatenate(parts) for name, parts in columns.items()}

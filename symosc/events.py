@@ -34,7 +34,16 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.bounds import NEAR, fourth_derivative_bound, gap_polynomial, is_near, positive_on, quartic_start, safe_step
+from symosc.bounds import (
+    ISOLATED,
+    NEAR,
+    fourth_derivative_bound,
+    gap_polynomial,
+    is_near,
+    positive_on,
+    quartic_start,
+    safe_step,
+)
 from symosc.flow import derivatives, fifth_derivative, state_at, velocity_scale
 from symosc.kernels.entire import EPS, SIXTH, basis
 
@@ -46,6 +55,12 @@ SHORT_STEP = 4e-3
 # What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
 ROUNDING = 64.0
 MOST_STEPS = 20000
+# Short steps on which no minimum of the gap was found ahead, before the search is given up.
+MOST_STALLS = 30
+# Steps to the minimum of a gap, and to a contact in its bracket (halving alone takes as many as there are bits).
+MOST_DESCENTS = 400
+MOST_HALVINGS = 400
+MOST_NEWTON = 200
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
 FAR = 1e300
@@ -73,7 +88,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     tau, dx, dv, a, s, c = zero, zero, zero, a0, s0, c0
     b, w, j = derivatives(v0, a0, s0, c0, K)
     E0, E1, E2 = 1.0 + zero, zero, zero
-    crossing = False  # whether the minimum of the gap ahead is known to be negative
+    crossing, tau_deep = 0, zero  # the side on which the gap ahead is known to be negative, and where
+    stalled = 0
     flat = (on_below or on_above) and a0 == 0.0 and abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
     if flat:  # after a tangency or the end of a stick; a derivative within rounding of 0 is 0 there, its sign is noise
         b = zero  # near sin(theta) = +-1 that leaves cos(theta), and with it w, uncertain by about sqrt(EPS)
@@ -115,34 +131,49 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         if root < cap:
             size = start_gap + abs(dv) + abs(a) * root
             near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
-        if near and (clear or crossing):
+        known = crossing == side
+        if near and (clear or known):
+            low = tau
+            high = tau_deep if known else tau + 2.0 * (root + ISOLATED / K.rate)
             if not close:
                 root = sharpened(root, below + dv if side < 0 else dv - above, a, b, w, j, c, K)
-            return polish(tau + root, side, v0, a0, s0, c0, below, above, K)
-        if (step * K.rate < SHORT_STEP or not clear) and not crossing and (start_gap > 0.0 or tau > 0.0):
+            return polish(tau + root, low, high, side, v0, a0, s0, c0, below, above, K)
+        short = step < cap and step * K.rate < SHORT_STEP
+        if (short or not clear) and not known and (start_gap > 0.0 or tau > 0.0):
             verdict, tau_min = closest_approach(tau, tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+            reach = tau_min - tau
+            if has_below and has_above and verdict != STALLED and reach > step:  # the other wall may come before
+                other = above - dv if side < 0 else below + dv
+                on_wall = tau == 0.0 and (on_above if side < 0 else on_below)
+                q0, q1, q2, q3, q4, _ = gap_polynomial(other, side * a, side * b, side * w, M4, on_wall)
+                verdict = verdict if positive_on(reach, q0, q1, q2, q3, q4) else STALLED
             if verdict == TANGENCY:
                 dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
                 return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
             if verdict == HIT:
-                crossing = True
-            elif verdict == NOTHING and tau_min < tau_max:
-                step = tau_min - tau
-        if step <= 0.0:
+                crossing, tau_deep = side, tau_min
+            elif verdict == NOTHING:
+                step = reach if reach < cap else cap
+            elif short:
+                stalled = stalled + 1
+        if step <= 0.0 or stalled > MOST_STALLS:
             break
+        before = tau
         tau = tau + step if step < tau_max - tau else tau_max
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
         M4 = fourth_derivative_bound(w, j, s, c, K)
-        if (has_below and below + dv <= 0.0) or (has_above and above - dv <= 0.0):
+        low_side, high_side = has_below and below + dv <= 0.0, has_above and above - dv <= 0.0
+        if low_side or high_side:
             # By rounding: P has no root here. So there is a root within rounding, or a touch.
-            if not crossing:
+            side = -1 if low_side else 1
+            if crossing != side:
                 verdict, tau_min = closest_approach(
-                    tau, tau - step, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K
+                    tau, before, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K
                 )
                 if verdict == TANGENCY:
                     dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
                     return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
-            return polish(tau, side, v0, a0, s0, c0, below, above, K)
+            return polish(tau, before, tau, side, v0, a0, s0, c0, below, above, K)
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
 
@@ -221,13 +252,24 @@ def sharpened(root, over, a, b, w, j, c, K):
     return root - shift if abs(shift) < 0.5 * root else root
 
 
-def polish(tau, side, v0, a0, s0, c0, below, above, K):
-    """Return the contact near `tau`, by roots of local polynomials of the exact flow."""
-    for _ in range(60):
+def polish(tau, low, high, side, v0, a0, s0, c0, below, above, K):
+    """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
+
+    The gap is positive at `low`; a step that leaves the bracket, which narrows, is replaced by halving it.
+    """
+    slack = 4.0 * EPS * high
+    for _ in range(MOST_HALVINGS):
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
         over = below + dv if side < 0 else dv - above
+        if side * over < 0.0:
+            low = tau if tau > low else low
+        elif tau < high:
+            high = tau
         shift = local_root(over, a, b, w, j, EPS * tau)
-        if abs(shift) * K.rate < NEAR:
+        inside = low - slack <= tau + shift <= high + slack
+        if not inside:
+            shift = 0.5 * (low + high) - tau
+        if abs(shift) * K.rate < NEAR and (inside or high - low <= slack):
             dx = dx + (v0 + dv + (0.5 * a + SIXTH * (b + 0.25 * w * shift) * shift) * shift) * shift
             fifth = fifth_derivative(j, w, c, K)
             a = a + (b + (0.5 * w + SIXTH * (j + 0.25 * fifth * shift) * shift) * shift) * shift
@@ -253,7 +295,7 @@ def local_root(over, a, b, w, j, resolution):
         missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(j * inverse * linear * linear * linear)
         if abs(linear) * missing <= resolution:
             return s
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_NEWTON):
         slope = a + (b + (0.5 * w + SIXTH * j * s) * s) * s
         if slope == 0.0:
             break
@@ -289,11 +331,12 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
     -------
     (verdict, tau_min)
         NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it touches 0 there as far
-        as this precision tells. STALLED: no minimum was found nearby, or the way to it is not proven free.
+        as this precision tells, and not for good. STALLED: no minimum was found nearby, or the way to it is
+        not proven free.
     """
     start, sign = tau, -side
     last, depth_known = FAR, False
-    for _ in range(400):
+    for _ in range(MOST_DESCENTS):
         _, dv, a, b, w, _, _, _, _, _, _ = state_at(tau, v0, a0, s0, c0, K)
         gap, slope, bend = (below + dv if side < 0 else above - dv), sign * a, sign * b
         allowed = tolerance(tau, below if side < 0 else above, v0, a0, S11, S12, S22, K)
@@ -310,7 +353,8 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
                 free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * w, -0.25 * SIXTH * M4)
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                return TANGENCY, tau
+                rises = parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+                return (TANGENCY if rises else STALLED), tau
         last = abs(shift)
         tau = tau + shift
         if tau < earliest:
@@ -318,12 +362,16 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
     return STALLED, tau
 
 
-def never_leaves(v, a, s, c, lower, upper, has_below, has_above, K):
-    """Return whether v stays between the walls for ever, from the steady amplitude and the transient's energy."""
-    if not K.steady or K.w0 == 0.0:
-        return False
-    v_transient = v - (K.Ss * s + K.Sc * c)
-    a_transient = a - K.Om * (K.Ss * c - K.Sc * s)
-    reach = K.V0 + sqrt(a_transient * a_transient + K.w0sq * v_transient * v_transient) / K.w0
-    reach = reach + MARCH_SLACK * (reach + abs(v))  # a swing that just touches a belt is an event
-    return not (has_below and -reach <= lower) and not (has_above and reach >= upper)
+def parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+    """Return whether a gap that is 0 as far as this precision tells is clearly not 0 soon after `tau`.
+
+    A gap that shrinks without end is no touch, however small it gets.
+    """
+    for rate in (K.rate, K.Om):
+        later = tau + 0.5 / rate
+        _, dv, _, _, _, _, _, _, _, _, _ = state_at(later, v0, a0, s0, c0, K)
+        start_gap = below if side < 0 else above
+        gap = below + dv if side < 0 else above - dv
+        if abs(gap) > 4.0 * tolerance(later, start_gap, v0, a0, S11, S12, S22, K):
+            return True
+    return False

@@ -37,6 +37,8 @@ class BeltConstants(NamedTuple):
     s_cr: Any
     c_cr: Any  # +sqrt(1 - s_cr^2)
     angle: Any  # asin(s_cr) in (-pi/2, pi/2)
+    limit_below: Any  # F^(below) and F^(above) on the belt without spring and drive: (A_alpha - c v)/m
+    limit_above: Any
 
 
 class MarchConstants(NamedTuple):
@@ -74,6 +76,7 @@ class Constants(NamedTuple):
     rate: Any  # max(rate0, Omega)
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
+    creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Any  # A_alpha/m
     A2: Any
@@ -82,6 +85,7 @@ class Constants(NamedTuple):
     Ss: Any  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Any
     period: Any  # 2 pi/Omega
+    Om_lost: Any  # Omega - Om: what its rounding took away
     chunk: Any  # longest time that is evaluated from one starting point
     sigmas: Any  # how many standard errors of the state a decision must exceed
     belt1: BeltConstants
@@ -90,12 +94,18 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
+def rounding_of(value: Fraction) -> float:
+    """Return what the rounding of a Fraction to a double takes away."""
+    return float(value - Fraction(float(value)))
+
+
 def constants(
     parameters: Parameters,
     number: Callable[[Fraction], Any] = float,
     root: Callable[[Any], Any] = sqrt,
     angle: Callable[[Any, Any], Any] = atan2,
     pi: Any = pi,
+    lost: Callable[[Fraction], Any] = rounding_of,
 ) -> Constants:
     """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
 
@@ -106,6 +116,8 @@ def constants(
         Rounds a Fraction: ``float``, or a conversion to mpmath.
     root, angle, pi :
         Square root, atan2 and pi for what `number` returns.
+    lost : callable
+        What `number` takes away from a Fraction.
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
@@ -139,6 +151,7 @@ def constants(
         rate=max(rate0, number(Om)),
         under=under,
         apart=under and steady,
+        creeps=not under and parameters.B0 == 0,
         steady=steady,
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
@@ -147,6 +160,7 @@ def constants(
         Ss=number(-f0 * Om * p) / response,
         Sc=number(f0 * Om * q) / response,
         period=period,
+        Om_lost=lost(Om),
         # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
         chunk=min(period, LONGEST_PHASE / rate0) if under else period,
         sigmas=number(SIGMAS),
@@ -175,6 +189,7 @@ def _belt_constants(
     angle: Callable[..., Any],
 ) -> BeltConstants:
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
+    limits = [number((parameters.A(domain) - parameters.c * v) / parameters.m) for domain in (boundary, boundary + 1)]
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
     turns = abs(pull) < abs(drive)  # with equality the slope touches 0 and keeps its sign
     sine = pull / drive if turns else Fraction(0)
@@ -187,6 +202,8 @@ def _belt_constants(
         s_cr=s_cr,
         c_cr=c_cr,
         angle=angle(s_cr, c_cr),
+        limit_below=limits[0],
+        limit_above=limits[1],
     )
 
 

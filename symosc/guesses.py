@@ -48,7 +48,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
     mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
-    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0)
+    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0)
     passages = [Passage(x, theta, boundary, mode)]
     for _ in range(20 * most):
         code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS, 0.0, K])

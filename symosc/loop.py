@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.advance import FAILED, GRAZE, MOVED, TWO_PI, advance
+from symosc.advance import FAILED, GRAZE, MOVED, advance, clock
+from symosc.kernels.entire import EPS
 
 # Columns of a row of STATE, OUT_FLOAT and OUT_INT.
-STATE_WIDTH = 14  # mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, then theta0, n_end, theta_end
+# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, then theta0, n_end, theta_end, rest, rest0, t0_rest
+STATE_WIDTH = 17
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 # What a trajectory ended with, beside the codes of `advance`.
-RUNNING, FULL, IN_DOUBT = 0, -1, -2
+RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
 
 
-def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int, K):
+def handed_out(t, x, v, t_error, S11):
+    """Return the standard errors of an event's t and x, the rounding of these two numbers included."""
+    return t_error + 2.0 * EPS * abs(t), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+
+
+def follow_all(begin, states, t0, counts, codes, most, accuracy, out_float, out_int, K):
     """Follow trajectories from number `begin` on, until all are done or the output is full.
 
     Parameters
@@ -22,8 +29,8 @@ def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int
     states : (n, STATE_WIDTH) array, updated; n counts periods since t0.
     t0 : (n,) start times.
     counts, codes : (n,) events so far, and what each trajectory ended with; updated.
-    worst : (n,) largest t_error and x_error so far, relative to max(1, |value|); updated.
     most : events after which a trajectory is FULL.
+    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|).
     out_float, out_int : output rows, (capacity, 6) and (capacity, 5).
     K : Constants
 
@@ -40,6 +47,7 @@ def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int
         Fb, Fa = float(states[i, 6]), float(states[i, 7])
         S11, S12, S22 = float(states[i, 8]), float(states[i, 9]), float(states[i, 10])
         theta0, n_end, theta_end = float(states[i, 11]), int(states[i, 12]), float(states[i, 13])
+        rest, rest0, t0_rest, begun = float(states[i, 14]), float(states[i, 15]), float(states[i, 16]), float(t0[i])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
@@ -48,15 +56,16 @@ def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int
             if rows >= out_float.shape[0]:
                 break
             source = mode
-            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22 = advance(
-                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, n_end, theta_end, K
+            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest = advance(
+                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, n_end, theta_end, K
             )
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                t = t0[i] + (n * TWO_PI + (theta - theta0)) / K.Om
-                x_error = abs(v) * t_error + sqrt(S11)
-                worst[i] = max(worst[i], t_error / max(1.0, abs(t)), x_error / max(1.0, abs(x)))
+                t = clock(begun, t0_rest, n, theta, rest, theta0, rest0, K)
+                t_error, x_error = handed_out(t, x, v, t_error, S11)
+                if t_error > accuracy * max(1.0, abs(t)) or x_error > accuracy * max(1.0, abs(x)):
+                    code = INEXACT
                 out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = t, x, v, theta
                 out_float[rows, 4], out_float[rows, 5] = t_error, x_error
                 out_int[rows, 0], out_int[rows, 1], out_int[rows, 2] = i, step, boundary
@@ -67,7 +76,7 @@ def follow_all(begin, states, t0, counts, codes, worst, most, out_float, out_int
                 code = step
         states[i, 0], states[i, 1], states[i, 2] = mode, at, n
         states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7] = theta, x, v, Fb, Fa
-        states[i, 8], states[i, 9], states[i, 10] = S11, S12, S22
+        states[i, 8], states[i, 9], states[i, 10], states[i, 14] = S11, S12, S22, rest
         codes[i] = code
         if code == RUNNING:
             return i, rows

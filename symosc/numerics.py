@@ -14,13 +14,13 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, bounds, events, flow, loop, sticks, switching
+from symosc import advance, bounds, events, flow, loop, rests, sticks, switching
 from symosc.errors import MissingExtraError
 from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, flow, switching, bounds, events, sticks, advance, loop)
+SOURCES = (_generated, entire, flow, switching, bounds, events, rests, sticks, advance, loop)
 
 
 # What decisions must exceed with mpmath, instead of `events.ROUNDING` and `flow.SIGMAS`.
@@ -28,7 +28,16 @@ MP_ROUNDING = 2**16
 MP_SIGMAS = 2**10
 
 # Called from several places and rarely: not worth a copy in each.
-OUTLINED = {"closest_approach", "quartic_start", "series", "careful", "resolve", "tolerance", "follow_all"}
+OUTLINED = {
+    "closest_approach",
+    "quartic_start",
+    "series",
+    "careful",
+    "resolve",
+    "tolerance",
+    "parts_again",
+    "follow_all",
+}
 
 
 def functions_of_sources() -> dict[str, Any]:
@@ -71,23 +80,28 @@ class Arithmetic:
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
-        self.namespace: dict[str, Any] = {**vars(events), **vars(sticks), **vars(switching), **vars(advance)}
+        self.namespace: dict[str, Any] = {
+            **vars(events),
+            **vars(sticks),
+            **vars(switching),
+            **vars(advance),
+            **vars(loop),
+        }
         self.advance = advance.advance
 
     number: Callable[[Fraction], Any] = staticmethod(float)
 
-    def phase(self, t: Fraction) -> tuple[int, Any]:
-        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
+    def phase(self, t: Fraction) -> tuple[int, Any, Any]:
+        """Return periods, theta in [0, 2 pi) and its rounding: Omega t = 2 pi periods + theta + rest."""
         angle = self.parameters.Omega * t
         if angle == 0:
-            return 0, self.number(Fraction(0))
+            return 0, self.number(Fraction(0)), self.number(Fraction(0))
         context = mp_context(60 + len(str(abs(angle.numerator))))
         turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
         periods = int(context.floor(turns))
-        return periods, self._rounded((turns - periods) * 2 * context.pi)
-
-    def _rounded(self, value: Any) -> Any:
-        return float(value)
+        exact = (turns - periods) * 2 * context.pi
+        theta = float(exact)
+        return periods, theta, float(exact - theta)
 
 
 class MpArithmetic(Arithmetic):
@@ -99,13 +113,15 @@ class MpArithmetic(Arithmetic):
         context = mp_context(digits)
         self.parameters, self.context, self.digits = parameters, context, digits
         basis = BasisMP(context, parameters)
-        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi, lambda _: context.mpf(0))
+        K = with_march(K, basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
+        replaced |= {"TWO_PI_UPPER": 2 * context.pi, "TWO_PI_LOWER": context.mpf(0)}
         self.namespace = rebind(lambda function: function, replaced)
         self.advance = self.namespace["advance"]
 
@@ -113,14 +129,14 @@ class MpArithmetic(Arithmetic):
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
 
-    def phase(self, t: Fraction) -> tuple[int, Any]:
-        """Return (periods, theta) as `Arithmetic.phase` does, in this precision."""
+    def phase(self, t: Fraction) -> tuple[int, Any, Any]:
+        """Return (periods, theta, rest) as `Arithmetic.phase` does, in this precision."""
         with self.context.workdps(self.digits + 20 + len(str(abs(int(self.parameters.Omega * t))))):
             turns = self.context.mpf(1) * self.parameters.Omega.numerator * t.numerator
             turns = turns / (self.parameters.Omega.denominator * t.denominator) / (2 * self.context.pi)
             periods = int(self.context.floor(turns))
             theta = (turns - periods) * 2 * self.context.pi
-        return periods, +theta
+        return periods, +theta, 0 * theta
 
 
 @lru_cache(maxsize=1024)

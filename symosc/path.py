@@ -2,88 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from symosc.advance import CROSS, END, FAILED, GRAZE, REST, SLIP, STICK
 from symosc.errors import ParameterError
-from symosc.events import ROUNDING
-from symosc.exact import half_unit, show
-from symosc.kernels._generated import acceleration
-from symosc.model import MODE_NAMES, Parameters
+from symosc.exact import show
+from symosc.model import MODE_NAMES
 from symosc.numerics import Arithmetic, MpArithmetic, mp_context
-from symosc.switching import BELT, DOMAIN_ABOVE
+from symosc.start import Start, State, first_state, rounded
 from symosc.trajectory import Event, Piece
 
 EVENT_KINDS = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
-START_DIGITS = 50
 # A motion is searched period by period: more than this many would take hours.
-MOST_STRETCHES = 10**8
+MOST_PERIODS = 10**8
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
 
 
-@dataclass(frozen=True)
-class Start:
-    """An exact initial value problem: parameters, start and end as Fractions."""
-
-    parameters: Parameters
-    t0: Fraction
-    x0: Fraction
-    v0: Fraction
-    t_end: Fraction
+def last_phase(start: Start, arithmetic: Arithmetic) -> tuple[int, Any]:
+    """Return the phase of t_end with periods counted from t0; at most MOST_PERIODS of them."""
+    (n0, _, _), (n_end, theta_end, rest) = arithmetic.phase(start.t0), arithmetic.phase(start.t_end)
+    return min(n_end - n0, MOST_PERIODS), theta_end + rest
 
 
-@dataclass
-class State:
-    """The arguments of `symosc.advance.advance` between events, in its order."""
-
-    mode: int
-    at: int
-    n: int
-    theta: Any
-    x: Any
-    v: Any
-    Fb: Any
-    Fa: Any
-    S11: Any
-    S12: Any
-    S22: Any
-
-    def as_tuple(self) -> tuple[Any, ...]:
-        """Return the entries in order."""
-        return tuple(self.__dict__.values())
-
-
-def first_state(start: Start, arithmetic: MpArithmetic) -> State:
-    """Return the state at t0; on a belt the forces decide where it goes (Theorems 4 and 5).
-
-    A start with more digits than a double was cut off somewhere (`half_unit`): it is known to half a unit of its last
-    digit, and a force that is 0 to that accuracy is 0.
-    """
-    p, K, number = start.parameters, arithmetic.K, arithmetic.number
-    resolve, context = arithmetic.namespace["resolve"], arithmetic.context
-    eps = arithmetic.namespace["EPS"]
-    n, theta = arithmetic.phase(start.t0)
-    x, v, c, s = number(start.x0), number(start.v0), context.cos(theta), context.sin(theta)
-    dt, dx, dv = (number(half_unit(value)) for value in (start.t0, start.x0, start.v0))
-    A = {1: K.A1, 2: K.A2, 3: K.A3}
-    at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
-    mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
-    forces = [acceleration(x, v, c, A[domain], K.cm, K.w0sq, K.f0) for domain in ((at, at + 1) if at else (mode, mode))]
-    size = abs(A[mode]) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
-    allowed = ROUNDING * eps * size + K.w0sq * (dx + abs(v) * dt) + K.cm * dv + abs(K.fB) * dt
-    if at:
-        forces = [0 * force if abs(force) <= allowed else force for force in forces]
-        where = resolve(v, forces[0], forces[1], s, c, K)
-        mode = 3 + at if where == BELT else at + 1 if where == DOMAIN_ABOVE else at
-        if where != BELT:
-            forces = [forces[1] if where == DOMAIN_ABOVE else forces[0]] * 2
-    rounding_x, rounding_v = eps * abs(x), eps * abs(v) * (0 if at else 1)
-    S11 = (rounding_x + dx) ** 2 + (v * dt) ** 2
-    S22 = (rounding_v + dv) ** 2 + (forces[0] * dt) ** 2
-    return State(mode, at, n, theta, x, v, forces[0], forces[1], S11, 0 * x, S22)
+def check_reached(start: Start, periods: int) -> None:
+    """Raise ParameterError if a motion that ended after so many periods did not get to its t_end for their number."""
+    if periods >= MOST_PERIODS:
+        reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
+        raise ParameterError("t_end", show(start.t_end), reason)
 
 
 class Path:
@@ -102,20 +50,16 @@ class Path:
 
     def __init__(self, start: Start, digits: int | None = None) -> None:
         self.start = start
-        exact = MpArithmetic(start.parameters, digits or START_DIGITS)
-        self.arithmetic: Arithmetic = exact if digits else Arithmetic(start.parameters)
-        self.state = first_state(start, exact)
-        self.n_end, self.theta_end = self.arithmetic.phase(start.t_end)
-        self.t0 = self.arithmetic.number(start.t0)
-        if not digits:
-            self.state = rounded(self.state)
-        self._n0, self._theta0 = self.state.n, self.state.theta
+        self.arithmetic: Arithmetic = MpArithmetic(start.parameters, digits) if digits else Arithmetic(start.parameters)
         self.K = self.arithmetic.K
-        stretches = float(start.t_end - start.t0) / float(self.K.chunk)
-        if stretches > MOST_STRETCHES:
-            reason = f"is {stretches:.1g} forcing or free periods after t0; at most {MOST_STRETCHES:.0e} are followed"
-            raise ParameterError("t_end", show(start.t_end), reason)
-        self.two_pi = self.arithmetic.namespace["TWO_PI"]
+        number = self.arithmetic.number
+        if digits and start.start_error:  # rounding is far below the error of the start, which is no standard error
+            self.K = self.K._replace(sigmas=number(Fraction(1)))
+        self.state = first_state(start, self.arithmetic)
+        self.n_end, self.theta_end = last_phase(start, self.arithmetic)
+        self.t0 = number(start.t0)
+        self.t0_rest = 0 * self.t0 if digits else float(start.t0 - Fraction(self.t0))
+        self._theta0, self._rest0 = self.state.theta, self.state.rest
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
         self.code, self.decided = 0, True
@@ -129,11 +73,6 @@ class Path:
             return 0
         context = mp_context(15)
         return int(context.ceil(context.log10(SAFETY * context.convert(self._worst)))) + digits
-
-    @property
-    def elapsed(self) -> Any:
-        """Time since t0."""
-        return ((self.state.n - self._n0) * self.two_pi + (self.state.theta - self._theta0)) / self.K.Om
 
     @property
     def ended(self) -> bool:
@@ -156,11 +95,11 @@ class Path:
         s = self.state
         self._record()
         if self.code in EVENT_KINDS:
-            x_error = abs(s.v) * t_error + s.S11**0.5
+            t = self.time
+            t_error, x_error = self.arithmetic.namespace["handed_out"](t, s.x, s.v, t_error, s.S11)
             kind, names = EVENT_KINDS[self.code], (MODE_NAMES[source], MODE_NAMES[s.mode])
-            self._worst = max(self._worst, t_error / max(1, abs(self.time)), x_error / max(1, abs(s.x)))
-            errors = float(t_error), float(x_error)
-            self.events.append(Event(self.time, s.x, s.v, s.theta, kind, boundary, *names, *errors))
+            self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(s.x)))
+            self.events.append(Event(t, s.x, s.v, s.theta, kind, boundary, *names, float(t_error), float(x_error)))
 
     def adopt(self, other: Path) -> None:
         """Continue from where a path with more digits is, and take over what it knows better."""
@@ -169,27 +108,34 @@ class Path:
         self.state, self.code, self.decided = rounded(other.state), other.code, True
 
     @property
+    def elapsed(self) -> Any:
+        """Time since t0."""
+        s = self.state
+        return sum(self.arithmetic.namespace["elapsed"](s.n, s.theta, s.rest, self._theta0, self._rest0, self.K))
+
+    @property
     def time(self) -> Any:
         """The time of the current state."""
-        return self.t0 + self.elapsed
+        s = self.state
+        return self.arithmetic.namespace["clock"](
+            self.t0, self.t0_rest, s.n, s.theta, s.rest, self._theta0, self._rest0, self.K
+        )
 
 
 def cut_event(event: Event, context: Any) -> Event:
-    """Return an event with numbers of an mpmath context."""
+    """Return an event with numbers of an mpmath context; the errors cover the cut."""
     t, x, v, theta = (+context.convert(value) for value in (event.t, event.x, event.v, event.theta))
-    return replace(event, t=t, x=x, v=v, theta=theta)
-
-
-def rounded(state: State) -> State:
-    """Return a state in double precision, with the rounding as its error."""
-    numbers = [float(value) for value in state.as_tuple()[3:8]]
-    eps = 2.0**-53
-    theta, x, v, Fb, Fa = numbers
-    v_error = 0.0 if state.at else eps * v
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, (eps * x) ** 2, 0.0, v_error**2)
+    return _with_rounding(event, float(context.eps) / 2, t=t, x=x, v=v, theta=theta)
 
 
 def rounded_event(event: Event) -> Event:
-    """Return an event with floats."""
+    """Return an event with floats; the errors cover the rounding."""
+    if isinstance(event.t, float):
+        return event
     t, x, v, theta = (float(value) for value in (event.t, event.x, event.v, event.theta))
-    return replace(event, t=t, x=x, v=v, theta=theta)
+    return _with_rounding(event, 2.0**-53, t=t, x=x, v=v, theta=theta)
+
+
+def _with_rounding(event: Event, eps: float, **numbers: Any) -> Event:
+    t_error, x_error = event.t_error + eps * float(abs(event.t)), event.x_error + eps * float(abs(event.x))
+    return replace(event, t_error=t_error, x_error=x_error, **numbers)

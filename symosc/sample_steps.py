@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -177,12 +177,12 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
     states, count = rows.copy(), len(rows)
     events_of, codes = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    start, errors = np.zeros(count), np.zeros(count)
+    start = np.zeros(count)
     follow_all, begin = _loop(count), 0
     floats, ints = [], []
     while begin < count:
         out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
-        begin, filled = follow_all(begin, states, start, events_of, codes, errors, MOST_EVENTS, out_float, out_int, K)
+        begin, filled = follow_all(begin, states, start, events_of, codes, MOST_EVENTS, inf, out_float, out_int, K)
         floats.append(out_float[:filled, [0, 1, 3]])
         ints.append(out_int[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)
@@ -227,7 +227,7 @@ def _loop(count: int) -> Callable[..., Any]:
 
 def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, K: Constants) -> list[Any]:
     """Follow a row with a contact within rounding: what it is makes no difference beyond rounding, so it is taken."""
-    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:11]))
+    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:11]), float(row[14]))
     theta0, n_end, theta_end = float(row[11]), int(row[12]), float(row[13])
     events: list[Any] = []
     code = 0
@@ -238,7 +238,7 @@ def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, 
             since = (state[2] * TWO_PI + state[3] - theta0) / K.Om
             events.append((i, since, state[4], state[3], code, boundary, state[0]))
     codes[i] = code if code in (END, REST) else FAILED
-    states[i, :11] = state
+    states[i, :11], states[i, 14] = state[:11], state[11]
     return events
 
 

@@ -1,37 +1,33 @@
 """Simulation: double precision that knows when it is not enough, and any number of digits.
 
 In double precision each step brings an estimate of its error along. When a contact cannot be decided, or an event is
-known to less than `accuracy`, the same algorithm is run with BACKUP_DIGITS digits from the exact start up to there,
-and takes over; the double path goes on from its rounded result. A contact that stays open with BACKUP_DIGITS digits is
-looked at with twice as many: open still, it is a graze; decided only there, the trajectory ends as "undecidable",
-because from here on double precision, backed up as it is, would guess.
+known to less than `accuracy`, the same algorithm is run with more digits from the exact start up to there
+(`symosc.backup`), and takes over; the double path goes on from its rounded result.
 
 With `digits` the working precision is raised until every event is known to that many digits.
 """
 
 from __future__ import annotations
 
-from math import isnan
+from fractions import Fraction
+from math import inf, isinf, isnan
 from typing import Any
 
 from symosc.advance import FAILED, REST
+from symosc.backup import Backup, touch_digits
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import mp_context
-from symosc.path import Path, Start, cut_event, rounded_event
-from symosc.scenes import Scene, load_scene
+from symosc.path import Path, check_reached, cut_event, rounded_event
+from symosc.scenes import Scene, load_scene, read_start_error
+from symosc.start import Start
 from symosc.trajectory import MAP_LABELS, Event, Segment, Trajectory
 
 ACCURACY = 1e-13
-BACKUP_DIGITS = 36
-# How many events a backup may have to compute at a stretch. Beyond, accuracy is given up (the error estimates say so).
-LONGEST_BACKUP = 300
 MOST_EVENTS = 1_000_000
 MOST_DIGITS = 10_000
-# With `digits`, a contact still open with this many times the digits is an exact touch ...
-TOUCH_DIGITS = 3
-# ... and more than that many times the digits are not tried.
+# With `digits`, more than this many times the digits are tried only to tell a touch from a near miss.
 MOST_WORKING = 12
 
 
@@ -45,6 +41,7 @@ def simulate(
     max_events: int | None = None,
     digits: int | None = None,
     accuracy: float | None = None,
+    start_error: Any = None,
 ) -> Trajectory:
     """Follow the motion from a start to t_end, event by event, exactly.
 
@@ -60,8 +57,13 @@ def simulate(
         None: double precision. An int: every event time and position has that many correct digits (mpmath).
     accuracy : float, optional
         In double precision, an event whose time or position is known to less than that (relative to max(1, |value|))
-        is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster; with
-        ``math.inf`` only contacts that doubles cannot decide get more digits.
+        is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster. With
+        ``math.inf`` the path that doubles compute is followed for what it is: only contacts within their rounding get
+        more digits.
+    start_error : number or three numbers, optional
+        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene; without one
+        the start is exact, however many digits it has. A contact that the error of the start can make a touch is a
+        graze, and the errors of events cover it.
 
     Returns
     -------
@@ -70,22 +72,24 @@ def simulate(
     Raises
     ------
     ParameterError
-        If a number is missing, not finite or out of range, or both `digits` and `accuracy` are given.
+        If a number is missing, not finite or out of range, if both `digits` and `accuracy` are given, or if t_end is
+        more than 1e8 forcing periods away and the motion goes on until then.
     """
-    start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end})
+    start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
-        return _double(start, most, read_accuracy(accuracy))
+        return in_doubles(start, most, read_accuracy(accuracy))
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
     return _with_digits(start, most, whole_number("digits", digits, 5, MOST_DIGITS))
 
 
-def _read_start(scene: Scene | Parameters | str, given: dict[str, Any]) -> Start:
+def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_error: Any) -> Start:
     if isinstance(scene, str):
         scene = load_scene(scene)
     if isinstance(scene, Scene):
         parameters = scene.parameters
+        start_error = scene.start_error if start_error is None else start_error
         given = {name: getattr(scene, name) if value is None else value for name, value in given.items()}
     elif isinstance(scene, Parameters):
         parameters = scene
@@ -94,7 +98,8 @@ def _read_start(scene: Scene | Parameters | str, given: dict[str, Any]) -> Start
     for name, value in given.items():
         if value is None:
             raise ParameterError(name, value, "is needed with parameters")
-    start = Start(parameters, **{name: read_exact(name, value) for name, value in given.items()})
+    numbers = {name: read_exact(name, value) for name, value in given.items()}
+    start = Start(parameters, **numbers, start_error=read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
     return start
@@ -123,112 +128,82 @@ def read_accuracy(value: Any) -> float:
     return accuracy
 
 
-def _double(start: Start, most: int, accuracy: float) -> Trajectory:
-    path, backup, trusted = Path(start), None, True
+def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
+    """Follow a motion in double precision; see `simulate`."""
+    path, backup = Path(start), None
+    if isinf(accuracy):
+        path.K = path.K._replace(sigmas=0.0)
+    accuracy = attainable(accuracy, start)
     while not path.ended:
         before = len(path.events)
         if before >= most:
             return _trajectory(path, "max_events", f"stopped after max_events = {most} events, at t = {path.time!r}")
         path.step()
         in_doubt = not path.decided or path.code == FAILED
-        inexact = trusted and len(path.events) > before and _inexact(path.events[-1], accuracy)
-        if before and len(path.events) > before and path.events[-1].t <= path.events[-2].t:
-            return _unresolved(path)
-        if not in_doubt and not inexact:
-            continue
-        backup = backup or Backup(start)
-        outcome = backup.follow(before + 1)
-        if outcome == FOLLOWED:
+        inexact = len(path.events) > before and _inexact(path.events[-1], accuracy)
+        if in_doubt or inexact:
+            backup = backup or Backup(start)
+            if not backup.follow(before + 1):
+                return _undecidable(backup.path, before, backup.digits)
             path.adopt(backup.path)
-        elif outcome == TOO_FAR and not in_doubt:
-            # From here on accuracy is given up, and decisions are about this path, not about the true one nearby.
-            trusted, path.K = False, path.K._replace(sigmas=0.0)
-        else:
-            return _undecidable(path if outcome == TOO_FAR else backup.path, before, backup.digits)
-    return _trajectory(path, *_ending(path))
+    return _ended(path)
+
+
+def attainable(accuracy: float, start: Start) -> float:
+    """Return the accuracy for which more digits help: what the start does not say no digits can."""
+    return inf if start.start_error and max(start.start_error) > accuracy else accuracy
 
 
 def _inexact(event: Event, accuracy: float) -> bool:
-    scales = max(1.0, abs(event.t)), max(1.0, abs(event.x))
-    return event.t_error > accuracy * scales[0] or event.x_error > accuracy * scales[1]
-
-
-FOLLOWED, TOO_FAR, OPEN = "followed", "too far", "open"
-
-
-class Backup:
-    """The same problem with more digits, followed only as far as it is asked for."""
-
-    def __init__(self, start: Start, digits: int = BACKUP_DIGITS) -> None:
-        self.start, self.digits = start, digits
-        self.path = Path(start, digits)
-        self.finer: Path | None = None
-
-    def follow(self, count: int) -> str:
-        """Follow the path to `count` events or to its end: FOLLOWED, TOO_FAR (too many at a stretch) or OPEN."""
-        path = self.path
-        if count - len(path.events) > LONGEST_BACKUP:
-            return TOO_FAR
-        while len(path.events) < count and not path.ended:
-            before = len(path.events)
-            path.step()
-            if path.code == FAILED or (not path.decided and not self._is_exact_touch(before)):
-                return OPEN
-        return FOLLOWED
-
-    def _is_exact_touch(self, before: int) -> bool:
-        """Tell whether the contact after `before` events is open with twice the digits too; if so, take that one."""
-        self.finer = self.finer or Path(self.start, 2 * self.digits)
-        finer = self.finer
-        while len(finer.events) <= before and not finer.ended:
-            finer.step()
-            if not finer.decided and len(finer.events) >= before:
-                if len(self.path.events) > before and len(finer.events) > before:
-                    self.path.events[-1] = finer.events[-1]
-                return True
-        return False
+    return event.t_error > accuracy * max(1.0, abs(event.t)) or event.x_error > accuracy * max(1.0, abs(event.x))
 
 
 def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
     """Raise the working precision until every contact is decided and every event known to `digits` digits."""
-    working = digits + 10
+    known = start.error_digits
+    working = digits + 10 + known
     while True:
-        path = Path(start, working)
-        touch = working >= TOUCH_DIGITS * digits  # a contact that is still open now is an exact touch
-        while not path.ended and len(path.events) < most:
+        path, limit = Path(start, working), MOST_WORKING * (digits + known)
+        open_contact = False
+        while not path.ended and len(path.events) < most and not open_contact:
             before = len(path.events)
             path.step()
-            if path.code == FAILED or not (path.decided or touch):
-                break
-        in_doubt = path.code == FAILED or not (path.decided or touch)
-        missing = 0 if in_doubt else path.missing_digits(digits)
+            if not path.decided and path.code != FAILED and not known:
+                needed = touch_digits(start, path.elapsed, digits)
+                open_contact = needed is None or working < needed
+                limit = max(limit, needed or 0)
+        in_doubt = open_contact or path.code == FAILED
+        # The error of a start that is known to so much only stays whatever the digits.
+        missing = 0 if in_doubt or known else path.missing_digits(digits)
         if not in_doubt and missing <= 0:
             break
-        if working > MOST_WORKING * digits:
+        if working >= limit:
             return _undecidable(path, before, working, digits)
-        working += max(missing + 2, working // 2 if in_doubt else 0)
+        working = min(limit, working + missing + 2) if not in_doubt else min(limit, 3 * working)
     if not path.ended:
         return _trajectory(path, "max_events", f"stopped after max_events = {most} events", digits)
-    return _trajectory(path, *_ending(path), digits)
+    return _ended(path, digits)
 
 
-def _ending(path: Path) -> tuple[str, str]:
-    """Return status and message of a path that came to its end."""
-    state, p = path.state, path.start.parameters
-    on_belt = state.mode > 3
-    if path.code == REST and ((on_belt and state.v == 0) or (not on_belt and p.B0 == 0 and p.c > 0)):
-        where = f"on belt {state.mode - 3}" if on_belt else f"in Omega{state.mode}"
-        how = "at rest" if on_belt else "settling to rest"
-        return "equilibrium", f"from t = {float(path.time)!r} {how} {where}, no event will come any more"
-    return "t_end", f"reached t_end = {show(path.start.t_end)}"
+def end_status(code: int, mode: int, v: Any, p: Parameters) -> str:
+    """Return the status of a motion whose last step ended with END or REST in that mode, at that speed."""
+    if code != REST:
+        return "t_end"
+    settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= 3 else v == 0
+    return "equilibrium" if settles else "t_end"
 
 
-def _unresolved(path: Path) -> Trajectory:
-    """End a trajectory at two events whose times double precision cannot tell apart."""
-    del path.events[-1:]
-    when = f"the events after t = {path.events[-1].t!r} follow each other within one ulp"
-    message = f"{when}; ask for more digits, such as digits={BACKUP_DIGITS}"
-    return _trajectory(path, "undecidable", message)
+def _ended(path: Path, digits: int | None = None) -> Trajectory:
+    """Return the trajectory of a path that came to its end."""
+    state, start = path.state, path.start
+    status = end_status(path.code, state.mode, state.v, start.parameters)
+    message = f"reached t_end = {show(start.t_end)}"
+    if path.code != REST:
+        check_reached(start, state.n)
+    if status == "equilibrium":
+        where = f"at rest on belt {state.mode - 3}" if state.mode > 3 else f"settling to rest in Omega{state.mode}"
+        message = f"from t = {float(path.time)!r} {where}, no event will come any more"
+    return _trajectory(path, status, message, digits)
 
 
 def _undecidable(path: Path, before: int, digits: int, asked: int | None = None) -> Trajectory:
@@ -243,7 +218,7 @@ def _trajectory(path: Path, status: str, message: str, digits: int | None = None
     last = path.time if status in ("undecidable", "max_events") else path.arithmetic.number(path.start.t_end)
     events, t0 = path.events, path.t0
     if digits is None:
-        events, t0, last = [rounded_event(event) for event in events], float(t0), float(last)
+        events, t0, last = [rounded_event(event) for event in events], float(path.start.t0), float(last)
     else:
         context = mp_context(digits)
         events = [cut_event(event, context) for event in events]
@@ -254,4 +229,5 @@ def _trajectory(path: Path, status: str, message: str, digits: int | None = None
         segments.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
         plane, since, mode = event.boundary, event.t, event.target
     segments.append(Segment(since, last, mode, None))
-    return Trajectory(path.start.parameters, events, segments, path.pieces, status, message, digits)
+    t0_rest = 0.0 if digits else float(path.start.t0 - Fraction(t0))
+    return Trajectory(path.start.parameters, events, segments, path.pieces, status, message, digits, t0_rest)

@@ -18,7 +18,8 @@ TWO_ULP = 2 * 2.0**-52
 
 def one(name: str, use_numba: bool | None) -> EventTable:
     scene = load_scene(name)
-    return simulate_many(scene.parameters, [scene.t0, scene.x0, scene.v0], scene.t_end, use_numba=use_numba)
+    start = [scene.t0, scene.x0, scene.v0]
+    return simulate_many(scene.parameters, start, scene.t_end, start_error=scene.start_error, use_numba=use_numba)
 
 
 @pytest.mark.parametrize("name", scene_names())

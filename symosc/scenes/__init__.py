@@ -48,12 +48,25 @@ class Scene:
     t_end: Fraction
     structure: str | None = None
     source: str = ""
+    start_error: Any = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "start_error", read_start_error(self.start_error))
         for name in START_NAMES:
             object.__setattr__(self, name, read_exact(name, getattr(self, name)))
         if self.t_end <= self.t0:
             raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
+
+
+def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
+    """Return half-widths of t0, x0, v0."""
+    if value is None:
+        return None
+    values = value if isinstance(value, (tuple, list)) else [value] * 3
+    errors = tuple(read_exact("start_error", entry) for entry in values)
+    if len(errors) != 3 or min(errors) < 0:
+        raise ParameterError("start_error", value, "must be a number >= 0, or three")
+    return errors if max(errors) > 0 else None
 
 
 def scene_names() -> list[str]:
@@ -93,7 +106,7 @@ def _scene_from(data: dict[str, Any], default_name: str, where: str) -> Scene:
         if not isinstance(data[table], dict):
             raise SceneError(where, f"[{table}] must be a table")
     _check_keys(where, "parameters.", data["parameters"], required=PARAMETER_NAMES, optional=())
-    _check_keys(where, "start.", data["start"], required=START_NAMES[:3], optional=())
+    _check_keys(where, "start.", data["start"], required=START_NAMES[:3], optional=("start_error",))
     for key in ("name", "structure", "source"):
         if key in data and not isinstance(data[key], str):
             raise SceneError(where, f"{key} must be text")
