@@ -87,8 +87,9 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
         code, tau = NOTHING, left
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
     slip = 2.0 * EPS * tau  # the phase is rounded once more than the time
-    x_noise = 2.0 * EPS * (abs(x) + abs(dx)) + abs(v) * slip
-    v_noise = 4.0 * EPS * (abs(v) + velocity_scale(tau, v, a0, K)) + abs(a0) * slip
+    speed = abs(v) + velocity_scale(tau, v, a0, K)
+    x_noise = 2.0 * EPS * (abs(x) + speed * (tau if K.w0 * tau < 1.0 else 1.0 / K.w0)) + abs(v) * slip
+    v_noise = 4.0 * EPS * speed + abs(a0) * slip
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:
@@ -177,7 +178,9 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_m
         return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
     if code == TANGENCY:
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
-    force_error = K.w0sq * sqrt(S11) + 4.0 * EPS * (abs(belt.drift) * tau + abs(K.f0))
+    A = K.A1 if side < 0 and boundary == 1 else K.A3 if side > 0 and boundary == 2 else K.A2
+    terms = abs(A) + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
+    force_error = K.w0sq * sqrt(S11) + 2.0 * EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
     return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero, rest

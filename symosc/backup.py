@@ -54,7 +54,7 @@ class Backup:
 
     def __init__(self, start: Start) -> None:
         self.start = start
-        self.digits = BACKUP_DIGITS + start.error_digits
+        self.digits = BACKUP_DIGITS + start.spare_digits
         self.path = Path(start, self.digits)
         self._finer: Path | None = None
 

@@ -45,10 +45,12 @@ from symosc.bounds import (
     safe_step,
 )
 from symosc.flow import derivatives, fifth_derivative, state_at, velocity_scale
-from symosc.kernels.entire import EPS, SIXTH, basis
+from symosc.kernels.entire import EPS, SIXTH
 
 # What a search ends with.
 NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
+# A gap that is 0 as far as this precision tells, and stays so.
+LOST = 4
 
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
 SHORT_STEP = 4e-3
@@ -61,8 +63,12 @@ MOST_STALLS = 30
 MOST_DESCENTS = 400
 MOST_HALVINGS = 400
 MOST_NEWTON = 200
+# A gap within its error that leaves it within this time (times 1/rate) is on its way through 0.
+SOON = 1e-2
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
+# A gap smaller than this part of the velocities in question is compared with its error.
+THIN = 1e-9
 FAR = 1e300
 
 
@@ -104,7 +110,15 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         tau, dv, a, b, w, j, s, c, M4 = march(
             tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
         )
+    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) / K.rate)
+    thin = 4.0 * K.sigmas * K.sigmas * (S22 + K.w0sq * S11) + speed * speed
     for _ in range(MOST_STEPS):
+        if has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below):
+            if hidden(tau, -1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+                break
+        if has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above):
+            if hidden(tau, 1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+                break
         if tau >= tau_max:
             return NOTHING, 0, tau, dx, dv, a, b, s, c, E0, E1, E2
         cap = tau_max - tau
@@ -150,6 +164,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
             if verdict == TANGENCY:
                 dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
                 return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
+            if verdict == LOST:
+                break
             if verdict == HIT:
                 crossing, tau_deep = side, tau_min
             elif verdict == NOTHING:
@@ -173,6 +189,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                 if verdict == TANGENCY:
                     dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
                     return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
+                if verdict == LOST:
+                    break
             return polish(tau, before, tau, side, v0, a0, s0, c0, below, above, K)
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
@@ -193,7 +211,7 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
     Om2 = K.Om * K.Om
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free))
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) / K.w0)
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
     energy = a_free * a_free + K.w0sq * v_free * v_free
     room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack
@@ -316,9 +334,8 @@ def turned(s, c, angle):
     return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
 
 
-def tolerance(tau, start_gap, v0, a0, S11, S12, S22, K):
+def tolerance(tau, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
     """Return how far a gap may be wrong `tau` after a start: rounding, and what the errors of the start have become."""
-    E0, E1, _, _, _, _, _ = basis(tau, K)
     pull = -K.w0sq * E1
     variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22
     return ROUNDING * EPS * (velocity_scale(tau, v0, a0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
@@ -331,15 +348,15 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
     -------
     (verdict, tau_min)
         NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it touches 0 there as far
-        as this precision tells, and not for good. STALLED: no minimum was found nearby, or the way to it is
-        not proven free.
+        as this precision tells, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way
+        to it is not proven free.
     """
     start, sign = tau, -side
     last, depth_known = FAR, False
     for _ in range(MOST_DESCENTS):
-        _, dv, a, b, w, _, _, _, _, _, _ = state_at(tau, v0, a0, s0, c0, K)
+        _, dv, a, b, w, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
         gap, slope, bend = (below + dv if side < 0 else above - dv), sign * a, sign * b
-        allowed = tolerance(tau, below if side < 0 else above, v0, a0, S11, S12, S22, K)
+        allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
         shift = -slope / bend if bend > 0.0 else 0.0 * slope
@@ -353,13 +370,20 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
                 free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * w, -0.25 * SIXTH * M4)
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                rises = parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K)
-                return (TANGENCY if rises else STALLED), tau
+                parts = parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+                return (TANGENCY if parts else LOST), tau
         last = abs(shift)
         tau = tau + shift
         if tau < earliest:
             return STALLED, start
     return STALLED, tau
+
+
+def hidden(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+    """Return whether a gap is 0 as far as this precision tells, and was or will be so for a while around `tau`."""
+    _, dv, a, _, _, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
+    allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
+    return (below + dv if side < 0 else above - dv) <= allowed and abs(a) <= allowed * K.rate / SOON
 
 
 def parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
@@ -369,9 +393,9 @@ def parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
     """
     for rate in (K.rate, K.Om):
         later = tau + 0.5 / rate
-        _, dv, _, _, _, _, _, _, _, _, _ = state_at(later, v0, a0, s0, c0, K)
+        _, dv, _, _, _, _, _, _, E0, E1, _ = state_at(later, v0, a0, s0, c0, K)
         start_gap = below if side < 0 else above
         gap = below + dv if side < 0 else above - dv
-        if abs(gap) > 4.0 * tolerance(later, start_gap, v0, a0, S11, S12, S22, K):
+        if abs(gap) > 4.0 * tolerance(later, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
             return True
     return False

@@ -35,7 +35,7 @@ OUTLINED = {
     "careful",
     "resolve",
     "tolerance",
-    "parts_again",
+    "parts_again", "hidden",
     "follow_all",
 }
 
@@ -70,8 +70,8 @@ class Arithmetic:
     K : Constants
     advance : callable
         `symosc.advance.advance` for these numbers.
-    number : callable
-        Rounds a Fraction to such a number.
+    number, converted : callable
+        Round a Fraction, or an mpmath number, to such a number.
     """
 
     K: Constants
@@ -90,6 +90,7 @@ class Arithmetic:
         self.advance = advance.advance
 
     number: Callable[[Fraction], Any] = staticmethod(float)
+    converted: Callable[[Any], Any] = staticmethod(float)
 
     def phase(self, t: Fraction) -> tuple[int, Any, Any]:
         """Return periods, theta in [0, 2 pi) and its rounding: Omega t = 2 pi periods + theta + rest."""
@@ -115,6 +116,7 @@ class MpArithmetic(Arithmetic):
         basis = BasisMP(context, parameters)
         K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi, lambda _: context.mpf(0))
         K = with_march(K, basis)
+        self.converted = context.convert
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}

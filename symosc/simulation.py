@@ -21,7 +21,7 @@ from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import mp_context
 from symosc.path import Path, check_reached, cut_event, rounded_event
 from symosc.scenes import Scene, load_scene, read_start_error
-from symosc.start import Start
+from symosc.start import Start, settles
 from symosc.trajectory import MAP_LABELS, Event, Segment, Trajectory
 
 ACCURACY = 1e-13
@@ -141,7 +141,9 @@ def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
         path.step()
         in_doubt = not path.decided or path.code == FAILED
         inexact = len(path.events) > before and _inexact(path.events[-1], accuracy)
-        if in_doubt or inexact:
+        if in_doubt and before == 0 and settles(start):
+            path.come_to_rest()
+        elif in_doubt or inexact:
             backup = backup or Backup(start)
             if not backup.follow(before + 1):
                 return _undecidable(backup.path, before, backup.digits)
@@ -160,21 +162,24 @@ def _inexact(event: Event, accuracy: float) -> bool:
 
 def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
     """Raise the working precision until every contact is decided and every event known to `digits` digits."""
-    known = start.error_digits
-    working = digits + 10 + known
+    spare = start.spare_digits
+    working = digits + 10 + spare
     while True:
-        path, limit = Path(start, working), MOST_WORKING * (digits + known)
+        path, limit = Path(start, working), MOST_WORKING * (digits + spare)
         open_contact = False
         while not path.ended and len(path.events) < most and not open_contact:
             before = len(path.events)
             path.step()
-            if not path.decided and path.code != FAILED and not known:
+            if not path.decided and path.code != FAILED and not start.start_error:
                 needed = touch_digits(start, path.elapsed, digits)
                 open_contact = needed is None or working < needed
                 limit = max(limit, needed or 0)
         in_doubt = open_contact or path.code == FAILED
+        if in_doubt and before == 0 and settles(start):
+            in_doubt = False
+            path.come_to_rest()
         # The error of a start that is known to so much only stays whatever the digits.
-        missing = 0 if in_doubt or known else path.missing_digits(digits)
+        missing = 0 if in_doubt or start.start_error else path.missing_digits(digits)
         if not in_doubt and missing <= 0:
             break
         if working >= limit:

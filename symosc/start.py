@@ -37,10 +37,11 @@ class Start:
     start_error: tuple[Fraction, Fraction, Fraction] | None = None
 
     @property
-    def error_digits(self) -> int:
-        """Digits after the decimal point that show the smallest error of the start; 0 for an exact one."""
-        known = [error for error in self.start_error or () if error > 0]
-        return max(0, ceil(-log10(min(known)))) if known else 0
+    def spare_digits(self) -> int:
+        """Digits after the decimal point that show the errors of the start, and that v0 is not quite a belt's speed."""
+        p = self.parameters
+        small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
+        return max(0, *(ceil(-log10(value)) for value in small))
 
 
 @dataclass
@@ -85,8 +86,8 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         reach = K.w0sq * (dx + abs(v) * dt) + K.cm * dv + abs(K.fB) * dt
         size = max(abs(A[at]), abs(A[at + 1])) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
         if min(abs(force) for force in forces) <= CLEAR_FORCE * size + reach:
-            where, zeros = _decided(start)
-            forces = [0 * force if zero else force for force, zero in zip(forces, zeros, strict=True)]
+            where, exact = _decided(start)
+            forces = [arithmetic.converted(force) for force in exact]
         else:
             where = DOMAIN_ABOVE if forces[1] > 0 else BELT if forces[0] > 0 else -DOMAIN_ABOVE
         mode = 3 + at if where == BELT else at + 1 if where == DOMAIN_ABOVE else at
@@ -100,8 +101,8 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     return State(mode, at, 0, theta, x, v, forces[0], forces[1], S11, S12, S22, rest)
 
 
-def _decided(start: Start) -> tuple[int, list[bool]]:
-    """Return where a start on a belt goes (as `symosc.switching.resolve`), and which of both forces are 0."""
+def _decided(start: Start) -> tuple[int, list[Any]]:
+    """Return where a start on a belt goes (as `symosc.switching.resolve`), and both forces."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
@@ -115,9 +116,30 @@ def _decided(start: Start) -> tuple[int, list[bool]]:
     size = max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
     allowed = ROUNDING * arithmetic.namespace["EPS"] * size
     allowed += K.w0sq * (dx + abs(v) * dt) + K.cm * dv + abs(K.fB) * dt
-    zeros = [abs(force) <= allowed for force in forces]
-    below, above = (0 * force if zero else force for force, zero in zip(forces, zeros, strict=True))
-    return arithmetic.namespace["resolve"](v, below, above, s, c, K), zeros
+    forces = [0 * force if abs(force) <= allowed else force for force in forces]
+    return arithmetic.namespace["resolve"](v, *forces, s, c, K), forces
+
+
+def settles(start: Start) -> bool:
+    """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
+
+    As `symosc.rests.creeps_for_ever`, with u = g' + (h + w) g >= 0 told from the squares of its two parts.
+    """
+    p = start.parameters
+    h = p.c / (2 * p.m)
+    square = h * h - p.k / p.m
+    domain = 1 + (start.v0 > p.v1) + (start.v0 > p.v2)
+    if p.B0 != 0 or square < 0 or start.v0 in (p.v1, p.v2) or start.start_error:
+        return False
+    a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
+    for boundary, side in ((domain - 1, 1), (domain, -1)):
+        if boundary in (1, 2):
+            v = p.belt(boundary)
+            gap = side * (start.v0 - v)
+            part = side * a + h * gap
+            if side * p.k * v > 0 or (part < 0 and part * part > square * gap * gap):
+                return False
+    return True
 
 
 def rounded(state: State) -> State:
