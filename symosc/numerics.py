@@ -67,6 +67,7 @@ class Arithmetic:
 
     K: Constants
     advance: Callable[..., Any]
+    digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
@@ -81,12 +82,13 @@ class Arithmetic:
         angle = self.parameters.Omega * t
         if angle == 0:
             return 0, self.number(Fraction(0))
-        context = mp_context(60 + len(str(abs(angle.numerator))))
+        context = mp_context(self.digits + 20 + len(str(abs(int(angle)))))
         turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
         periods = int(context.floor(turns))
-        return periods, self._rounded((turns - periods) * 2 * context.pi)
+        return periods, self.rounded((turns - periods) * 2 * context.pi)
 
-    def _rounded(self, value: Any) -> Any:
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf to such a number."""
         return float(value)
 
 
@@ -113,14 +115,9 @@ class MpArithmetic(Arithmetic):
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
 
-    def phase(self, t: Fraction) -> tuple[int, Any]:
-        """Return (periods, theta) as `Arithmetic.phase` does, in this precision."""
-        with self.context.workdps(self.digits + 20 + len(str(abs(int(self.parameters.Omega * t))))):
-            turns = self.context.mpf(1) * self.parameters.Omega.numerator * t.numerator
-            turns = turns / (self.parameters.Omega.denominator * t.denominator) / (2 * self.context.pi)
-            periods = int(self.context.floor(turns))
-            theta = (turns - periods) * 2 * self.context.pi
-        return periods, +theta
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf of any precision to one of this precision."""
+        return self.context.mpf(value)
 
 
 @lru_cache(maxsize=1024)
@@ -129,14 +126,11 @@ def _float_constants(parameters: Parameters) -> Constants:
     return with_march(constants(parameters), entire.basis)
 
 
-@lru_cache(maxsize=32)
 def mp_context(digits: int) -> Any:
-    """Return an mpmath context of its own, so that nobody's global precision is touched."""
-    import mpmath
+    """Return an mpmath context of fixed precision (`symosc.multiprecision`, which loads mpmath)."""
+    from symosc.multiprecision import mp_context
 
-    context = mpmath.mp.clone()
-    context.dps = digits
-    return context
+    return mp_context(digits)
 
 
 @lru_cache(maxsize=1)

@@ -14,6 +14,7 @@ ORDER = [
     "exact",
     "model",
     "scenes",
+    "multiprecision",
     "kernels._generated",
     "kernels.entire",
     "kernels.entire_mp",
