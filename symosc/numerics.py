@@ -1,21 +1,17 @@
 """The same scalar source as CPython floats, as compiled code and in any number of digits.
 
-The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here their
-functions are bound to other globals: to mpmath's sin, cos, sqrt and precision, or to compiled versions of each
-other. Nothing is written twice.
+The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here they are
+bound (`symosc.binding`) to mpmath's sin, cos, sqrt and precision, or to compiled versions of each other.
 """
 
 from __future__ import annotations
 
-import os
-import types
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, bounds, events, flow, loop, sticks, switching
-from symosc.errors import MissingExtraError
+from symosc import advance, binding, bounds, events, flow, loop, sticks, switching
 from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
@@ -29,27 +25,6 @@ MP_SIGMAS = 2**10
 
 # Called from several places and rarely: not worth a copy in each.
 OUTLINED = {"closest_approach", "quartic_start", "series", "careful", "resolve", "tolerance", "follow_all"}
-
-
-def functions_of_sources() -> dict[str, Any]:
-    """Return the functions of the fast paths by name."""
-    return {
-        name: value
-        for module in SOURCES
-        for name, value in vars(module).items()
-        if isinstance(value, types.FunctionType) and value.__module__ == module.__name__
-    }
-
-
-def rebind(wrap: Callable[[Any], Any], replaced: dict[str, Any]) -> dict[str, Any]:
-    """Return copies of the fast paths' functions that see `replaced` and each other, not their modules' globals."""
-    shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
-    for module in SOURCES:
-        shared.update((name, value) for name, value in vars(module).items() if not name.startswith("__"))
-    for name, function in functions_of_sources().items():
-        shared[name] = wrap(types.FunctionType(function.__code__, shared, name, function.__defaults__))
-    shared.update(replaced)
-    return shared
 
 
 class Arithmetic:
@@ -108,7 +83,7 @@ class MpArithmetic(Arithmetic):
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
-        self.namespace = rebind(lambda function: function, replaced)
+        self.namespace = binding.bind(SOURCES, replaced)
         self.advance = self.namespace["advance"]
 
     def number(self, value: Fraction) -> Any:
@@ -142,18 +117,4 @@ def compiled() -> dict[str, Any]:
     MissingExtraError
         If numba is not installed.
     """
-    try:
-        import numba
-    except ImportError:
-        raise MissingExtraError("compiling", "fast") from None
-    # numba's disk cache notices a change of the file that a function is in, not of the files of the functions that
-    # it calls. So all are said to be in the file that was changed last.
-    newest = max(__file__, *(str(module.__file__) for module in SOURCES), key=os.path.getmtime)
-
-    def wrap(function: Any) -> Any:
-        code = function.__code__.replace(co_filename=newest)
-        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ not in OUTLINED)(
-            types.FunctionType(code, function.__globals__, function.__name__, function.__defaults__)
-        )
-
-    return rebind(wrap, {})
+    return binding.compiled(SOURCES, OUTLINED)

@@ -25,6 +25,7 @@ ORDER = [
     "sticks",
     "advance",
     "loop",
+    "binding",
     "numerics",
     "files",
     "trajectory",
