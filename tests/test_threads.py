@@ -60,7 +60,7 @@ def test_trajectories() -> None:
         run = simulate(p, **start, digits=digits)
         return run.status, run.events, run.segments
 
-    in_threads([lambda seed=seed: job(seed) for seed in range(40)])
+    in_threads([lambda seed=seed: job(seed) for seed in range(24)])
 
 
 def test_the_digits_printed_stay_those_asked_for() -> None:
