@@ -192,9 +192,7 @@ def _follow_all(use_numba: bool | None) -> Any:
         return loop.follow_all
 
 
-def _read_problems(
-    parameters: Any, starts: Any, t_end: Any, start_error: Any
-) -> tuple[list[Parameters], list[Start]]:
+def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> tuple[list[Parameters], list[Start]]:
     sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
     for p in sets:
         if not isinstance(p, Parameters):

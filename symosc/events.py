@@ -113,12 +113,12 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) / K.rate)
     thin = 4.0 * K.sigmas * K.sigmas * (S22 + K.w0sq * S11) + speed * speed
     for _ in range(MOST_STEPS):
-        if has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below):
-            if hidden(tau, -1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-                break
-        if has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above):
-            if hidden(tau, 1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-                break
+        thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
+        thin_above = has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above)
+        if thin_below and hidden(tau, -1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+            break
+        if thin_above and hidden(tau, 1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+            break
         if tau >= tau_max:
             return NOTHING, 0, tau, dx, dv, a, b, s, c, E0, E1, E2
         cap = tau_max - tau

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import types
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -11,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc import windows
-from symosc.errors import ParameterError
+from symosc.binding import compiled
+from symosc.errors import MissingExtraError, ParameterError
 from symosc.grazing import grazing_window
 from symosc.model import Parameters
 from symosc.windows import EMPTY, EVERYTHING, IN_DOUBT, check_order, place
@@ -114,14 +114,6 @@ def _pair(value: Fraction) -> tuple[float, float]:
 def _rows() -> Any:
     """Return `windows.windows`, compiled if numba is installed."""
     try:
-        import numba
-    except ImportError:
+        return compiled((windows,), {"windows"})["windows"]
+    except MissingExtraError:
         return windows.windows
-    # As in symosc.numerics: copies of the functions that see each other's compiled form.
-    shared = {name: value for name, value in vars(windows).items() if not name.startswith("__")}
-    shared["__name__"] = __name__  # numba's cache asks each function for its module
-    for name, function in list(shared.items()):
-        if isinstance(function, types.FunctionType) and function.__module__ == windows.__name__:
-            copy = types.FunctionType(function.__code__, shared, name, function.__defaults__)
-            shared[name] = numba.njit(cache=True, error_model="numpy", forceinline=name != "windows")(copy)
-    return shared["windows"]

@@ -17,8 +17,6 @@ Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an
 from __future__ import annotations
 
 import math
-import os
-import types
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
@@ -26,9 +24,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc import binding
 from symosc.errors import ParameterError
 from symosc.flow import BeltConstants, Constants, constants
-from symosc.kernels import _generated, entire, entire_array, mapping, repeated
+from symosc.kernels import entire_array, mapping, repeated
 from symosc.model import PARAMETER_NAMES, SIDES, Parameters
 from symosc.numerics import compiled
 from symosc.words import MAPS, Map
@@ -211,7 +210,7 @@ def _floats(p: Parameters) -> Numbers:
 @lru_cache(maxsize=64)
 def _arrays(p: Parameters) -> Numbers:
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
-    return Numbers(constants(p), _bound(mapping, names), float)
+    return Numbers(constants(p), binding.bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
@@ -224,32 +223,14 @@ def _mp_numbers(p: Parameters, context: Any, precision: int) -> Numbers:
 
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
     names = {"complex": context.mpc, "exp": context.exp, "EPS": context.ldexp(1, -precision)}
-    sums = _bound(repeated, names)["repeated"]
+    sums = binding.bind((repeated,), names)["repeated"]
     names = {"sin": context.sin, "cos": context.cos, "basis": BasisMP(context, p), "repeated": sums}
-    return Numbers(K, _bound(mapping, names), number)
-
-
-def _bound(module: types.ModuleType, replaced: dict[str, Any]) -> dict[str, Any]:
-    """Return the functions of a module that see `replaced` and each other."""
-    shared = {**vars(module), **replaced}
-    for name, value in vars(module).items():
-        if isinstance(value, types.FunctionType) and value.__module__ == module.__name__:
-            shared[name] = types.FunctionType(value.__code__, shared, name)
-    return shared
+    return Numbers(K, binding.bind((mapping,), names), number)
 
 
 @lru_cache(maxsize=1)
 def _compiled_loop() -> Callable[..., None]:
-    shared = {**compiled(), "__name__": __name__}
-    import numba
-
-    # The disk cache has to notice changes of what is called, see `symosc.numerics.compiled`.
-    newest = max((str(module.__file__) for module in (_generated, entire, mapping)), key=os.path.getmtime)
-    for name in ("flight", "flights"):
-        code = getattr(mapping, name).__code__.replace(co_filename=newest)
-        function = types.FunctionType(code, shared, name)
-        shared[name] = numba.njit(cache=True, error_model="numpy", forceinline=name == "flight")(function)
-    return shared["flights"]
+    return binding.compiled((mapping,), {"flights"}, compiled())["flights"]
 
 
 # --- reading arguments ---

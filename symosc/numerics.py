@@ -1,21 +1,17 @@
 """The same scalar source as CPython floats, as compiled code and in any number of digits.
 
-The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here their
-functions are bound to other globals: to mpmath's sin, cos, sqrt and precision, or to compiled versions of each
-other. Nothing is written twice.
+The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here they are
+bound (`symosc.binding`) to mpmath's sin, cos, sqrt and precision, or to compiled versions of each other.
 """
 
 from __future__ import annotations
 
-import os
-import types
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, bounds, events, flow, loop, rests, sticks, switching
-from symosc.errors import MissingExtraError
+from symosc import advance, binding, bounds, events, flow, loop, rests, sticks, switching
 from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
@@ -35,30 +31,10 @@ OUTLINED = {
     "careful",
     "resolve",
     "tolerance",
-    "parts_again", "hidden",
+    "parts_again",
+    "hidden",
     "follow_all",
 }
-
-
-def functions_of_sources() -> dict[str, Any]:
-    """Return the functions of the fast paths by name."""
-    return {
-        name: value
-        for module in SOURCES
-        for name, value in vars(module).items()
-        if isinstance(value, types.FunctionType) and value.__module__ == module.__name__
-    }
-
-
-def rebind(wrap: Callable[[Any], Any], replaced: dict[str, Any]) -> dict[str, Any]:
-    """Return copies of the fast paths' functions that see `replaced` and each other, not their modules' globals."""
-    shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
-    for module in SOURCES:
-        shared.update((name, value) for name, value in vars(module).items() if not name.startswith("__"))
-    for name, function in functions_of_sources().items():
-        shared[name] = wrap(types.FunctionType(function.__code__, shared, name, function.__defaults__))
-    shared.update(replaced)
-    return shared
 
 
 class Arithmetic:
@@ -70,12 +46,13 @@ class Arithmetic:
     K : Constants
     advance : callable
         `symosc.advance.advance` for these numbers.
-    number, converted : callable
-        Round a Fraction, or an mpmath number, to such a number.
+    number : callable
+        Rounds a Fraction to such a number.
     """
 
     K: Constants
     advance: Callable[..., Any]
+    digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
@@ -90,19 +67,22 @@ class Arithmetic:
         self.advance = advance.advance
 
     number: Callable[[Fraction], Any] = staticmethod(float)
-    converted: Callable[[Any], Any] = staticmethod(float)
 
     def phase(self, t: Fraction) -> tuple[int, Any, Any]:
         """Return periods, theta in [0, 2 pi) and its rounding: Omega t = 2 pi periods + theta + rest."""
         angle = self.parameters.Omega * t
         if angle == 0:
             return 0, self.number(Fraction(0)), self.number(Fraction(0))
-        context = mp_context(60 + len(str(abs(angle.numerator))))
+        context = mp_context(self.digits + 20 + len(str(abs(int(angle)))))
         turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
         periods = int(context.floor(turns))
         exact = (turns - periods) * 2 * context.pi
-        theta = float(exact)
-        return periods, theta, float(exact - theta)
+        theta = self.rounded(exact)
+        return periods, theta, self.rounded(exact - theta)
+
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf to such a number."""
+        return float(value)
 
 
 class MpArithmetic(Arithmetic):
@@ -116,7 +96,6 @@ class MpArithmetic(Arithmetic):
         basis = BasisMP(context, parameters)
         K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi, lambda _: context.mpf(0))
         K = with_march(K, basis)
-        self.converted = context.convert
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
@@ -124,21 +103,16 @@ class MpArithmetic(Arithmetic):
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
         replaced |= {"TWO_PI_UPPER": 2 * context.pi, "TWO_PI_LOWER": context.mpf(0)}
-        self.namespace = rebind(lambda function: function, replaced)
+        self.namespace = binding.bind(SOURCES, replaced)
         self.advance = self.namespace["advance"]
 
     def number(self, value: Fraction) -> Any:
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
 
-    def phase(self, t: Fraction) -> tuple[int, Any, Any]:
-        """Return (periods, theta, rest) as `Arithmetic.phase` does, in this precision."""
-        with self.context.workdps(self.digits + 20 + len(str(abs(int(self.parameters.Omega * t))))):
-            turns = self.context.mpf(1) * self.parameters.Omega.numerator * t.numerator
-            turns = turns / (self.parameters.Omega.denominator * t.denominator) / (2 * self.context.pi)
-            periods = int(self.context.floor(turns))
-            theta = (turns - periods) * 2 * self.context.pi
-        return periods, +theta, 0 * theta
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf of any precision to one of this precision."""
+        return self.context.mpf(value)
 
 
 @lru_cache(maxsize=1024)
@@ -147,14 +121,11 @@ def _float_constants(parameters: Parameters) -> Constants:
     return with_march(constants(parameters), entire.basis)
 
 
-@lru_cache(maxsize=32)
 def mp_context(digits: int) -> Any:
-    """Return an mpmath context of its own, so that nobody's global precision is touched."""
-    import mpmath
+    """Return an mpmath context of fixed precision (`symosc.multiprecision`, which loads mpmath)."""
+    from symosc.multiprecision import mp_context
 
-    context = mpmath.mp.clone()
-    context.dps = digits
-    return context
+    return mp_context(digits)
 
 
 @lru_cache(maxsize=1)
@@ -166,18 +137,4 @@ def compiled() -> dict[str, Any]:
     MissingExtraError
         If numba is not installed.
     """
-    try:
-        import numba
-    except ImportError:
-        raise MissingExtraError("compiling", "fast") from None
-    # numba's disk cache notices a change of the file that a function is in, not of the files of the functions that
-    # it calls. So all are said to be in the file that was changed last.
-    newest = max(__file__, *(str(module.__file__) for module in SOURCES), key=os.path.getmtime)
-
-    def wrap(function: Any) -> Any:
-        code = function.__code__.replace(co_filename=newest)
-        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ not in OUTLINED)(
-            types.FunctionType(code, function.__globals__, function.__name__, function.__defaults__)
-        )
-
-    return rebind(wrap, {})
+    return binding.compiled(SOURCES, OUTLINED)

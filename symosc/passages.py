@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -65,7 +65,7 @@ class MapPoint:
     theta: Any
     exit: str | None
     grazing: bool
-    derivative: np.ndarray | None
+    derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
 
 
 def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:

@@ -50,7 +50,7 @@ class Approach(NamedTuple):
     within: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class PeriodicOrbit:
     """A periodic orbit, or a root of its closing equations that is none (`admissible` is False).
 

@@ -87,7 +87,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         size = max(abs(A[at]), abs(A[at + 1])) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
         if min(abs(force) for force in forces) <= CLEAR_FORCE * size + reach:
             where, exact = _decided(start)
-            forces = [arithmetic.converted(force) for force in exact]
+            forces = [arithmetic.rounded(force) for force in exact]
         else:
             where = DOMAIN_ABOVE if forces[1] > 0 else BELT if forces[0] > 0 else -DOMAIN_ABOVE
         mode = 3 + at if where == BELT else at + 1 if where == DOMAIN_ABOVE else at

@@ -15,6 +15,7 @@ from mpmath import mp
 
 from symosc import Parameters, load_scene, scene_names, simulate
 from symosc import maps as m
+from symosc.binding import bind
 from symosc.errors import ParameterError
 from symosc.kernels import entire, mapping, repeated
 from symosc.model import MODE_NAMES, PARAMETER_NAMES
@@ -85,7 +86,7 @@ def sizes(p: Parameters, label: str, points: list[float], exit: str | None) -> t
 
     replaced = {"sin": lambda angle: Size(mpmath.sin(angle)), "cos": lambda angle: Size(mpmath.cos(angle))}
     replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(repeated.repeated, tau, K)}
-    numbers = m.Numbers(coarse, m._bound(mapping, replaced), Size)
+    numbers = m.Numbers(coarse, bind((mapping,), replaced), Size)
     x_i, theta_i, x_j, theta_j = points
     z, row, exit = (Size(x_i), theta_i, Size(x_j), theta_j), MAPS[label], exit or "below"
     return (

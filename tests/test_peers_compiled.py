@@ -14,8 +14,9 @@ import pytest
 from symosc import Parameters, Scene, load_scene, simulate
 from symosc.bench import peers_heyoka, peers_numba, peers_scan
 from symosc.bench.event_logic import PeerError
-from symosc.bench.scalar_logic import bind, runner, scalars
+from symosc.bench.scalar_logic import runner, scalars
 from symosc.bench.solvers import Found, Solver
+from symosc.binding import bind
 
 MODULES = (peers_heyoka, peers_numba, peers_scan)
 SOLVERS = {solver.name: solver for module in MODULES for solver in module.SOLVERS}
@@ -199,7 +200,7 @@ def test_compiled_and_interpreted_agree() -> None:
     scene = load_scene("fig10")
     q = scalars(peers_numba.Motion(scene.parameters, scene.t0))
     s = peers_numba.settings(peers_numba.Motion(scene.parameters), 1e-8, True)
-    plain = runner(scene, bind(peers_numba.MODULES, lambda function: function), q, s)()
+    plain = runner(scene, bind(peers_numba.MODULES, {}), q, s)()
     assert error(plain, found_by(SOLVERS["numba DOP853"], scene, 1e-8)) < 1e-9  # type: ignore[arg-type]
 
 
@@ -207,9 +208,9 @@ def test_compiled_and_interpreted_agree() -> None:
 def test_the_number_of_steps_is_bounded(module: object) -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
-    few = {"MOST_STEPS": 2, "MOST_SAMPLES": 2}
-    functions = bind(module.MODULES, lambda function: function, **few)  # type: ignore[attr-defined]
     scan = module is peers_scan
+    few = {"MOST_SAMPLES" if scan else "MOST_STEPS": 2}
+    functions = bind(module.MODULES, few)  # type: ignore[attr-defined]
     s = peers_scan.scan_of(motion, 20, 1e-9) if scan else peers_numba.settings(motion, 1e-9, True)
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
         runner(scene, functions, scalars(motion), s)()
@@ -220,7 +221,7 @@ def test_a_late_clock_costs_no_steps() -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
     q, s = scalars(motion), peers_numba.settings(motion, 1e-14, True)
-    follow = bind(peers_numba.MODULES, lambda function: function, MOST_STEPS=200)["follow"]
+    follow = bind(peers_numba.MODULES, {"MOST_STEPS": 200})["follow"]
     for t in (0.0, 1e6):
         rows, count, outcome, _ = follow(q, s, t, 4.5, 0.0, 1, 0, 1e-14, t + 5.0)
         assert outcome == 0

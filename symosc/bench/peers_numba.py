@@ -10,20 +10,20 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
 
+from symosc import binding
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS, Motion
 from symosc.bench.scalar_logic import (
     FAILED,
     LAST_BIT,
     OFFSET,
-    compiled,
     force,
     margins,
     root,
@@ -221,11 +221,17 @@ def leave(q, s, mode, t, x, v, t_end):
 MODULES = (scalar_logic, sys.modules[__name__])
 
 
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Any]:
+    """Return the functions compiled by numba."""
+    return binding.compiled(MODULES)
+
+
 def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare DOP853, with or without the precautions."""
     motion = Motion(scene.parameters, scene.t0)
     offset = OFFSET * motion.speed if careful else 0.0
-    return runner(scene, compiled(MODULES), scalars(motion), settings(motion, tolerance, careful), offset)
+    return runner(scene, compiled(), scalars(motion), settings(motion, tolerance, careful), offset)
 
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)

@@ -16,9 +16,10 @@ from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import Any, NamedTuple
 
+from symosc import binding
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
-from symosc.bench.scalar_logic import FAILED, bind, compiled, margins, root, runner, scalars
+from symosc.bench.scalar_logic import FAILED, margins, root, runner, scalars
 from symosc.bench.solvers import Found, Solver
 from symosc.scenes import Scene
 
@@ -153,7 +154,7 @@ def interpreted() -> dict[str, Any]:
     import numpy as np
     from scipy.optimize import brentq
 
-    arrays = bind(MODULES, lambda function: function, cos=np.cos, sin=np.sin, exp=np.exp)
+    arrays = binding.bind(MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
     state_at_all, margins_of_all = arrays["state_at"], arrays["margins"]
 
     def leave(q: Any, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
@@ -172,15 +173,21 @@ def interpreted() -> dict[str, Any]:
             taus += s.points * s.distance
         return 0, t_end, x
 
-    return bind(MODULES, lambda function: function, leave=leave)
+    return binding.bind(MODULES, {"leave": leave})
 
 
 MODULES = (scalar_logic, sys.modules[__name__])
 
 
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Any]:
+    """Return the functions compiled by numba."""
+    return binding.compiled(MODULES)
+
+
 def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare the scan with so many samples per period."""
-    functions = compiled(MODULES) if with_numba else interpreted()
+    functions = compiled() if with_numba else interpreted()
     motion = Motion(scene.parameters, scene.t0)
     return runner(scene, functions, scalars(motion), scan_of(motion, points, tolerance))
 

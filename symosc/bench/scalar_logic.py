@@ -8,12 +8,8 @@ periods the rounding of Omega t would be more than a fine tolerance allows, and 
 
 from __future__ import annotations
 
-import os
-import types
-from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Sequence
 from math import cos, inf, pi, sin
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -164,43 +160,6 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     return rows, count, 0, mode
 
 
-def bind(modules: Iterable[ModuleType], wrap: Callable[[Any], Any], **replaced: Any) -> dict[str, Any]:
-    """Return the functions of `modules`, wrapped (compiled), such that they call each other's wrapped forms.
-
-    Parameters
-    ----------
-    modules : iterable of modules
-    wrap : callable
-        Such as ``numba.njit``.
-    **replaced
-        Functions to take the place of those of the same name.
-    """
-    shared: dict[str, Any] = {"__name__": __name__}  # numba's cache asks each function for its module
-    for module in modules:
-        shared |= {name: value for name, value in vars(module).items() if not name.startswith("__")}
-    for name, value in shared.items():
-        if isinstance(value, types.FunctionType) and value.__module__ in {module.__name__ for module in modules}:
-            shared[name] = wrap(types.FunctionType(value.__code__, shared, name, value.__defaults__))
-    shared.update(replaced)
-    return shared
-
-
-@lru_cache
-def compiled(modules: tuple[ModuleType, ...]) -> dict[str, Any]:
-    """Return the functions of `modules` compiled by numba, and kept on disk."""
-    import numba
-
-    # As in `symosc.numerics`: the disk cache looks only at the file that a function is in, so all are said to be in
-    # the one that was changed last.
-    newest = max((str(module.__file__) for module in modules), key=os.path.getmtime)
-
-    def wrap(function: Any) -> Any:
-        function.__code__ = function.__code__.replace(co_filename=newest)
-        return numba.njit(error_model="numpy", cache=True)(function)
-
-    return bind(modules, wrap)
-
-
 def runner(
     scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
 ) -> Callable[[], Sequence[Found]]:
@@ -210,7 +169,7 @@ def runner(
     ----------
     scene : Scene
     functions : dict
-        From `bind` or `compiled`.
+        From `symosc.binding`.
     q : Scalars
     settings : tuple
         The argument `s` of `leave`.

@@ -16,21 +16,22 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-import mpmath
 import sympy as sp
 
 from symosc.errors import SymoscError
+from symosc.multiprecision import mp_context
 from symosc.symbolic import solution
 
 Expr = Any  # sympy ships no types
 
 DIGITS = 50
+CONTEXT = mp_context(DIGITS + 10)
 POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
-AGREEMENT = mpmath.mpf(10) ** -45
+AGREEMENT = CONTEXT.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
 REFUTATION_POINTS = 3
-DIFFERENT = mpmath.mpf(10) ** -30
+DIFFERENT = CONTEXT.mpf(10) ** -30
 
 
 class StepError(SymoscError):
@@ -238,11 +239,10 @@ class Close(Check):
 
     def run(self, statement: Relation) -> Evidence:
         """See `Check`."""
-        with mpmath.workdps(DIGITS + 10):
-            off = abs(mpmath.mpf(self.value()) - mpmath.mpf(statement.right.p) / statement.right.q)
-            if not off <= mpmath.mpf(10) ** -self.decimals * mpmath.mpf("0.5000001"):
-                raise StepError(str(statement), f"the value is off by {mpmath.nstr(off, 3)}")
-            return Evidence("numeric", mpmath.nstr(off, 2), 1)
+        off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
+        if not off <= CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"):
+            raise StepError(str(statement), f"the value is off by {CONTEXT.nstr(off, 3)}")
+        return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
 
 
 @dataclass(frozen=True)
@@ -259,11 +259,11 @@ class AtRoot(Check):
         if statement.op == "=":
             off = abs(left - right)
             if not off < self.tolerance:
-                raise StepError(str(statement), f"the sides differ by {mpmath.nstr(off, 3)}")
-            return Evidence("numeric", mpmath.nstr(off, 2), 1)
+                raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
+            return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
         if not {">": left > right, "<": left < right}[statement.op]:
-            raise StepError(str(statement), f"is wrong: {mpmath.nstr(left, 8)} and {mpmath.nstr(right, 8)}")
-        return Evidence("numeric", mpmath.nstr(abs(left - right), 5), 1)
+            raise StepError(str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}")
+        return Evidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
 
 # --- tools ---
@@ -299,11 +299,15 @@ def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
     value = expr.subs(point, simultaneous=True)
     if value.free_symbols:
         raise StepError(str(expr), f"{sorted(map(str, value.free_symbols))} have no value")
-    with mpmath.workdps(DIGITS + 10):
-        number = sp.N(value, DIGITS + 10, maxn=400)
-        if not number.is_real:
-            raise StepError(str(expr), f"is not real at {point}")
-        return mpmath.mpf(number._to_mpmath(int((DIGITS + 10) * 3.33)))
+    number = sp.N(value, DIGITS + 10, maxn=400)
+    if not number.is_real:
+        raise StepError(str(expr), f"is not real at {point}")
+    return CONTEXT.mpf(number._to_mpmath(CONTEXT.prec))
+
+
+def rounded(number: Any, decimals: int) -> Any:
+    """Return a number as an exact decimal."""
+    return sp.Rational(int(CONTEXT.nint(CONTEXT.mpf(number) * 10**decimals)), 10**decimals)
 
 
 def _refute(statement: Relation, difference: Expr) -> None:

@@ -7,15 +7,20 @@ coinciding roots are told from close ones in rational arithmetic. Short times us
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 from symosc.model import Parameters
+from symosc.multiprecision import with_bits
 
 SERIES_BELOW = 1
+SERIES_GUARD_BITS, ROOT_BITS = 10, 200
 
 
 class BasisMP:
     """Callable with the signature of `symosc.kernels.entire.basis`, for an mpmath context.
+
+    It computes in contexts of its own, which have more digits, and leaves the given one alone.
 
     Parameters
     ----------
@@ -29,15 +34,16 @@ class BasisMP:
         self.h = parameters.c / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
         self.Om = parameters.Omega
-        self.guard_bits = self._guard_bits()
-        self._known_roots: dict[int, tuple[Any, Any, Any]] = {}  # by precision
+        self.for_series = with_bits(context.prec + SERIES_GUARD_BITS)
+        self.constants = tuple(_number(q, self.for_series) for q in (2 * self.h, self.w0sq, self.Om))
+        self.for_differences = with_bits(context.prec + self._guard_bits())
+        self.roots = self._roots(self.for_differences)
 
-    def _roots(self) -> tuple[Any, Any, Any]:
-        """Return l1 (the slow root, or the one above the real axis), l2 and i Omega in the current precision."""
-        context = self.context
-        h, w0sq, Om = (context.mpf(q.numerator) / q.denominator for q in (self.h, self.w0sq, self.Om))
+    def _roots(self, context: Any) -> tuple[Any, Any, Any]:
+        """Return l1 (the slow root, or the one above the real axis), l2 and i Omega as numbers of a context."""
+        h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
-        w = context.sqrt(abs(context.mpf(square.numerator) / square.denominator))
+        w = context.sqrt(_number(abs(square), context))
         if square > 0:
             l1, l2 = context.mpc(-h, w), context.mpc(-h, -w)
         else:
@@ -49,45 +55,42 @@ class BasisMP:
         return l1, l2, context.mpc(0, Om)
 
     def _guard_bits(self) -> int:
-        with self.context.workprec(200):
-            nodes = (self.context.mpf(0), *self._roots())
-            size = max(abs(node) for node in nodes)
-            gaps = (abs(a - b) for i, a in enumerate(nodes) for b in nodes[:i])
-            return 20 + sum(math.ceil(float(self.context.log(size / gap, 2))) for gap in gaps if gap)
+        context = with_bits(ROOT_BITS)
+        nodes = (context.mpf(0), *self._roots(context))
+        size = max(abs(node) for node in nodes)
+        gaps = (abs(a - b) for i, a in enumerate(nodes) for b in nodes[:i])
+        return 20 + sum(math.ceil(float(context.log(size / gap, 2))) for gap in gaps if gap)
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
-        short = K.rate * tau < SERIES_BELOW
-        with self.context.workprec(self.context.prec + (10 if short else self.guard_bits)):
-            values = self._series(tau, K) if short else self._divided_differences(tau)
-        return tuple(+value for value in values)
+        values = self._series(tau) if K.rate * tau < SERIES_BELOW else self._divided_differences(tau)
+        make = self.context.make_mpf
+        return tuple(+make(value._mpf_) for value in values)
 
-    def _series(self, tau: Any, K: Any) -> tuple[Any, ...]:
-        one = self.context.mpf(1)
-        before, term = 0 * one, tau
+    def _series(self, tau: Any) -> tuple[Any, ...]:
+        context, (cm, w0sq, Om) = self.for_series, self.constants
+        tau, one, zero, eps = context.make_mpf(tau._mpf_), context.one, context.zero, +context.eps
+        before, term, pull = zero, tau, w0sq * tau
         E0, E1, E2 = one, tau, tau * tau / 2
-        r, i = E2, 0 * one
+        r, i = E2, zero
         R2, I2 = r, i
         n, small_before = 0, False
         while True:
             n += 1
-            slope = -K.cm * term - K.w0sq * tau * before / n
+            slope = -cm * term - pull * before / n
             before, term = term, slope * tau / (n + 1)
             shorter = tau / (n + 2)
-            r, i = (term - K.Om * i) * shorter, K.Om * r * shorter
+            r, i = (term - Om * i) * shorter, Om * r * shorter
             E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
-            eps = self.context.eps
             small = abs(slope) <= eps
             if small and small_before and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
-                wave = self.context.expj(K.Om * tau)
+                wave = context.expj(Om * tau)
                 return E0, E1, E2, R2, I2, wave.imag, wave.real
             small_before = small  # single terms may be 0 by accident
 
     def _divided_differences(self, tau: Any) -> tuple[Any, ...]:
-        context, one = self.context, self.context.mpf(1)
-        if context.prec not in self._known_roots:
-            self._known_roots[context.prec] = self._roots()
-        l1, l2, i_Om = self._known_roots[context.prec]
+        context, (l1, l2, i_Om) = self.for_differences, self.roots
+        tau, one = context.make_mpf(tau._mpf_), context.one
         wave = context.exp(i_Om * tau)
         exp1 = context.exp(l1 * tau)
         if l1 == l2:
@@ -103,3 +106,7 @@ class BasisMP:
         E2 = tau * tau / 2 if l2 == 0 else (first(0 * one, one) - inner) / (0 - l2)
         Z = (first(i_Om, wave) - inner) / (i_Om - l2)
         return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z), wave.imag, wave.real
+
+
+def _number(value: Fraction, context: Any) -> Any:
+    return context.mpf(value.numerator) / value.denominator

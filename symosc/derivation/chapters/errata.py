@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import mpmath
 import sympy as sp
 
 from symosc.derivation.chapters.motion import MU, coulomb, newton
@@ -26,6 +25,7 @@ from symosc.derivation.steps import (
     Step,
     StepError,
     equation,
+    rounded,
 )
 from symosc.scenes import load_scene
 from symosc.simulation import simulate
@@ -111,12 +111,6 @@ class SlipTime(Check):
 def first_slip(scene: str) -> Any:
     """Return the first end of a stick, with 40 digits."""
     return next(e for e in simulate(load_scene(scene), digits=40, max_events=6).events if e.kind == "slip")
-
-
-def rounded(number: Any, decimals: int) -> Any:
-    """Return a number as an exact decimal."""
-    with mpmath.workdps(DIGITS):
-        return sp.Rational(int(mpmath.nint(mpmath.mpf(number) * mpmath.mpf(10) ** decimals)), 10**decimals)
 
 
 def _exits() -> Iterator[Any]:
@@ -291,8 +285,7 @@ def _start(scene: str, word: str, figure: int, printed: str, words: str) -> Iter
     yield Heading(rf"Fig.~{figure}: the start")
     parameters = load_scene(scene).parameters
     x, phase = root(parameters, word)[0]
-    with mpmath.workdps(DIGITS):
-        time = phase * parameters.Omega.denominator / parameters.Omega.numerator
+    time = phase * parameters.Omega.denominator / parameters.Omega.numerator
     reason = rf"The printed start $(t_0, x_0) = ({printed})$ {words}, whose switching point is at"
     yield Step(Relation(named("t_1"), "=", rounded(time, 10)), reason, Close(lambda: time, 10), decimals=True)
     yield Step(Relation(named("x_1"), "=", rounded(x, 10)), "", Close(lambda: x, 10), decimals=True)

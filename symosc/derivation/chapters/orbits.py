@@ -6,13 +6,23 @@ from collections.abc import Iterator
 from functools import cache, partial
 from typing import Any
 
-import mpmath
 import sympy as sp
 
 from symosc.derivation.chapters.maps import force
 from symosc.derivation.latex import named
 from symosc.derivation.scope import BELTS, SIDES, Scope
-from symosc.derivation.steps import DIGITS, AtRoot, Close, Heading, Prose, Relation, Step, evaluate
+from symosc.derivation.steps import (
+    CONTEXT,
+    DIGITS,
+    AtRoot,
+    Close,
+    Heading,
+    Prose,
+    Relation,
+    Step,
+    evaluate,
+    rounded,
+)
 from symosc.model import Parameters
 from symosc.orbits import find_orbit
 from symosc.scenes import load_scene
@@ -39,9 +49,8 @@ def items(scope: Scope) -> Iterator[Any]:
 def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
     """Return the switching points (x, theta) of the orbit, 50 digits, found by the numeric package."""
     orbit = find_orbit(parameters, word, digits=DIGITS + 5)
-    with mpmath.workdps(DIGITS + 10):
-        turn = mpmath.mpf(parameters.Omega.numerator) / parameters.Omega.denominator
-        return tuple((x, turn * t) for t, x in orbit.points)
+    turn = CONTEXT.mpf(parameters.Omega.numerator) / parameters.Omega.denominator
+    return tuple((x, turn * t) for t, x in orbit.points)
 
 
 @cache
@@ -94,10 +103,9 @@ def point(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
     """Return the numbers of all letters at the root."""
     assert scope.parameters is not None
     values: dict[Any, Any] = {}
-    with mpmath.workdps(DIGITS + 10):
-        for i, (x, theta) in enumerate(root(scope.parameters, word)):
-            for letter, number in zip(_letters(i), (x, theta), strict=True):
-                values[letter] = sp.Float(mpmath.nstr(number, DIGITS + 8), DIGITS + 10)
+    for i, (x, theta) in enumerate(root(scope.parameters, word)):
+        for letter, number in zip(_letters(i), (x, theta), strict=True):
+            values[letter] = sp.Float(CONTEXT.nstr(number, DIGITS + 8), DIGITS + 10)
     for name, value in meaning.items():
         values[name] = sp.N(value.subs(values), DIGITS + 10)
     return values
@@ -140,7 +148,7 @@ def _start_force(row: Map, i: int, after_stick: bool) -> str:
 
 
 def _at(scope: Scope, word: str, meaning: dict[Any, Any]) -> AtRoot:
-    return AtRoot(lambda: point(scope, word, meaning), mpmath.mpf(10) ** -43)
+    return AtRoot(lambda: point(scope, word, meaning), CONTEXT.mpf(10) ** -43)
 
 
 def _solution(scope: Scope, word: str) -> Iterator[Any]:
@@ -148,10 +156,8 @@ def _solution(scope: Scope, word: str) -> Iterator[Any]:
     reason = r"The root, to 20 decimals (half a unit of the last one):"
     for i, (x, theta) in enumerate(root(scope.parameters, word)):
         for letter, number in zip(_letters(i), (x, theta), strict=True):
-            with mpmath.workdps(DIGITS):
-                rounded = sp.Rational(int(mpmath.nint(number * mpmath.mpf(10) ** DECIMALS)), 10**DECIMALS)
-            check = Close(partial(mpmath.mpf, number), DECIMALS)
-            yield Step(Relation(letter, "=", rounded), reason, check, decimals=True)
+            check = Close(partial(CONTEXT.mpf, number), DECIMALS)
+            yield Step(Relation(letter, "=", rounded(number, DECIMALS)), reason, check, decimals=True)
             reason = ""
 
 

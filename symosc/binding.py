@@ -1,0 +1,128 @@
+"""One source for several kinds of numbers: functions bound to other globals, in mpmath or compiled by numba.
+
+The fast paths are plain functions on numbers. A copy of a function that sees other globals (mpmath's sin, cos and
+precision, or the compiled forms of the functions that it calls) does the same with other numbers. Nothing is written
+twice, and each copy still says in which file and line it was written.
+"""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+import inspect
+import sys
+import types
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from symosc.errors import MissingExtraError
+
+# What numba compiles into the code as a number.
+CONSTANTS = (bool, int, float, complex, str)
+
+
+def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
+    """Return the functions that are written in `modules`, by name.
+
+    Raises
+    ------
+    ValueError
+        If two of them have the same name.
+    """
+    found: dict[str, types.FunctionType] = {}
+    for module in modules:
+        for name, value in vars(module).items():
+            if isinstance(value, types.FunctionType) and value.__module__ == module.__name__:
+                if name in found:
+                    raise ValueError(f"{name} is written in {found[name].__module__} and in {module.__name__}")
+                found[name] = value
+    return found
+
+
+def bind(
+    modules: Iterable[types.ModuleType], replaced: dict[str, Any], wrap: Callable[[Any], Any] | None = None
+) -> dict[str, Any]:
+    """Return copies of the functions of `modules` that see `replaced` and each other, not their modules' globals.
+
+    Parameters
+    ----------
+    modules : iterable of modules
+    replaced : dict
+        What stands for the globals of these names.
+    wrap : callable, optional
+        Applied to every copy, such as ``numba.njit``.
+
+    Raises
+    ------
+    ValueError
+        If a name in `replaced` is nothing that the functions could see, or is one that two modules write.
+    """
+    modules = tuple(modules)
+    shared: dict[str, Any] = {}
+    for module in modules:
+        shared |= {name: value for name, value in vars(module).items() if not name.startswith("__")}
+    unknown = sorted(name for name in replaced if name not in shared and not hasattr(builtins, name))
+    if unknown:
+        raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
+    shared |= replaced | {"__name__": __name__}  # numba asks globals for their module
+    for name, function in functions_of(modules).items():
+        if name not in replaced:
+            copy = types.FunctionType(function.__code__, shared, name, function.__defaults__)
+            copy.__module__ = function.__module__
+            shared[name] = wrap(copy) if wrap else copy
+    return shared
+
+
+def compiled(
+    modules: Iterable[types.ModuleType], outlined: Iterable[str] | None = None, callees: dict[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return the functions of `modules` compiled by numba: each when it is first called, and kept on disk.
+
+    Parameters
+    ----------
+    modules : iterable of modules
+    outlined : iterable of str, optional
+        Functions of which not every caller gets a copy of its own. None: all.
+    callees : dict, optional
+        From an earlier call: what stands here for imported functions.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    """
+    try:
+        import numba
+    except ImportError:
+        raise MissingExtraError("compiling", "fast") from None
+    modules = tuple(modules)
+    seen, written = bind(modules, {}), functions_of(modules)
+    inlined = set() if outlined is None else set(written) - set(outlined)
+    replaced = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func") and name in seen}
+    replaced = {name: value for name, value in replaced.items() if name not in written}
+    sources = version(seen, modules, (value.py_func.__module__ for value in replaced.values()))
+
+    def wrap(function: Any) -> Any:
+        # numba's disk cache looks for changes in the function's own file only. The name of the entry says the rest.
+        function.__qualname__ = f"{function.__name__}-{sources}"
+        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ in inlined)(function)
+
+    return bind(modules, replaced, wrap)
+
+
+def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], others: Iterable[str] = ()) -> str:
+    """Return a short text that changes with anything that the functions of `modules` are compiled from.
+
+    Parameters
+    ----------
+    seen : dict
+        Their globals; constants count, wherever they are written.
+    modules : iterable of modules
+    others : iterable of str
+        Names of the modules that the functions are from which these call.
+    """
+    constants = sorted((name, repr(value)) for name, value in seen.items() if isinstance(value, CONSTANTS))
+    digest = hashlib.sha256(repr(constants).encode())
+    for module in (*modules, *(sys.modules[name] for name in sorted(set(others)))):
+        digest.update(inspect.getsource(module).encode())
+    return digest.hexdigest()[:12]
