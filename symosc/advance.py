@@ -78,7 +78,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
         # Two searches must not meet where a belt is: each would leave a touch there to the other.
         if code != NOTHING or tau_max >= left or tau_max > 1.5 * K.chunk:
             break
-        size = abs(v) + abs(dv) + (abs(a0) + abs(K.f0)) / K.rate
+        size = abs(v) + abs(dv) + (abs(a0) + abs(K.f0)) * K.moment
         if not beside_a_wall(v + dv, size, lower.v, upper.v, has_below, has_above):
             break
         tau_max = tau_max + 0.125 * K.chunk
@@ -88,7 +88,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
     slip = 2.0 * EPS * tau  # the phase is rounded once more than the time
     speed = abs(v) + velocity_scale(tau, v, a0, K)
-    x_noise = 2.0 * EPS * (abs(x) + speed * (tau if K.w0 * tau < 1.0 else 1.0 / K.w0)) + abs(v) * slip
+    x_noise = 2.0 * EPS * (abs(x) + speed * (tau if tau < K.swing else K.swing)) + abs(v) * slip
     v_noise = 4.0 * EPS * speed + abs(a0) * slip
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
@@ -215,7 +215,7 @@ def elapsed(n, theta, rest, theta0, rest0, K):
     part = total - whole
     low = low + ((whole - (total - part)) + (turn - part))
     time = total / K.Om
-    return time, (low - K.Om_lost * time) / K.Om
+    return time, (low - K.Om_lost * time) * K.Om_inverse
 
 
 def clock(t0, t0_rest, n, theta, rest, theta0, rest0, K):

@@ -110,7 +110,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         tau, dv, a, b, w, j, s, c, M4 = march(
             tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
         )
-    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) / K.rate)
+    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) * K.moment)
     thin = 4.0 * K.sigmas * K.sigmas * (S22 + K.w0sq * S11) + speed * speed
     for _ in range(MOST_STEPS):
         thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
@@ -148,7 +148,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         known = crossing == side
         if near and (clear or known):
             low = tau
-            high = tau_deep if known else tau + 2.0 * (root + ISOLATED / K.rate)
+            high = tau_deep if known else tau + 2.0 * (root + ISOLATED * K.moment)
             if not close:
                 root = sharpened(root, below + dv if side < 0 else dv - above, a, b, w, j, c, K)
             return polish(tau + root, low, high, side, v0, a0, s0, c0, below, above, K)
@@ -211,7 +211,7 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
     Om2 = K.Om * K.Om
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) / K.w0)
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) * K.swing)
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
     energy = a_free * a_free + K.w0sq * v_free * v_free
     room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack

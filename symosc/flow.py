@@ -20,6 +20,7 @@ from symosc.model import Parameters
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
+LONGEST_SWING = 10**9
 SIGMAS = Fraction(8)
 # Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
 MARCH_STEP = 1.0
@@ -74,6 +75,8 @@ class Constants(NamedTuple):
     l2: Any  # fast root, when not underdamped
     rate0: Any  # larger |root|
     rate: Any  # max(rate0, Omega)
+    moment: Any  # 1/rate
+    swing: Any  # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
@@ -86,6 +89,7 @@ class Constants(NamedTuple):
     Sc: Any
     period: Any  # 2 pi/Omega
     Om_lost: Any  # Omega - Om: what its rounding took away
+    Om_inverse: Any
     chunk: Any  # longest time that is evaluated from one starting point
     sigmas: Any  # how many standard errors of the state a decision must exceed
     belt1: BeltConstants
@@ -130,7 +134,9 @@ def constants(
     slow, fast = number(Fraction(0)), -(number(h) + w)
     if fast != 0:
         slow = number(w0sq) / fast
-    rate0 = root(number(w0sq)) if under else -fast
+    w0 = root(number(w0sq))
+    rate0 = w0 if under else -fast
+    rate = max(rate0, number(Om))
     period = 2 * pi / number(Om)
     belts = [_belt_constants(parameters, boundary, number, root, angle) for boundary in (1, 2)]
     return Constants(
@@ -141,14 +147,16 @@ def constants(
         fB=number(f0 * Om),
         h=number(h),
         w=w,
-        w0=root(number(w0sq)),
+        w0=w0,
         p=number(p),
         q=number(q),
         detuning=number(square - Om * Om) / (w + number(Om)) if under else -number(Om),
         l1=slow,
         l2=fast,
         rate0=rate0,
-        rate=max(rate0, number(Om)),
+        rate=rate,
+        moment=1 / rate,
+        swing=1 / w0 if w0sq else LONGEST_SWING / rate,
         under=under,
         apart=under and steady,
         creeps=not under and parameters.B0 == 0,
@@ -161,6 +169,7 @@ def constants(
         Sc=number(f0 * Om * q) / response,
         period=period,
         Om_lost=lost(Om),
+        Om_inverse=1 / number(Om),
         # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
         chunk=min(period, LONGEST_PHASE / rate0) if under else period,
         sigmas=number(SIGMAS),
