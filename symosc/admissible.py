@@ -211,9 +211,9 @@ def _first_exit(i: int, equations: ClosingEquations, points: Any) -> Condition |
     else:
         forces = [equations.start_of_flight(piece, (x, theta))[1]] * 2
     turns = int(theta // (2 * pi))
-    state: Any = (piece.mode, piece.start, turns, theta - 2 * pi * turns, x, v, *forces, 0.0, 0.0, 0.0, 0.0)
+    state: Any = (piece.mode, piece.start, turns, theta - 2 * pi * turns, x, v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
     while True:
-        code, boundary, decided, _, *rest = advance(*[*state, turns + equations.periods + 2, 0.0, K])
+        code, boundary, decided, _, *rest = advance(*[*state, (equations.periods + 2) * K.period, 0.0, K])
         if not decided:  # rounding hides what happens: no contradiction
             return None
         state = rest

@@ -8,10 +8,10 @@ The state between events is a plain tuple of numbers:
     x, v         position and velocity
     Fb, Fa       acceleration; on a belt the accelerations F^(below) and F^(above) of both sides
     S11 S12 S22  covariance of the error of (x, v) at a fixed time
-    rest         what the rounding of theta left over: the phase is theta + rest
+    t, t_low     time, in two parts whose sum is right to far below an ulp
 
-Time is carried as the phase only: Omega t never loses digits however large t becomes, and `elapsed` reads the time off
-it to an ulp or two, however slow the drive is.
+Phase and time are carried one beside the other: Omega t never loses digits however large t becomes, and t none however
+slow the drive is.
 """
 
 from __future__ import annotations
@@ -31,20 +31,17 @@ CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
-# The upper 26 bits of TWO_PI and the others: their products with up to 2^26 periods are exact.
-TWO_PI_UPPER = 6.283185243606567
-TWO_PI_LOWER = TWO_PI - TWO_PI_UPPER
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
 
 
-def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, n_end, theta_end, K):
+def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, K):
     """Advance a state to its next event, or to the end of a stretch without events.
 
     Parameters
     ----------
-    mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest : the state, see the module's docstring.
-    n_end, theta_end : phase at which the simulation ends.
+    mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low : the state, see the module's docstring.
+    t_end, t_end_low : time at which the simulation ends, in two parts.
     K : Constants
 
     Returns
@@ -53,23 +50,22 @@ def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, n_end, theta_
         code CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
         REST (no event will come any more; at rest or in a steady motion) or FAILED. `decided` is False when the outcome
         depends on less than the rounding error. t_error is the standard error of the event's time. The new state has
-        the same twelve entries.
+        the same thirteen entries.
     """
-    left = ((n_end - n) * TWO_PI + ((theta_end - theta) - rest)) / K.Om
+    left = (t_end - t) + (t_end_low - t_low)
     tau_max = left if left < K.chunk else K.chunk
     if mode > 3:
-        return advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K)
-    return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K)
+        return advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, left, tau_max, K)
+    return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, t, t_low, left, tau_max, K)
 
 
-def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K):
+def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, tau_max, K):
     """Advance through a domain; see `advance`."""
     has_below, has_above = mode > 1, mode < 3
     lower, upper = (K.belt1 if mode == 2 else K.belt2), (K.belt1 if mode == 1 else K.belt2)
     if K.creeps and creeps_for_ever(v, a0, x, S11, S22, lower, upper, has_below, has_above, mode, K):
-        return REST, 0, True, 0.0, mode, at, n, theta, x, v, a0, a0, S11, S12, S22, rest
-    s0, c0 = sin(theta), cos(theta)
-    s0, c0 = s0 + rest * c0, c0 - rest * s0
+        return REST, 0, True, 0.0, mode, at, n, theta, x, v, a0, a0, S11, S12, S22, t, t_low
+    s0, c0, A = sin(theta), cos(theta), (K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3)
     on_below, on_above = at == mode - 1 and at > 0, at == mode
     while True:
         code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
@@ -86,32 +82,36 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
     if tau > left and code in (HIT, TANGENCY):  # a contact just past the end
         code, tau = NOTHING, left
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
-    slip = 2.0 * EPS * tau  # the phase is rounded once more than the time
     speed = abs(v) + velocity_scale(tau, v, a0, K)
-    x_noise = 2.0 * EPS * (abs(x) + speed * (tau if tau < K.swing else K.swing)) + abs(v) * slip
-    v_noise = 4.0 * EPS * speed + abs(a0) * slip
+    reach = tau if tau < K.swing else K.swing
+    x_noise = 2.0 * EPS * (abs(x) + speed * reach + abs(v) * tau)
+    v_noise = 2.0 * EPS * (2.0 * speed + abs(a0) * tau + (abs(A) + abs(K.f0)) * reach)
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:
         if tau >= left:
-            return END, 0, True, 0.0, mode, 0, n_end, theta_end, x, v + dv, a, a, S11, S12, S22, 0.0 * rest
+            n, theta = later(n, theta, tau, K)
+            t, t_low = added(t, t_low, tau)
+            return END, 0, True, 0.0, mode, 0, n, theta, x, v + dv, a, a, S11, S12, S22, t, t_low
         if never_leaves(v + dv, a, s, c, lower.v, upper.v, has_below, has_above, mode, K):
             # The end is reached from the last start, in one piece.
-            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, rest
-        n, theta, rest = later(n, theta, rest, tau, K)
+            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, t, t_low
+        n, theta = later(n, theta, tau, K)
+        t, t_low = added(t, t_low, tau)
         v = v + dv
-        a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
-        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22, rest
-    n, theta, rest = later(n, theta, rest, tau, K)
+        a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22, t, t_low
+    n, theta = later(n, theta, tau, K)
+    t, t_low = added(t, t_low, tau)
     boundary = mode - 1 if side < 0 else mode
     belt = K.belt1 if boundary == 1 else K.belt2
     v = belt.v
     if code == STALLED:
-        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22, rest
+        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22, t, t_low
     if code == TANGENCY:
         a = 0.0 * a
     elif tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
-        a = acceleration(x, v, c, K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3, K.cm, K.w0sq, K.f0)
+        a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
     b, w, j = derivatives(v, a, s, c, K)
     t_error = passing_time(sqrt(S22), a, b, w, K)
     doubt = K.sigmas * t_error
@@ -122,7 +122,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
         if not inflection:
             t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
             touch = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
-            return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22, rest
+            return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22, t, t_low
     Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
     decided = not vague
     other = Fa if side > 0 else Fb
@@ -140,23 +140,22 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, rest, left, tau_
         where = resolve(v, Fb, Fa, s, c, K)
     if where == BELT:
         S12, S22 = 0.0 * S12, 0.0 * S22  # the belt takes the error of the velocity away
-        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22, rest
+        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low
     out = Fa if where == DOMAIN_ABOVE else Fb
     ratio = out / a if a != 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * a
-        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22, rest
+        return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22, t, t_low
     S12, S22 = ratio * S12, ratio * ratio * S22
-    return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22, rest
+    return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22, t, t_low
 
 
-def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_max, n_end, theta_end, K):
+def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, left, tau_max, K):
     """Advance along a belt; see `advance`."""
     boundary = mode - 3
     belt = K.belt1 if boundary == 1 else K.belt2
     s0, c0 = sin(theta), cos(theta)
-    s0, c0 = s0 + rest * c0, c0 - rest * s0
     zero = 0.0 * Fb
     code, side, tau, Delta, slope, bend = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
     if tau > left and code in (HIT, TANGENCY):
@@ -167,63 +166,49 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, left, tau_m
     if code == NOTHING:
         if tau >= left:
             Fb, Fa = Fb + Delta, Fa + Delta
-            return END, 0, True, 0.0, mode, boundary, n_end, theta_end, x, v, Fb, Fa, S11, zero, zero, 0.0 * rest
+            n, theta = later(n, theta, tau, K)
+            t, t_low = added(t, t_low, tau)
+            return END, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
         if belt.drift == 0.0 and tau >= K.period:  # the forces repeat: no exit in one period means none ever
-            return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero, rest
-        n, theta, rest = later(n, theta, rest, tau, K)
-        return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero, rest
-    n, theta, rest = later(n, theta, rest, tau, K)
+            return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero, t, t_low
+        n, theta = later(n, theta, tau, K)
+        t, t_low = added(t, t_low, tau)
+        return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero, t, t_low
+    n, theta = later(n, theta, tau, K)
+    t, t_low = added(t, t_low, tau)
     Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
     if code == STALLED:
-        return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
+        return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
     if code == TANGENCY:
-        return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, rest
+        return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
     A = K.A1 if side < 0 and boundary == 1 else K.A3 if side > 0 and boundary == 2 else K.A2
     terms = abs(A) + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S11) + 2.0 * EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
-    return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero, rest
+    return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero, t, t_low
 
 
-def later(n, theta, rest, tau, K):
-    """Return the phase `tau` later; a whole period leaves it as it is, exactly."""
+def later(n, theta, tau, K):
+    """Return the phase `tau` later; a whole period leaves theta as it is, exactly."""
     if tau == K.period:
-        return n + 1, theta, rest
-    turn = K.Om * tau
-    total = theta + turn
-    part = total - theta
-    rest = rest + ((theta - (total - part)) + (turn - part))  # what the sum lost (Knuth)
-    while total >= TWO_PI:
-        total = total - TWO_PI
-        rest = rest - TWO_PI_REST
+        return n + 1, theta
+    theta = theta + K.Om * tau
+    while theta >= TWO_PI:
+        theta = (theta - TWO_PI) - TWO_PI_REST
         n = n + 1
-    if total + rest < 0.0:  # by the rest of 2 pi
-        total, rest = 0.0 * total, 0.0 * rest
-    return n, total, rest
+    if theta < 0.0:  # by the rest of 2 pi
+        theta = 0.0 * theta
+    return n, theta
 
 
-def elapsed(n, theta, rest, theta0, rest0, K):
-    """Return the time from the phase (0, theta0, rest0) to (n, theta, rest) in two parts, the sum right to an ulp."""
-    upper, lower = n * TWO_PI_UPPER, n * TWO_PI_LOWER
-    whole = upper + lower
-    low = (upper - whole) + lower + (n * TWO_PI_REST + (rest - rest0))
-    turn = theta - theta0
-    part = turn - theta
-    low = low + ((theta - (turn - part)) - (theta0 + part))
-    total = whole + turn
-    part = total - whole
-    low = low + ((whole - (total - part)) + (turn - part))
-    time = total / K.Om
-    return time, (low - K.Om_lost * time) * K.Om_inverse
-
-
-def clock(t0, t0_rest, n, theta, rest, theta0, rest0, K):
-    """Return the time at a phase, for a motion that began at t0 + t0_rest with the phase (0, theta0, rest0)."""
-    time, low = elapsed(n, theta, rest, theta0, rest0, K)
-    t = t0 + time
-    part = t - t0
-    return t + (((t0 - (t - part)) + (time - part)) + (t0_rest + low))
+def added(t, t_low, tau):
+    """Return t + t_low + tau in two parts (Knuth's sum)."""
+    total = t + tau
+    part = total - t
+    low = t_low + ((t - (total - part)) + (tau - part))
+    t = total + low
+    return t, low - (t - total)
 
 
 def passing_time(error, first, second, third, K):

@@ -19,7 +19,7 @@ from symosc.exact import read_exact
 from symosc.files import write_whole
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import Arithmetic, compiled
-from symosc.path import EVENT_KINDS, check_reached, last_phase
+from symosc.path import EVENT_KINDS, check_reached, last_time
 from symosc.scenes import read_start_error
 from symosc.simulation import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy, whole_number
 from symosc.start import Start, first_state
@@ -156,12 +156,11 @@ def simulate_many(
         arithmetic = Arithmetic(p)
         K = arithmetic.K._replace(sigmas=0.0) if isinf(asked) else arithmetic.K
         states = np.array([_initial_row(problems[i], arithmetic) for i in members])
-        t0 = np.array([float(problems[i].t0) for i in members])
         counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
         begin = 0
         while begin < len(members):
             out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int32)
-            begin, rows = follow(begin, states, t0, counts, ends, most, needed, out_float, out_int, K)
+            begin, rows = follow(begin, states, counts, ends, most, needed, out_float, out_int, K)
             if len(groups) > 1:
                 out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
             floats.append(out_float[:rows])
@@ -226,10 +225,7 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
 
 def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
     """Return a row of `symosc.loop`'s states."""
-    state, (n_end, theta_end) = first_state(start, arithmetic), last_phase(start, arithmetic)
-    *entries, rest = (float(entry) for entry in state.as_tuple())
-    t0_rest = float(start.t0 - Fraction(float(start.t0)))
-    return [*entries, state.theta, float(n_end), theta_end, rest, rest, t0_rest]
+    return [*first_state(start, arithmetic).as_tuple(), *last_time(start, arithmetic)]
 
 
 def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str], sort: bool) -> EventTable:

@@ -88,7 +88,6 @@ class Constants(NamedTuple):
     Ss: Any  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Any
     period: Any  # 2 pi/Omega
-    Om_lost: Any  # Omega - Om: what its rounding took away
     Om_inverse: Any
     chunk: Any  # longest time that is evaluated from one starting point
     sigmas: Any  # how many standard errors of the state a decision must exceed
@@ -98,18 +97,12 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
-def rounding_of(value: Fraction) -> float:
-    """Return what the rounding of a Fraction to a double takes away."""
-    return float(value - Fraction(float(value)))
-
-
 def constants(
     parameters: Parameters,
     number: Callable[[Fraction], Any] = float,
     root: Callable[[Any], Any] = sqrt,
     angle: Callable[[Any, Any], Any] = atan2,
     pi: Any = pi,
-    lost: Callable[[Fraction], Any] = rounding_of,
 ) -> Constants:
     """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
 
@@ -120,8 +113,6 @@ def constants(
         Rounds a Fraction: ``float``, or a conversion to mpmath.
     root, angle, pi :
         Square root, atan2 and pi for what `number` returns.
-    lost : callable
-        What `number` takes away from a Fraction.
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
@@ -168,7 +159,6 @@ def constants(
         Ss=number(-f0 * Om * p) / response,
         Sc=number(f0 * Om * q) / response,
         period=period,
-        Om_lost=lost(Om),
         Om_inverse=1 / number(Om),
         # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
         chunk=min(period, LONGEST_PHASE / rate0) if under else period,

@@ -48,10 +48,10 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
     mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
-    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0)
+    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
     passages = [Passage(x, theta, boundary, mode)]
     for _ in range(20 * most):
-        code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS, 0.0, K])
+        code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS * K.period, 0.0, K])
         state = rest
         if code in (CROSS, STICK, SLIP):
             passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.advance import FAILED, GRAZE, MOVED, advance, clock
+from symosc.advance import FAILED, GRAZE, MOVED, advance
 from symosc.kernels.entire import EPS
 
 # Columns of a row of STATE, OUT_FLOAT and OUT_INT.
-# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, then theta0, n_end, theta_end, rest, rest0, t0_rest
-STATE_WIDTH = 17
+# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low
+STATE_WIDTH = 15
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 # What a trajectory ended with, beside the codes of `advance`.
 RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
@@ -20,14 +20,13 @@ def handed_out(t, x, v, t_error, S11):
     return t_error + 2.0 * EPS * abs(t), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
 
 
-def follow_all(begin, states, t0, counts, codes, most, accuracy, out_float, out_int, K):
+def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int, K):
     """Follow trajectories from number `begin` on, until all are done or the output is full.
 
     Parameters
     ----------
     begin : first trajectory to follow; it may have been begun before.
-    states : (n, STATE_WIDTH) array, updated; n counts periods since t0.
-    t0 : (n,) start times.
+    states : (n, STATE_WIDTH) array, updated.
     counts, codes : (n,) events so far, and what each trajectory ended with; updated.
     most : events after which a trajectory is FULL.
     accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|).
@@ -46,8 +45,7 @@ def follow_all(begin, states, t0, counts, codes, most, accuracy, out_float, out_
         theta, x, v = float(states[i, 3]), float(states[i, 4]), float(states[i, 5])
         Fb, Fa = float(states[i, 6]), float(states[i, 7])
         S11, S12, S22 = float(states[i, 8]), float(states[i, 9]), float(states[i, 10])
-        theta0, n_end, theta_end = float(states[i, 11]), int(states[i, 12]), float(states[i, 13])
-        rest, rest0, t0_rest, begun = float(states[i, 14]), float(states[i, 15]), float(states[i, 16]), float(t0[i])
+        t, t_low, t_end, t_end_low = float(states[i, 11]), float(states[i, 12]), float(states[i, 13]), float(states[i, 14])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
@@ -56,13 +54,12 @@ def follow_all(begin, states, t0, counts, codes, most, accuracy, out_float, out_
             if rows >= out_float.shape[0]:
                 break
             source = mode
-            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest = advance(
-                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, rest, n_end, theta_end, K
+            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low = advance(
+                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, K
             )
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                t = clock(begun, t0_rest, n, theta, rest, theta0, rest0, K)
                 t_error, x_error = handed_out(t, x, v, t_error, S11)
                 if t_error > accuracy * max(1.0, abs(t)) or x_error > accuracy * max(1.0, abs(x)):
                     code = INEXACT
@@ -76,7 +73,7 @@ def follow_all(begin, states, t0, counts, codes, most, accuracy, out_float, out_
                 code = step
         states[i, 0], states[i, 1], states[i, 2] = mode, at, n
         states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7] = theta, x, v, Fb, Fa
-        states[i, 8], states[i, 9], states[i, 10], states[i, 14] = S11, S12, S22, rest
+        states[i, 8], states[i, 9], states[i, 10], states[i, 11], states[i, 12] = S11, S12, S22, t, t_low
         codes[i] = code
         if code == RUNNING:
             return i, rows

@@ -68,17 +68,20 @@ class Arithmetic:
 
     number: Callable[[Fraction], Any] = staticmethod(float)
 
-    def phase(self, t: Fraction) -> tuple[int, Any, Any]:
-        """Return periods, theta in [0, 2 pi) and its rounding: Omega t = 2 pi periods + theta + rest."""
+    def phase(self, t: Fraction) -> tuple[int, Any]:
+        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
         angle = self.parameters.Omega * t
         if angle == 0:
-            return 0, self.number(Fraction(0)), self.number(Fraction(0))
+            return 0, self.number(Fraction(0))
         context = mp_context(self.digits + 20 + len(str(abs(int(angle)))))
         turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
         periods = int(context.floor(turns))
-        exact = (turns - periods) * 2 * context.pi
-        theta = self.rounded(exact)
-        return periods, theta, self.rounded(exact - theta)
+        return periods, self.rounded((turns - periods) * 2 * context.pi)
+
+    def time(self, t: Fraction) -> tuple[Any, Any]:
+        """Return a time as the sum of two such numbers."""
+        high = float(t)
+        return high, float(t - Fraction(high))
 
     def rounded(self, value: Any) -> Any:
         """Round an mpf to such a number."""
@@ -102,13 +105,16 @@ class MpArithmetic(Arithmetic):
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
-        replaced |= {"TWO_PI_UPPER": 2 * context.pi, "TWO_PI_LOWER": context.mpf(0)}
         self.namespace = binding.bind(SOURCES, replaced)
         self.advance = self.namespace["advance"]
 
     def number(self, value: Fraction) -> Any:
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
+
+    def time(self, t: Fraction) -> tuple[Any, Any]:
+        """Return a time and 0."""
+        return self.number(t), self.number(Fraction(0))
 
     def rounded(self, value: Any) -> Any:
         """Round an mpf of any precision to one of this precision."""

@@ -134,9 +134,10 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Any, theta: Any) -> tuple[i
         numbers = f"F^({SIDES[boundary][0]}) = {float(below):.6g}, F^({SIDES[boundary][1]}) = {float(above):.6g}"
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[leads]} there, since {numbers}")
     start = (below, above) if row.sticks else (below, below) if where == DOMAIN_BELOW else (above, above)
-    state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x)
+    state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x, 0 * x)
+    horizon = MOST_PERIODS * K.period
     while True:
-        code, hit, _, _, *state_after = arithmetic.advance(*state, MOST_PERIODS, phase, K)
+        code, hit, _, _, *state_after = arithmetic.advance(*state, horizon, 0 * x, K)
         state = tuple(state_after)
         if code != MOVED:
             break

@@ -21,10 +21,10 @@ MOST_PERIODS = 10**8
 SAFETY = 100
 
 
-def last_phase(start: Start, arithmetic: Arithmetic) -> tuple[int, Any]:
-    """Return the phase of t_end with periods counted from t0; at most MOST_PERIODS of them."""
-    (n0, _, _), (n_end, theta_end, rest) = arithmetic.phase(start.t0), arithmetic.phase(start.t_end)
-    return min(n_end - n0, MOST_PERIODS), theta_end + rest
+def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Any, Any]:
+    """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
+    periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
+    return arithmetic.time(min(start.t_end, start.t0 + periods))
 
 
 def check_reached(start: Start, periods: int) -> None:
@@ -56,10 +56,8 @@ class Path:
         if digits and start.start_error:  # rounding is far below the error of the start, which is no standard error
             self.K = self.K._replace(sigmas=number(Fraction(1)))
         self.state = first_state(start, self.arithmetic)
-        self.n_end, self.theta_end = last_phase(start, self.arithmetic)
-        self.t0 = number(start.t0)
-        self.t0_rest = 0 * self.t0 if digits else float(start.t0 - Fraction(self.t0))
-        self._theta0, self._rest0 = self.state.theta, self.state.rest
+        self.end = last_time(start, self.arithmetic)
+        self.t0, self.t0_low = self.state.t, self.state.t_low
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
         self.code, self.decided = 0, True
@@ -87,7 +85,7 @@ class Path:
     def step(self) -> None:
         """Advance by one event or one stretch without events."""
         source = self.state.mode
-        result = self.arithmetic.advance(*self.state.as_tuple(), self.n_end, self.theta_end, self.K)
+        result = self.arithmetic.advance(*self.state.as_tuple(), *self.end, self.K)
         self.code, boundary, self.decided, t_error = result[:4]
         self.state = State(*result[4:])
         if self.code in (END, REST):
@@ -116,16 +114,12 @@ class Path:
     @property
     def elapsed(self) -> Any:
         """Time since t0."""
-        s = self.state
-        return sum(self.arithmetic.namespace["elapsed"](s.n, s.theta, s.rest, self._theta0, self._rest0, self.K))
+        return (self.state.t - self.t0) + (self.state.t_low - self.t0_low)
 
     @property
     def time(self) -> Any:
         """The time of the current state."""
-        s = self.state
-        return self.arithmetic.namespace["clock"](
-            self.t0, self.t0_rest, s.n, s.theta, s.rest, self._theta0, self._rest0, self.K
-        )
+        return self.state.t
 
 
 def cut_event(event: Event, context: Any) -> Event:

@@ -234,5 +234,5 @@ def _trajectory(path: Path, status: str, message: str, digits: int | None = None
         segments.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
         plane, since, mode = event.boundary, event.t, event.target
     segments.append(Segment(since, last, mode, None))
-    t0_rest = 0.0 if digits else float(path.start.t0 - Fraction(t0))
-    return Trajectory(path.start.parameters, events, segments, path.pieces, status, message, digits, t0_rest)
+    t0_low = 0.0 if digits else float(path.start.t0 - Fraction(t0))
+    return Trajectory(path.start.parameters, events, segments, path.pieces, status, message, digits, t0_low)

@@ -59,7 +59,8 @@ class State:
     S11: Any
     S12: Any
     S22: Any
-    rest: Any
+    t: Any
+    t_low: Any
 
     def as_tuple(self) -> tuple[Any, ...]:
         """Return the entries in order."""
@@ -75,7 +76,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     """
     p, K, number = start.parameters, arithmetic.K, arithmetic.number
     eps, cosine = arithmetic.namespace["EPS"], arithmetic.namespace["cos"]
-    _, theta, rest = arithmetic.phase(start.t0)
+    _, theta = arithmetic.phase(start.t0)
     x, v, c = number(start.x0), number(start.v0), cosine(theta)
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     A = {1: K.A1, 2: K.A2, 3: K.A3}
@@ -98,7 +99,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     S11 = rounding_x**2 + 3 * (dx**2 + (v * dt) ** 2)
     S22 = rounding_v**2 + 3 * (dv**2 + (forces[0] * dt) ** 2)
     S12 = 3 * v * forces[0] * dt**2
-    return State(mode, at, 0, theta, x, v, forces[0], forces[1], S11, S12, S22, rest)
+    return State(mode, at, 0, theta, x, v, forces[0], forces[1], S11, S12, S22, *arithmetic.time(start.t0))
 
 
 def _decided(start: Start) -> tuple[int, list[Any]]:
@@ -109,7 +110,7 @@ def _decided(start: Start) -> tuple[int, list[Any]]:
     arithmetic = MpArithmetic(p, digits)
     K, number, context = arithmetic.K, arithmetic.number, arithmetic.context
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
-    _, theta, _ = arithmetic.phase(start.t0)
+    _, theta = arithmetic.phase(start.t0)
     x, v, c, s = number(start.x0), number(start.v0), context.cos(theta), context.sin(theta)
     at, A = (1 if start.v0 == p.v1 else 2), (K.A1, K.A2, K.A3)
     forces = [acceleration(x, v, c, A[domain - 1], K.cm, K.w0sq, K.f0) for domain in (at, at + 1)]
@@ -144,8 +145,7 @@ def settles(start: Start) -> bool:
 
 def rounded(state: State) -> State:
     """Return a state in double precision, with the rounding as its error."""
-    theta, x, v, Fb, Fa = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa))
-    eps = 2.0**-53
+    theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
+    eps, t_low = 2.0**-53, float(state.t - t + state.t_low)
     v_error = 0.0 if state.at else eps * v
-    rest = float(state.theta - theta + state.rest)
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, (eps * x) ** 2, 0.0, v_error**2, rest)
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, (eps * x) ** 2, 0.0, v_error**2, t, t_low)

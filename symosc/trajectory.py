@@ -131,12 +131,12 @@ class Trajectory:
         status: str,
         message: str,
         digits: int | None = None,
-        t0_rest: float = 0.0,
+        t0_low: float = 0.0,
     ) -> None:
         self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
         self.events, self.segments = tuple(events), tuple(segments)
         self.t_start, self.t_end = segments[0].t_start, segments[-1].t_end
-        self._pieces, self._t0, self._t0_rest = tuple(pieces), float(self.t_start), t0_rest
+        self._pieces, self._t0, self._t0_low = tuple(pieces), float(self.t_start), t0_low
         self._starts = [piece.elapsed for piece in pieces]
         self._K: Constants = constants(parameters)
 
@@ -175,7 +175,7 @@ class Trajectory:
     def _piece(self, t: float) -> tuple[Piece, float]:
         if not float(self.t_start) <= t <= float(self.t_end):
             raise ParameterError("t", t, f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
-        elapsed = (t - self._t0) - self._t0_rest
+        elapsed = (t - self._t0) - self._t0_low
         piece = self._pieces[max(bisect_right(self._starts, elapsed) - 1, 0)]
         return piece, max(elapsed - piece.elapsed, 0.0)
 
