@@ -12,7 +12,7 @@ from symosc.exact import read_exact
 
 def _columns(text: str | None) -> dict[str, str]:
     names: dict[str, str] = {}
-    for part in text.split(",") if text else ():
+    for part in () if text is None else text.split(","):
         name, equals, column = (piece.strip() for piece in part.partition("="))
         if not equals or name not in ("t", "x", "v") or not column:
             raise click.BadParameter(f"{part!r} is not t=NAME, x=NAME or v=NAME", param_hint="--columns")
@@ -49,6 +49,7 @@ def check(
     motion over it (the defect), the whole with the exact motion from the same start, and the switching events of the
     samples with the exact ones. Says which were missed or invented, and what probably went wrong first. A JSON or npz
     file may list the events that the solver reported, as "events": pairs of t and kind (cross, stick, slip, graze).
+    Pieces joined at an event may repeat its time. Samples with few digits are judged at their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 

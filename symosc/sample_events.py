@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,12 +11,11 @@ import numpy as np
 from symosc.model import MODE_NAMES
 from symosc.path import EVENT_KINDS
 from symosc.sample_steps import Steps
-from symosc.trajectory import Event
 
 CODES = {name: code for code, name in EVENT_KINDS.items()}
-# An event of the samples belongs to an exact one that is at most this part of the forcing period away ...
+# An event of the samples belongs to an exact one that is at most this part of the forcing period away.
 WINDOW = 0.05
-# ... and a contact of the samples with a belt is a stick if they keep to it for this part of the period.
+# A contact of the samples with a belt is a stick if they keep to it for this part of the period.
 SHORTEST_STICK = 1e-9
 
 
@@ -52,24 +51,11 @@ class FoundEvent:
     spread: float = 0.0
 
 
-@dataclass(frozen=True)
-class Match:
-    """An exact event and the time at which the samples have it; `found` is None for one inside a step."""
-
-    event: Event
-    t: float
-    found: FoundEvent | None
-
-    @property
-    def error(self) -> float:
-        """Time in the samples minus exact time."""
-        return self.t - float(self.event.t)
-
-
-def labels(steps: Steps, near: float, drift: float) -> np.ndarray:
+def labels(steps: Steps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt.
 
-    At a belt is what is within `near` of it, and what is within `drift` while the exact motion would stick.
+    At a belt is what is within `near` of it, and what is within `drift` while the exact motion would stick; both are
+    velocities, one for each sample.
     """
     v, K = steps.v, steps.K
     label = 1 + (v > K.belt1.v) + (v > K.belt2.v)
@@ -136,7 +122,7 @@ def _flown(steps: Steps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
-    flown = (label[:-1] > 3) & (label[1:] == label[:-1]) & ~held & ~wrong
+    flown = (label[:-1] > 3) & (label[1:] == label[:-1]) & ~held & ~wrong & (np.diff(steps.t) > 0.0)
     return np.append(False, flown)
 
 
@@ -190,77 +176,3 @@ def given_events(steps: Steps, pairs: Iterable[tuple[float, str]]) -> list[Found
         step = min(max(int(np.searchsorted(steps.t, time, "right")) - 1, 0), last)
         found.append(FoundEvent(time, kind, 0, "", "", step, step))
     return found
-
-
-def match_events(
-    steps: Steps, label: np.ndarray, wrong: np.ndarray, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool
-) -> tuple[list[Match], list[Event], list[FoundEvent], list[Event | FoundEvent]]:
-    """Match events of the samples with the exact ones, the nearest in time first.
-
-    Returns
-    -------
-    (matched, missed, invented, unresolved)
-        An event without a counterpart counts as missed or invented where the samples are wrong. Where they agree with
-        the exact motion from sample to sample, an exact event inside a step is matched if that motion has it too, and
-        all others are unresolved: they are there on one side only because the samples are on a neighbouring path.
-    """
-    window = WINDOW * steps.K.period
-    matched = []
-    free, open_found = set(range(len(exact))), set(range(len(found)))
-    times = np.array([float(event.t) for event in exact])
-    pairs = []
-    for j, event in enumerate(found):
-        reach = window + event.spread
-        low, high = np.searchsorted(times, [event.t - reach, event.t + reach])
-        for i in range(int(low), int(high)):
-            if exact[i].kind == event.kind and event.boundary in (0, exact[i].boundary):
-                pairs.append((abs(times[i] - event.t), i, j))
-    for _, i, j in sorted(pairs):
-        if i in free and j in open_found:
-            free.remove(i)
-            open_found.remove(j)
-            matched.append(Match(exact[i], found[j].t, found[j]))
-    missed: list[Event] = []
-    invented: list[FoundEvent] = []
-    unresolved: list[Event | FoundEvent] = []
-    slack = 1e-6 * steps.K.period
-    for i in sorted(free):
-        own = exact[i]
-        first, last = _steps_at(steps, times[i], slack)
-        inside = _local_time(steps, own.kind, own.boundary, first, last, times[i])
-        nearest = first + int(np.argmin(np.abs(steps.t[first : last + 2] - times[i])))
-        if inside is None and abs(steps.t[nearest] - times[i]) <= slack and label[nearest] == 3 + own.boundary:
-            inside = float(steps.t[nearest])  # the contact is a sample, and so inside no step
-        near = inside is not None and abs(inside - times[i]) <= window
-        if wrong[first : last + 1].any() or (given and near and own.kind != "graze"):
-            if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
-                missed.append(own)
-        elif near and inside is not None:
-            matched.append(Match(own, inside, None))
-        else:
-            unresolved.append(own)
-    for j in sorted(open_found):
-        event_found = found[j]
-        first, last = event_found.step, event_found.last_step
-        inside = _local_time(steps, event_found.kind, event_found.boundary, first, last, event_found.t)
-        agrees = not given or (inside is not None and abs(inside - event_found.t) <= window)
-        if wrong[first : last + 1].any() or not agrees:
-            invented.append(event_found)
-        elif inside is not None or given or not len(steps.events.t[steps.events.rows(first, last)]):
-            # Otherwise it is what several events in a step, which are matched one by one, look like from outside.
-            unresolved.append(event_found)
-    return sorted(matched, key=lambda match: float(match.event.t)), missed, invented, unresolved
-
-
-def _steps_at(steps: Steps, time: float, slack: float) -> tuple[int, int]:
-    last = len(steps.first) - 1
-    low, high = np.searchsorted(steps.t, [time - slack, time + slack], "right") - 1
-    return min(max(int(low), 0), last), min(max(int(high), 0), last)
-
-
-def _local_time(steps: Steps, kind: str, boundary: int, first: int, last: int, time: float) -> float | None:
-    """Return when the exact motion over steps first … last has such an event, nearest to `time`, or None."""
-    rows, events = steps.events.rows(first, last), steps.events
-    same = (events.kind[rows] == CODES[kind]) & ((events.boundary[rows] == boundary) | (boundary == 0))
-    times = events.t[rows][same]
-    return float(times[np.argmin(np.abs(times - time))]) if len(times) else None

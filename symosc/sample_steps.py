@@ -77,6 +77,12 @@ class Steps:
     last: np.ndarray
     events: StepEvents
 
+    def at(self, time: float, slack: float = 0.0) -> tuple[int, int]:
+        """Return the first and the last step within `slack` of a time."""
+        low, high = np.searchsorted(self.t, [time - slack, time + slack], "right") - 1
+        last = len(self.first) - 1
+        return min(max(int(low), 0), last), min(max(int(high), 0), last)
+
     def flight(self, domain: int, since: Any, until: Any) -> np.ndarray:
         """Return x, v at samples `until` if the force of `domain` acted alone since samples `since` (index arrays)."""
         K, tau = self.K, self.t[until] - self.t[since]
@@ -88,17 +94,17 @@ class Steps:
         return np.stack([x0 + dx, v0 + dv], axis=-1)
 
 
-def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: float, scales: Any) -> Steps:
+def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> Steps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
     A sample with |v - v_lambda| <= near may be meant to be on the belt or beside it. Both are tried, and the one that
-    agrees better with the next sample counts.
+    agrees better with the next sample counts. Where a time is repeated nothing moves: the defect is the jump.
 
     Parameters
     ----------
     parameters : Parameters
-    t, x, v : (n,) float arrays, t increasing
-    near : float
+    t, x, v : (n,) float arrays, t never decreasing
+    near : float or (n,) array
         Unit of velocity.
     scales : (2,) array
         Units in which the defects of x and v are compared with each other.
@@ -119,9 +125,13 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: float, sc
         events = replace(events, step=origin, t=t[origin] + events.t)
         return defects, first, last, np.max(np.abs(defects) / scales, axis=1), events
 
-    everything = np.arange(len(t) - 1)
-    defects, first, last, size, events = follow(everything, np.where(beside == 0.0, closest, 0))
-    doubtful = np.flatnonzero((beside > 0.0) & (beside <= near))
+    moving = np.flatnonzero(np.diff(t) > 0.0)
+    near = np.broadcast_to(near, len(t))[:-1]
+    defects = np.column_stack([x[:-1], v[:-1]]) - ahead
+    first, last, size = np.zeros(len(t) - 1, int), np.zeros(len(t) - 1, int), np.zeros(len(t) - 1)
+    at = np.where(beside == 0.0, closest, 0)
+    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, at[moving])
+    doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(doubtful):
         others = follow(doubtful, closest[doubtful])
         # On a belt both agree, but for rounding: then the belt it is.
@@ -129,6 +139,8 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: float, sc
         chosen = doubtful[better]
         defects[chosen], first[chosen], last[chosen] = (values[better] for values in others[:3])
         events = _joined(events, others[4], chosen)
+    for i in np.flatnonzero(np.diff(t) == 0.0).tolist():  # as the motion arrives there, or leaves the first sample
+        first[i] = last[i] = last[i - 1] if i else first[moving[0]]
     return Steps(parameters, K, t, x, v, theta, defects, first, last, events)
 
 

@@ -11,6 +11,7 @@ from symosc.sample_steps import Steps
 
 #: Reasons by name, in words.
 REASONS = {
+    "jump": "a jump where two pieces are joined",
     "wrong force": "wrong friction force",
     "outlier": "a sample off by itself",
     "event at the start": "an event at the start of the step",
@@ -60,7 +61,7 @@ class Fault:
         return self.found not in ("", self.expected)
 
 
-def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: float) -> Fault:
+def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray) -> Fault:
     """Return the fault of step `i`.
 
     Parameters
@@ -72,8 +73,8 @@ def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed:
     sizes : (n - 1,) array
         Defects in units of what is allowed.
     allowed : (n - 1, 2) array
-    near : float
-        Distance from a belt that counts as on it.
+    near : (n,) array
+        Distances from a belt that count as on it.
     """
     t, t_next = float(steps.t[i]), float(steps.t[i + 1])
     expected, found = int(steps.last[i]), int(modes[i + 1])
@@ -83,10 +84,12 @@ def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed:
 
 
 def _guess(
-    steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: float
+    steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
 ) -> tuple[str, str]:
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"
+    if steps.t[i + 1] == steps.t[i]:
+        return "jump", f"samples {i} and {i + 1} are at one time and differ"
     first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
     rows = steps.events.rows(i, i)
     targets, times = steps.events.target[rows], steps.events.t[rows]
@@ -101,7 +104,7 @@ def _guess(
     gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
     belt = int(np.argmin(np.abs(gaps[:, 0]))) + 1
     here = f"v - v{belt} = {gaps[belt - 1, 0]:.2g} at its start"
-    near_start = abs(gaps[belt - 1, 0]) <= near
+    near_start = abs(gaps[belt - 1, 0]) <= near[i]
     if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
         return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
     if fitting and not len(times) and first <= 3:

@@ -95,6 +95,45 @@ def test_bad_input_is_one_line(text: str, options: tuple[str, ...], words: str, 
     assert not result.stdout
 
 
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', (), "t[0] = 'abc'"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2], "events": 5}', (), "events = 5"),
+        ("[" * 100_000 + "]" * 100_000, (), "nested too deeply"),
+        ("", (), "is empty"),
+        ('{"\\ud800": 1}', (), "is missing"),
+        ('{"t": [1, 1], "x": [1, 2], "v": [1, 2]}', (), "is repeated"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", ""), "--columns"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", "t=x"), "three columns"),
+    ],
+)
+def test_bad_json_is_one_line(text: str, options: tuple[str, ...], words: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    path.write_text(text)
+    result = run(path, "--scene", "fig9", *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not result.stdout
+
+
+def test_json_has_no_nan(tmp_path: Path) -> None:
+    """A step that cannot be decided has no defect."""
+    path = write(tmp_path / "run.csv", [0.1324, 1e6], [4.5447, 1], [1, 1])
+    data = json.loads(run(path, "--scene", "fig9", "--json").output, parse_constant=pytest.fail)
+    assert data["max_defect_x"] is None
+    assert data["first_wrong"]["defect_x"] is None
+
+
+def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
+    path = tmp_path / "run.csv"
+    np.savetxt(path, np.column_stack(samples), fmt="%.6g", delimiter=",", header="t,x,v", comments="")
+    result = run(path, "--scene", "fig9")
+    assert result.exit_code == 0, result.output
+    assert "x to 6 significant digits, v to 6 significant digits; they are judged" in result.output
+
+
 def test_help_has_an_example() -> None:
     result = run("--help")
     assert result.exit_code == 0

@@ -1,0 +1,169 @@
+"""Samples t, x, v as arrays: what is a number, what is not, and what to say about it in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from symosc.errors import ParameterError
+
+NAMES = ("t", "x", "v")
+LEAST = 2
+KINDS = ("cross", "stick", "slip", "graze")
+# Largest number of a sample: squares of it and its products with rates must not overflow.
+LARGEST = 1e50
+# Text of a wrong value in a message is cut here.
+LONGEST = 60
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A solution at times: `t`, `x`, `v` are (n,) float arrays; `events` are pairs (t, kind), or None."""
+
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    events: tuple[tuple[float, str], ...] | None = None
+
+
+def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
+    """Return samples as float arrays.
+
+    Raises
+    ------
+    ParameterError
+        Unless t, x and v are finite real numbers, one-dimensional, of one length >= 2, and t never decreases; or if
+        `events` are no pairs (t, kind).
+    """
+    arrays = {name: _array(name, values) for name, values in zip(NAMES, (t, x, v), strict=True)}
+    lengths = {name: len(array) for name, array in arrays.items()}
+    if len(set(lengths.values())) > 1:
+        raise ParameterError("lengths", lengths, "t, x and v must have one length")
+    if lengths["t"] < LEAST:
+        raise ParameterError("samples", lengths["t"], f"at least {LEAST} are needed")
+    times = arrays["t"]
+    late = np.flatnonzero(np.diff(times) < 0.0)
+    if len(late):
+        i = int(late[0]) + 1
+        what = f"comes after {float(times[i - 1])!r}; the times must increase"
+        raise ParameterError(f"t[{i}]", float(times[i]), what)
+    if times[0] == times[-1]:
+        raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
+    return Samples(**arrays, events=None if events is None else _checked_events(events))
+
+
+def check_joints(samples: Samples, part: float, slack_x: Any = 0.0, slack_v: Any = 0.0) -> None:
+    """Raise ParameterError where a time is repeated with a clearly different state.
+
+    A time may come twice where two pieces of a solution are joined: the states there are equal, or nearly so.
+
+    Parameters
+    ----------
+    samples : Samples
+    part : float
+        Largest jump, as a part of the largest |x| and |v|.
+    slack_x, slack_v : float or (n,) array
+        How far the samples themselves may be off.
+    """
+    twice = np.flatnonzero(np.diff(samples.t) == 0.0)
+    for name, values, slack in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
+        limit = part * np.max(np.abs(values)) + np.broadcast_to(slack, values.shape)[twice] * 2.0
+        jump = np.abs(np.diff(values)[twice])
+        wrong = np.flatnonzero(jump > limit)
+        if len(wrong):
+            i = int(twice[wrong[0]]) + 1
+            what = f"is repeated with another state ({name} jumps by {jump[wrong[0]]:.3g}); the times must increase"
+            raise ParameterError(f"t[{i}]", float(samples.t[i]), f"{what}, but where two pieces are joined")
+
+
+def _array(name: str, values: Any) -> np.ndarray:
+    """Return one column as floats."""
+    if values is None:
+        raise ParameterError(name, None, "is missing: give t, x and v")
+    if np.ma.is_masked(values):
+        raise ParameterError(name, "masked", "must be a number in every sample; some are masked")
+    try:
+        array = np.asarray(values)
+        mixed = isinstance(values, (list, tuple)) and any(isinstance(value, bool) for value in values)
+        if array.dtype.kind in "USO" or mixed:  # text and objects may be numbers
+            _refuse_wrong(name, values if mixed else array.ravel().tolist())
+        elif array.dtype.kind not in "iuf":
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        if isinstance(error, ParameterError):
+            raise
+        _refuse_wrong(name, _items(values))
+        raise ParameterError(name, shown(values), "is no column of real numbers") from None
+    if array.ndim != 1:
+        raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
+    bad = np.flatnonzero(~(np.abs(array) <= LARGEST))
+    if len(bad):
+        value = float(array[bad[0]])
+        what = f"must be at most {LARGEST:g} in size" if isfinite(value) else "must be finite"
+        raise ParameterError(f"{name}[{bad[0]}]", value, f"{what} ({len(bad)} are not)")
+    return array
+
+
+def _refuse_wrong(name: str, values: Iterable[Any]) -> None:
+    """Raise ParameterError for the first entry that is no real number."""
+    for i, value in enumerate(values):
+        try:
+            _number(value)
+        except (TypeError, ValueError, OverflowError):
+            raise ParameterError(f"{name}[{i}]", shown(value), "is no number") from None
+
+
+def _items(values: Any) -> Iterable[Any]:
+    if isinstance(values, np.ndarray):
+        return np.ravel(values).tolist()  # Python numbers read better in a message
+    return values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
+
+
+def _number(value: Any) -> float:
+    """Return `value` as a float; ValueError for text such as 1_000, which Python reads and nobody writes in a table."""
+    if isinstance(value, (bool, np.bool_, complex)):
+        raise TypeError("no real number")
+    if isinstance(value, bytes):
+        value = value.decode("ascii", "replace")
+    if isinstance(value, str) and ("_" in value or not value.isascii()):
+        raise ValueError("no plain number")
+    return float(value)
+
+
+def short(text: str) -> str:
+    """Return text for a message, not longer than a line can bear."""
+    text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
+    return text if len(text) <= LONGEST else text[:LONGEST] + "…"
+
+
+def shown(value: Any) -> Any:
+    """Return a wrong value for a message: itself where it is short, else the beginning of its text or its type."""
+    if isinstance(value, str):
+        return short(value)
+    try:
+        fits = len(repr(value)) <= LONGEST
+    except (RecursionError, ValueError):  # deep brackets, an int of thousands of digits
+        fits = False
+    return value if fits else type(value).__name__
+
+
+def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
+    if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
+        raise ParameterError("events", shown(events), "must be pairs (t, kind)")
+    pairs: list[tuple[float, str]] = []
+    for i, pair in enumerate(events):
+        try:
+            time, kind = pair
+            time, kind = _number(time), str(kind)
+        except (TypeError, ValueError, OverflowError):
+            raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
+        if kind not in KINDS or not abs(time) <= LARGEST:
+            what = f"t must be finite, kind one of {', '.join(KINDS)}"
+            raise ParameterError(f"events[{i}]", (time, short(kind)), what)
+        pairs.append((time, kind))
+    return tuple(pairs)

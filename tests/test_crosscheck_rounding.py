@@ -1,0 +1,177 @@
+"""Samples with few digits: recognised, named, and judged at their precision; and how results compare and travel."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from careful_solver import random_parameters
+
+from symosc import load_scene, simulate
+from symosc.crosschecks import crosscheck
+from symosc.sample_rounding import find_digits
+
+Round = Callable[[Any], np.ndarray]
+
+
+def decimals(count: int) -> tuple[Round, str]:
+    return lambda values: np.array([float(f"{value:.{count}f}") for value in values]), f"{count} decimals"
+
+
+def significant(count: int) -> tuple[Round, str]:
+    words = f"{count} significant digits"
+    return lambda values: np.array([float(f"{value:.{count - 1}e}") for value in values]), words
+
+
+def single() -> tuple[Round, str]:
+    return lambda values: np.asarray(values, dtype=np.float32).astype(float), "single precision"
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 6, 10])
+@pytest.mark.parametrize("kind", [decimals, significant])
+def test_digits_are_counted(kind: Any, count: int) -> None:
+    rng = np.random.default_rng(count)
+    cut, words = kind(count)
+    for size in (1.0, *((1e-4, 1e6) if kind is significant else (0.5, 1e6 if count < 6 else 2.0))):
+        values = rng.uniform(-9, 9, 300) * size * 10.0 ** rng.uniform(-1, 1, 300)
+        digits = find_digits(cut(values))
+        assert digits is not None
+        assert digits.words == words
+        # One unit of the last digit, which the rounding error never exceeds by half.
+        assert np.all(np.abs(cut(values) - values) <= 0.5000001 * digits.units)
+        assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
+
+
+def test_what_is_not_rounded() -> None:
+    rng = np.random.default_rng(0)
+    assert find_digits(rng.uniform(-9, 9, 50)) is None
+    assert find_digits(np.append(decimals(3)[0](rng.uniform(-9, 9, 50)), 1 / 3)) is None
+    assert find_digits(np.array([0.0, 0.5, 0.0, 1.0, 1.0]), [1.0]) is None
+    assert find_digits(single()[0](rng.uniform(-9, 9, 50))) is not None
+    assert find_digits(np.array([])) is None
+
+
+def check_rounded(rng: np.random.Generator, cut: Round, words: str) -> None:
+    """Right samples of a random motion pass, and wrong ones do not."""
+    p = random_parameters(rng)
+    v0 = float(rng.choice([float(p.v1), float(p.v2), 0.25]))
+    start: dict[str, Any] = {"t0": 0, "x0": round(rng.uniform(-5, 5), 2), "v0": v0}
+    exact = simulate(p, **start, t_end=5)
+    end, count = float(exact.t_end), int(rng.choice([30, 100]))
+    own = [float(event.t) for event in exact.events]
+    t = np.linspace(0, end, count) if rng.random() < 0.5 else np.unique([0, *rng.uniform(0, end, count), *own, end])
+    times = cut(t) if rng.random() < 0.5 else t
+    x, v = exact(t)
+    events = list(zip(cut(own).tolist(), [event.kind for event in exact.events], strict=True))
+    for given in (None, events):
+        result = crosscheck(p, times, cut(x), cut(v), events=given)
+        assert result.ok, (p, start, words, result.summary())
+        assert words in result.rounded.values()
+        assert any(words in note for note in result.notes)
+    x, v = simulate(p.replace(k=p.k * 2), **start, t_end=5)(np.minimum(t, 0.9 * end))
+    assert not crosscheck(p, times, cut(x), cut(v)).ok
+
+
+@pytest.mark.parametrize("count", [3, 6, 10])
+@pytest.mark.parametrize("kind", [decimals, significant])
+def test_rounded_samples_are_judged_at_their_precision(kind: Any, count: int) -> None:
+    rng = np.random.default_rng(100 + count)
+    for _ in range(2):
+        check_rounded(rng, *kind(count))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", range(3, 11))
+@pytest.mark.parametrize("kind", [decimals, significant])
+def test_rounded_samples_of_many_motions(kind: Any, count: int) -> None:
+    rng = np.random.default_rng(count)
+    for _ in range(8):
+        check_rounded(rng, *kind(count))
+    for _ in range(3):
+        check_rounded(rng, *single())
+
+
+def test_six_digits_are_not_the_method_but_a_bad_method_is() -> None:
+    t = np.linspace(0, 12, 201)
+    right, wrong = (
+        simulate("fig5", t_end=12)(t),
+        simulate(load_scene("fig5").parameters.replace(k="1.002"), t0=0, x0=0, v0=0, t_end=12)(t),
+    )
+    cut, words = significant(6)
+    result = crosscheck("fig5", t, cut(right[0]), cut(right[1]))
+    assert result.ok
+    assert result.rounded == {"x": words, "v": words}
+    assert "they are judged at that precision" in result.summary()
+    # In full digits, and in few, a wrong model is a wrong model.
+    full = crosscheck("fig5", t, *wrong)
+    assert not full.ok
+    assert not full.rounded
+    assert full.first_wrong is not None
+    few = crosscheck("fig5", t, cut(wrong[0]), cut(wrong[1]))
+    assert not few.ok
+    assert few.first_wrong is not None
+    assert few.first_wrong.t >= full.first_wrong.t
+    # Rounding that the tolerance covers is said, and no more.
+    ten = crosscheck("fig5", t, *(significant(10)[0](values) for values in right))
+    assert ten.ok
+    assert "10 significant digits" in ten.notes[0]
+    assert "judged at that precision" not in ten.notes[0]
+
+
+def test_a_list_with_few_digits_is_judged_at_them() -> None:
+    exact = simulate("fig9", t_end=8)
+    t = np.linspace(0.1324, 8, 300)
+    own = [(round(float(event.t), 4), event.kind) for event in exact.events]
+    result = crosscheck("fig9", t, *exact(t), events=own)
+    assert result.ok, result.summary()
+    assert result.rounded == {"events": "4 decimals"}
+    off = [(round(time + 0.0003, 4), kind) for time, kind in own]
+    assert len(crosscheck("fig9", t, *exact(t), events=off).invented) == len(own)
+
+
+def test_a_short_list_beside_rounded_samples() -> None:
+    exact = simulate("fig9", t_end=8)
+    cut = significant(5)[0]
+    end = float(exact.events[0].t) + 0.1
+    t = np.linspace(0.1324, end, 200)
+    own = [(float(cut([event.t])[0]), event.kind) for event in exact.events if event.t < end]
+    assert len(own) == 1
+    assert crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=own).ok
+    assert not crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=[(own[0][0] + 1e-3, "cross")]).ok
+
+
+def test_times_that_rounding_has_made_equal() -> None:
+    exact = simulate("fig9", t_end=3)
+    t = np.linspace(0.1324, 1.1, 1500)
+    cut = decimals(3)[0]
+    result = crosscheck("fig9", cut(t), *(cut(values) for values in exact(t)))
+    assert np.any(np.diff(cut(t)) == 0.0)
+    assert result.ok, result.summary()
+
+
+def test_results_are_compared_copied_and_pickled() -> None:
+    t = np.linspace(0.1324, 6, 100)
+    x, v = simulate("fig9", t_end=6)(t)
+    v[50] += 0.1
+    one = crosscheck("fig9", t, x, v)
+    for other in (crosscheck("fig9", t, x, v), copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+        assert (one == other) is True
+        assert (one != other) is False
+    v[51] += 1e-3
+    assert (one == crosscheck("fig9", t, x, v)) is False
+    for something in (None, 5, "ok", np.zeros(3), simulate("fig9", t_end=6)):
+        assert (one == something) is False
+        assert (one != something) is True
+
+
+def test_a_result_with_nan_equals_its_copy() -> None:
+    exact = simulate("fig8", t_end=60)
+    t = np.linspace(2.5, float(exact.t_end), 200)
+    t = np.append(t, t[-1] + 0.01)
+    one = crosscheck("fig8", t, *np.column_stack([exact(t[:-1]), [0.0, 0.0]]))
+    assert np.isnan(one.errors).any()
+    assert one == pickle.loads(pickle.dumps(one))
