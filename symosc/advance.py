@@ -140,7 +140,25 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
         where = resolve(v, Fb, Fa, s, c, K)
     if where == BELT:
         S12, S22 = 0.0 * S12, 0.0 * S22  # the belt takes the error of the velocity away
-        return STICK, boundary, decided, t_error, 3 + boundary, boundary, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low
+        return (
+            STICK,
+            boundary,
+            decided,
+            t_error,
+            3 + boundary,
+            boundary,
+            n,
+            theta,
+            x,
+            v,
+            Fb,
+            Fa,
+            S11,
+            S12,
+            S22,
+            t,
+            t_low,
+        )
     out = Fa if where == DOMAIN_ABOVE else Fb
     ratio = out / a if a != 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary

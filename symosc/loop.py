@@ -45,7 +45,12 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
         theta, x, v = float(states[i, 3]), float(states[i, 4]), float(states[i, 5])
         Fb, Fa = float(states[i, 6]), float(states[i, 7])
         S11, S12, S22 = float(states[i, 8]), float(states[i, 9]), float(states[i, 10])
-        t, t_low, t_end, t_end_low = float(states[i, 11]), float(states[i, 12]), float(states[i, 13]), float(states[i, 14])
+        t, t_low, t_end, t_end_low = (
+            float(states[i, 11]),
+            float(states[i, 12]),
+            float(states[i, 13]),
+            float(states[i, 14]),
+        )
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:

@@ -97,8 +97,7 @@ class MpArithmetic(Arithmetic):
         context = mp_context(digits)
         self.parameters, self.context, self.digits = parameters, context, digits
         basis = BasisMP(context, parameters)
-        K = constants(parameters, self.number, context.sqrt, context.atan2, +context.pi, lambda _: context.mpf(0))
-        K = with_march(K, basis)
+        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}

@@ -110,7 +110,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         Units in which the defects of x and v are compared with each other.
     """
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
-    n, theta = phases(parameters, t)
+    _, theta = phases(parameters, t)
     belts = np.array([K.belt1.v, K.belt2.v])
     gaps = np.abs(v[:-1, None] - belts)
     closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
@@ -118,7 +118,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
 
     def follow(steps: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
         start_v = np.where(at > 0, belts[at - 1], v[steps])
-        rows = _rows(theta[steps], x[steps], start_v, at, n[steps + 1] - n[steps], theta[steps + 1], K)
+        rows = _rows(theta[steps], x[steps], start_v, at, t[steps + 1] - t[steps], K)
         first = rows[:, 0].astype(int)
         last, end, events = _follow(rows, t[steps + 1] - t[steps], K)
         defects, origin = end - ahead[steps], steps[events.step]
@@ -169,8 +169,8 @@ def _upper_half(value: Any) -> Any:
     return shifted - (shifted - value)
 
 
-def _rows(theta: Any, x: Any, v: Any, at: Any, n_end: Any, theta_end: Any, K: Constants) -> np.ndarray:
-    """Return rows of `symosc.loop`'s states; on a belt (`at`) the forces decide where the motion goes."""
+def _rows(theta: Any, x: Any, v: Any, at: Any, left: Any, K: Constants) -> np.ndarray:
+    """Return rows of `symosc.loop`'s states from time 0; on a belt (`at`) the forces decide where the motion goes."""
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     A = np.array([K.A1, K.A2, K.A3, K.A3])
     Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
@@ -181,7 +181,7 @@ def _rows(theta: Any, x: Any, v: Any, at: Any, n_end: Any, theta_end: Any, K: Co
     rows = np.zeros((len(x), loop.STATE_WIDTH))
     rows[:, 0], rows[:, 1], rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6], rows[:, 7] = mode, at, theta, x, v, Fb, Fa
     rows[:, 8], rows[:, 10] = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
-    rows[:, 11], rows[:, 12], rows[:, 13] = theta, n_end, theta_end
+    rows[:, 13] = left
     return rows
 
 
@@ -189,12 +189,11 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
     states, count = rows.copy(), len(rows)
     events_of, codes = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    start = np.zeros(count)
     follow_all, begin = _loop(count), 0
     floats, ints = [], []
     while begin < count:
         out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
-        begin, filled = follow_all(begin, states, start, events_of, codes, MOST_EVENTS, inf, out_float, out_int, K)
+        begin, filled = follow_all(begin, states, events_of, codes, MOST_EVENTS, inf, out_float, out_int, K)
         floats.append(out_float[:filled, [0, 1, 3]])
         ints.append(out_int[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)
@@ -239,18 +238,17 @@ def _loop(count: int) -> Callable[..., Any]:
 
 def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, K: Constants) -> list[Any]:
     """Follow a row with a contact within rounding: what it is makes no difference beyond rounding, so it is taken."""
-    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:11]), float(row[14]))
-    theta0, n_end, theta_end = float(row[11]), int(row[12]), float(row[13])
+    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:13]))
+    end = row[13:15].tolist()
     events: list[Any] = []
     code = 0
     while code not in (END, REST, FAILED) and len(events) < MOST_EVENTS:
         # The types of a state's entries are lost in unpacking.
-        code, boundary, _, _, *state = advance(*state, n_end, theta_end, K)  # type: ignore[call-arg]
+        code, boundary, _, _, *state = advance(*state, *end, K)  # type: ignore[call-arg]
         if code <= GRAZE:
-            since = (state[2] * TWO_PI + state[3] - theta0) / K.Om
-            events.append((i, since, state[4], state[3], code, boundary, state[0]))
+            events.append((i, state[11], state[4], state[3], code, boundary, state[0]))
     codes[i] = code if code in (END, REST) else FAILED
-    states[i, :11], states[i, 14] = state[:11], state[11]
+    states[i, :13] = state
     return events
 
 
