@@ -216,10 +216,10 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
     problems = []
     for i in range(count):
         row, end = rows[i % len(rows)], read("t_end", ends[i % len(ends)])
-        start = tuple(read(name, value) for name, value in zip(names, row, strict=True))
-        if end <= start[0]:
-            raise ParameterError("t_end", float(end), f"must be later than t0 = {float(start[0])}")
-        problems.append(Start(sets[i % len(sets)], *start, end, start_error))
+        t0, x0, v0 = (read(name, value) for name, value in zip(names, row, strict=True))
+        if end <= t0:
+            raise ParameterError("t_end", float(end), f"must be later than t0 = {float(t0)}")
+        problems.append(Start(sets[i % len(sets)], t0, x0, v0, end, start_error))
     return [problem.parameters for problem in problems], problems
 
 

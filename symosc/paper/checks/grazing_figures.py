@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from symosc.events import never_leaves
 from symosc.flow import constants
 from symosc.grazing import grazing_window
 from symosc.grazing_orbits import GrazingStart, grazing_start
@@ -30,6 +29,7 @@ from symosc.paper.checks.contacts import (
     verdict,
 )
 from symosc.paper.evidence import UNDECIDED, Evidence
+from symosc.rests import never_leaves
 from symosc.scenes import Scene, load_scene
 from symosc.trajectory import Trajectory
 from symosc.windows import place
@@ -151,7 +151,7 @@ def clear_since(path: Trajectory, belt: int) -> float:
     K, level = constants(p), float(p.belt(belt))
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         v, a, phase = float(path(t)[1]), float(path.force(SIDES[belt][0], t)), float(p.Omega) * t
-        if never_leaves(v, a, sin(phase), cos(phase), -np.inf, level, False, True, K):
+        if never_leaves(v, a, sin(phase), cos(phase), -np.inf, level, False, True, SIDES[belt][0], K):
             return float(t)
     return float("inf")
 
