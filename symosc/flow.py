@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import atan2, pi, sqrt
+from math import atan2, exp, pi, sqrt
 from typing import Any, NamedTuple
 
 from symosc.kernels._generated import motion, next_derivative
@@ -21,6 +21,8 @@ from symosc.model import Parameters
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
 LONGEST_SWING = 10**9
+# Roots this many times as large as all other rates make a system stiff.
+STIFF = 16
 SIGMAS = Fraction(8)
 # Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
 MARCH_STEP = 1.0
@@ -80,6 +82,7 @@ class Constants(NamedTuple):
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
+    stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Any  # A_alpha/m
     A2: Any
@@ -151,6 +154,7 @@ def constants(
         under=under,
         apart=under and steady,
         creeps=not under and parameters.B0 == 0,
+        stiff=steady and not under and -fast > STIFF * max(-slow, number(Om)),
         steady=steady,
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
@@ -214,7 +218,10 @@ def state_at(tau, v0, a0, s0, c0, K):
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
     dx, dv, a = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
-    b, w, j = derivatives(v0 + dv, a, s, c, K)
+    if K.stiff:
+        b, w, j = stiff_derivatives(tau, v0, a0, s0, c0, s, c, K)
+    else:
+        b, w, j = derivatives(v0 + dv, a, s, c, K)
     return dx, dv, a, b, w, j, s, c, E0, E1, E2
 
 
@@ -224,6 +231,23 @@ def derivatives(v, a, s, c, K):
     w = next_derivative(b, a, K.fB * K.Om * c, K.cm, K.w0sq)
     j = next_derivative(w, b, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
     return b, w, j
+
+
+def stiff_derivatives(tau, v0, a0, s0, c0, s, c, K):
+    """Return the second to fourth derivative of v from the shares of both roots and of the steady motion.
+
+    `derivatives` multiplies what rounding left of a by the fast root once per order; here it has died away.
+    """
+    Om2 = K.Om * K.Om
+    v_free = v0 - (K.Ss * s0 + K.Sc * c0)  # with k = 0 the mean velocity is a part of it: its root is 0
+    a_free = a0 - K.Om * (K.Ss * c0 - K.Sc * s0)
+    fast = (a_free - K.l1 * v_free) / (K.l2 - K.l1)
+    slow = (v_free - fast) * exp(K.l1 * tau) * K.l1 * K.l1
+    fast = fast * exp(K.l2 * tau) * K.l2 * K.l2
+    v_steady, u_steady = K.Ss * s + K.Sc * c, K.Om * (K.Ss * c - K.Sc * s)
+    b = slow + fast - Om2 * v_steady
+    w = slow * K.l1 + fast * K.l2 - Om2 * u_steady
+    return b, w, slow * K.l1 * K.l1 + fast * K.l2 * K.l2 + Om2 * Om2 * v_steady
 
 
 def fifth_derivative(j, w, c, K):

@@ -100,7 +100,7 @@ class MpArithmetic(Arithmetic):
         K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
-        replaced = {name: getattr(context, name) for name in ("sin", "cos", "sqrt")}
+        replaced = {name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")}
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}

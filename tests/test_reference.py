@@ -76,7 +76,9 @@ def test_every_scene_to_its_end(name: str) -> None:
 )
 def test_exact_starts_graze_and_do_not_stick(name: str, domain: str, x: float, digits: int | None) -> None:
     scene = load_scene(name)
-    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=4, start_error=scene.start_error, digits=digits)
+    trajectory = simulate(
+        scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=4, start_error=scene.start_error, digits=digits
+    )
     assert [event.kind for event in trajectory.events] == ["graze"]
     graze = trajectory.events[0]
     assert (graze.boundary, graze.source, graze.target) == (1, domain, domain)
