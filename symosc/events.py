@@ -376,7 +376,7 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
         tau = tau + shift
         if tau < earliest:
             return STALLED, start
-    return STALLED, tau
+    return LOST, tau
 
 
 def hidden(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):

@@ -62,7 +62,7 @@ class Path:
         self.pieces: list[Piece] = []
         self.code, self.decided = 0, True
         self.first_at = self.state.at
-        self._worst = 0 * self.t0
+        self._worst, self._adopted = 0 * self.t0, 0
         self._record()
 
     def missing_digits(self, digits: int) -> int:
@@ -107,7 +107,8 @@ class Path:
 
     def adopt(self, other: Path) -> None:
         """Continue from where a path with more digits is, and take over what it knows better."""
-        self.events[:] = [rounded_event(event) for event in other.events]
+        self.events[self._adopted :] = [rounded_event(event) for event in other.events[self._adopted :]]
+        self._adopted = len(self.events)
         self.pieces[:] = other.pieces
         self.state, self.code, self.decided = rounded(other.state), other.code, True
 
