@@ -11,12 +11,12 @@ With `digits` the working precision is raised until every event is known to that
 
 from __future__ import annotations
 
-from math import isnan
+from math import inf
 from typing import Any
 
 from symosc.advance import FAILED, REST
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import read_exact, show, whole_number
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import mp_context
 from symosc.path import Path, Start, cut_event, rounded_event
@@ -100,25 +100,17 @@ def _read_start(scene: Scene | Parameters | str, given: dict[str, Any]) -> Start
     return start
 
 
-def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
-    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
-    allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise ParameterError(name, value, allowed)
-    if value < least or (most is not None and value > most):
-        raise ParameterError(name, value, allowed)
-    return int(value)
-
-
 def read_accuracy(value: Any) -> float:
     """Return the accuracy that is asked of events in double precision, ACCURACY for None."""
     if value is None:
         return ACCURACY
+    if isinstance(value, float) and value == inf:
+        return inf
     try:
-        accuracy = float(value)
-    except (TypeError, ValueError):
+        accuracy = float(read_exact("accuracy", value))
+    except ParameterError:
         accuracy = 0.0
-    if isnan(accuracy) or accuracy <= 0.0:
+    if accuracy <= 0.0:
         raise ParameterError("accuracy", value, f"must be a number > 0; the default is {ACCURACY:g}")
     return accuracy
 

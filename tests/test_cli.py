@@ -157,7 +157,7 @@ def test_codegen_check_prints_the_difference(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(codegen, "check", lambda: "-committed\n+generated\n")
     result = run("codegen", "--check")
     assert (result.exit_code, result.stdout) == (1, "-committed\n+generated\n\n")
-    assert "accept: symosc codegen" in result.stderr
+    assert "accept: symosc codegen --regenerate" in result.stderr
 
 
 def test_codegen_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -165,8 +165,25 @@ def test_codegen_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
 
     monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
     monkeypatch.setattr(codegen, "generate", lambda: "pass\n")
-    assert good("codegen") == f"wrote {tmp_path / '_generated.py'}\n"
+    assert run("codegen").exit_code == 2
+    assert not (tmp_path / "_generated.py").exists()
+    assert good("codegen", "--regenerate") == f"wrote {tmp_path / '_generated.py'}\n"
     assert (tmp_path / "_generated.py").read_text() == "pass\n"
+
+
+# --- standard output as a file ---
+
+
+def test_csv_to_standard_output_is_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    good("simulate", "fig6", "--csv", str(path))
+    assert good("simulate", "fig6", "--csv", "-") == path.read_text()
+
+
+def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
+    path = tmp_path / "fig6.svg"
+    good("figure", "fig6", "-o", str(path), "--panels", "a")
+    assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
 
 
 # --- help and errors ---
@@ -181,6 +198,7 @@ BROKEN = {
     "broken.toml": "t_end = ",
     "keys.toml": "t_end = 3",
     "binary.toml": "\x00",
+    "empty.toml": "",
 }
 
 BAD = [
@@ -213,7 +231,19 @@ BAD = [
     (["figure", "fig5", "-o", "fig5.eps"], ".pdf, .svg or .png"),
     (["figure", "fig5", "-o", "none/fig5.pdf"], "cannot write none/fig5.pdf"),
     (["figure", "fig5", "-o", "a.pdf", "--panels", "z"], "panels = 'z'"),
+    (["figure", "fig5", "-o", "a.pdf", "--panels", ""], "panels = ''"),
     (["figure", "fig5", "-o", "a.pdf", "--columns", "3"], "--columns"),
+    (["figure", "fig5", "-o", "a.pdf", "--columns", ""], "--columns"),
+    (["figure", "fig9", "-o", "a.pdf", "--t-end", "1e7"], "give an earlier end"),
+    (["figure", "fig5", "-o", ""], "name of a file"),
+    (["simulate", "fig5", "--csv", ""], "name of a file"),
+    (["simulate", "fig5", "--csv", "-", "--json"], "standard output"),
+    (["simulate", "fig5", "--set", "Omega=2*pi"], "is an expression"),
+    (["simulate", "fig5", "--set", "k=1_000"], "k = '1_000'"),
+    (["simulate", "fig5", "--set", "k=１"], "k = '１'"),
+    (["simulate", "empty.toml"], "is empty"),
+    (["simulate", ""], "scene '': unknown"),
+    (["scenes", ""], "scene '': unknown"),
     (["scenes", "fig55"], "scene fig55: unknown"),
     (["codegen", "now"], "is no mapping"),
     (["bench", "--slow"], "No such option"),

@@ -13,6 +13,7 @@ ORDER = [
     "errors",
     "exact",
     "model",
+    "words",
     "scenes",
     "kernels._generated",
     "kernels.entire",
