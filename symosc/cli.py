@@ -105,6 +105,9 @@ def _scene_with(name_or_path: str, settings: tuple[str, ...], start: dict[str, s
     scene = load_scene(name_or_path)
     changes = read_settings(settings)
     given: dict[str, Any] = {name: value for name, value in start.items() if value is not None}
+    if scene.start_error is not None:  # a number from the command line is exact
+        errors = zip(START_NAMES[:3], scene.start_error, strict=True)
+        given["start_error"] = [0 if name in given else error for name, error in errors]
     return replace(scene, parameters=scene.parameters.replace(**changes), **given)
 
 

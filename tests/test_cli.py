@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
@@ -139,6 +140,32 @@ def test_a_printed_scene_is_the_scene(name: str, tmp_path: Path) -> None:
     path = tmp_path / "copy.toml"
     path.write_text(good("scenes", name))
     assert symosc.load_scene(path) == symosc.load_scene(name)
+
+
+def test_the_error_of_a_start_survives_the_scene_file(tmp_path: Path) -> None:
+    text = good("scenes", "fig8-exact")
+    assert "start_error = [0, 5e-45, 5e-45]" in text
+    assert json.loads(good("scenes", "fig8-exact", "--json"))["start_error"] == ["0", "5e-45", "5e-45"]
+    assert "start_error" not in good("scenes", "fig8")
+    path = tmp_path / "one.toml"
+    for given, read in (('"1/3"', Fraction(1, 3)), ("1e-9", Fraction(1, 10**9)), ("0", Fraction(0))):
+        path.write_text(re.sub(r"start_error = .*", f"start_error = {given}", text))
+        assert symosc.load_scene(path).start_error == (read,) * 3
+        copy = tmp_path / "copy.toml"
+        copy.write_text(good("scenes", str(path)))
+        assert symosc.load_scene(copy).start_error == (read,) * 3
+
+
+def test_a_start_from_the_command_line_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulated = symosc.simulate
+    seen: list[symosc.Scene] = []
+    monkeypatch.setattr(symosc, "simulate", lambda scene, **rest: seen.append(scene) or simulated("fig6"))
+    half = Fraction("5e-45")
+    for arguments, errors in (([], (0, half, half)), (["--x0", "6"], (0, 0, half)), (["--v0", "2"], (0, half, 0))):
+        good("simulate", "fig8-exact", *arguments)
+        assert seen[-1].start_error == errors
+    good("simulate", "fig8", "--x0", "6")
+    assert seen[-1].start_error is None
 
 
 def test_a_fraction_survives_the_scene_file(tmp_path: Path) -> None:
