@@ -18,7 +18,7 @@ import click
 import symosc
 from symosc.cli_settings import goes_to_stdout, read_settings
 from symosc.errors import SymoscError
-from symosc.exact import show
+from symosc.exact import read_start_error, show
 from symosc.files import drop_stdout
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
@@ -148,6 +148,7 @@ def main() -> None:
 @click.option("--t0", metavar="T", help="Start time in place of the scene's.")
 @click.option("--x0", metavar="X", help="Start position in place of the scene's.")
 @click.option("--v0", metavar="V", help="Start velocity in place of the scene's.")
+@click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @set_option
 @click.option("--max-events", type=int, metavar="N", help="Stop after N events.")
 @click.option("--digits", type=int, metavar="N", help="N correct digits, instead of double precision.")
@@ -155,6 +156,7 @@ def main() -> None:
 @json_option
 def simulate(
     scene: str,
+    start_error: str | None,
     settings: tuple[str, ...],
     max_events: int | None,
     digits: int | None,
@@ -168,6 +170,9 @@ def simulate(
     stick: onset, slip: end of a stick, graze); on which belt; the motion before and after it; estimated errors of t
     and x. A trajectory that this precision cannot decide ends there, with exit code 1.
 
+    A start that is known to so much only says so by --start-error; a contact within its reach is then a graze. Without
+    it the start is exact, or known as well as the scene says.
+
     With --digits the numbers of the motion are strings in JSON: a reader would round numbers to doubles.
 
     \b
@@ -177,7 +182,11 @@ def simulate(
     """
     piped = goes_to_stdout(csv_path, "--csv", as_json)
     problem = _scene_with(scene, settings, start)
-    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits)
+    known: dict[str, Any] = {}
+    if start_error is not None:
+        parts = start_error.split(",")
+        known["start_error"] = read_start_error(parts if len(parts) > 1 else start_error)
+    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits, **known)
     if csv_path is not None:
         trajectory.to_csv(csv_path)
     if piped:

@@ -13,6 +13,7 @@ import time
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -168,6 +169,17 @@ def test_a_start_from_the_command_line_is_exact(monkeypatch: pytest.MonkeyPatch)
     assert seen[-1].start_error is None
 
 
+def test_the_error_of_a_start_is_passed_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulated = symosc.simulate
+    seen: list[dict[str, Any]] = []
+    monkeypatch.setattr(symosc, "simulate", lambda scene, **rest: seen.append(rest) or simulated("fig6"))
+    for text, errors in (("1e-9", ("1e-9",) * 3), ("0,1/3,2e-8", ("0", "1/3", "2e-8")), (" 0, 0 ,0", ("0",) * 3)):
+        good("simulate", "fig5", "--start-error", text)
+        assert seen[-1]["start_error"] == tuple(map(Fraction, errors))
+    good("simulate", "fig5")
+    assert "start_error" not in seen[-1]
+
+
 def test_a_fraction_survives_the_scene_file(tmp_path: Path) -> None:
     path = tmp_path / "third.toml"
     path.write_text(good("scenes", "fig5").replace("k = 1", 'k = "1/3"'))
@@ -249,6 +261,12 @@ BAD = [
     (["simulate", "fig5", "--set", "t_end=1"], "use --t-end"),
     (["simulate", "fig5", "--t-end", "-1"], "must be later than t0"),
     (["simulate", "fig5", "--x0", "one"], "x0 = 'one'"),
+    (["simulate", "fig5", "--start-error", ""], "start_error = ''"),
+    (["simulate", "fig5", "--start-error", "x"], "start_error = 'x'"),
+    (["simulate", "fig5", "--start-error", "-1"], "must be >= 0"),
+    (["simulate", "fig5", "--start-error", "1,2"], "or three"),
+    (["simulate", "fig5", "--start-error", "0,0,"], "start_error = ''"),
+    (["simulate", "fig5", "--start-error", "nan"], "must be finite"),
     (["simulate", "fig5", "--digits", "2"], "from 5 to 10000"),
     (["simulate", "fig5", "--digits", "many"], "not a valid integer"),
     (["simulate", "fig5", "--max-events", "0"], "must be a whole number >= 1"),
