@@ -151,7 +151,7 @@ def main() -> None:
 @click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @set_option
 @click.option("--max-events", type=int, metavar="N", help="Stop after N events.")
-@click.option("--digits", type=int, metavar="N", help="N correct digits, instead of double precision.")
+@click.option("--digits", type=int, metavar="N", help="N digits (relative to max(1, |value|)), instead of doubles.")
 @click.option("--csv", "csv_path", metavar="FILE", help="Write the events, all digits, as CSV as well. -: only that.")
 @json_option
 def simulate(

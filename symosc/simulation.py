@@ -57,7 +57,8 @@ def simulate(
     max_events : int, optional
         Stop after that many events (default 1,000,000).
     digits : int, optional
-        None: double precision. An int: every event time and position has that many correct digits (mpmath).
+        None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
+        max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
         In double precision, an event whose time or position is known to less than that (relative to max(1, |value|))
         is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster; with

@@ -120,7 +120,7 @@ class Trajectory:
     t_start, t_end : number
         First and last time.
     digits : int or None
-        The number of correct digits asked for; None is double precision.
+        How many digits were asked for, relative to max(1, |value|); None is double precision.
     """
 
     def __init__(
