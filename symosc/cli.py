@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 import click
 
 import symosc
-from symosc.cli_settings import goes_to_stdout, read_settings
+from symosc.cli_settings import WholeNumber, goes_to_stdout, read_settings
 from symosc.errors import SymoscError
 from symosc.exact import read_start_error, show
 from symosc.files import drop_stdout
@@ -150,8 +150,10 @@ def main() -> None:
 @click.option("--v0", metavar="V", help="Start velocity in place of the scene's.")
 @click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @set_option
-@click.option("--max-events", type=int, metavar="N", help="Stop after N events.")
-@click.option("--digits", type=int, metavar="N", help="N digits (relative to max(1, |value|)), instead of doubles.")
+@click.option("--max-events", type=WholeNumber(), metavar="N", help="Stop after N events.")
+@click.option(
+    "--digits", type=WholeNumber(), metavar="N", help="N digits, relative to max(1, |value|); default: doubles."
+)
 @click.option("--csv", "csv_path", metavar="FILE", help="Write the events, all digits, as CSV as well. -: only that.")
 @json_option
 def simulate(
@@ -227,7 +229,7 @@ def _number(value: float | str) -> str:
 @click.option("--t-end", metavar="T", help="End of the time axis; default: what the paper shows, else the scene's end.")
 @set_option
 @click.option("--panels", metavar="LETTERS", help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v).")
-@click.option("--columns", type=click.IntRange(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
+@click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
 def figure(
     scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, columns: int
 ) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from os.path import exists
 from pathlib import Path
 from typing import Any
 
@@ -74,12 +75,12 @@ def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form:
 
 def _check_folder(folder: Path) -> None:
     """Refuse what is no folder before the work, which may take minutes."""
-    above = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    above = next(each for each in (folder, *folder.absolute().parents) if exists(each))
     if not above.is_dir():
         reason = f"{above} is a file, and --output names a folder"
     elif not os.access(above, os.W_OK):
         reason = "Permission denied"
-    elif folder.suffix.lower() in FILES and not folder.exists():
+    elif folder.suffix.lower() in FILES and not exists(folder):
         reason = "is named like a file, and --output names a folder"
     else:
         return

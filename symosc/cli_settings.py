@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
 import click
 
 from symosc.files import STDOUT
 from symosc.scenes import START_NAMES
+
+
+class WholeNumber(click.IntRange):
+    """A whole number in ASCII digits; Python's own reading takes 1_000 and full-width digits as well."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        if isinstance(value, str) and not re.fullmatch(r"\s*[+-]?\d{1,1000}\s*", value, re.ASCII):
+            self.fail(f"{value!r} is not a valid integer.", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 def read_settings(settings: tuple[str, ...]) -> dict[str, str]:
@@ -35,12 +48,14 @@ def goes_to_stdout(output: str | None, option: str, as_json: bool = False) -> bo
     Raises
     ------
     click.BadParameter
-        If the name is empty, or JSON is to be printed as well.
+        If the name is empty, or JSON or the like is to be printed as well.
     """
     if output == "":
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=option)
     if output == STDOUT and as_json:
-        raise click.BadParameter("'-' is standard output, where --json prints; name a file", param_hint=option)
+        raise click.BadParameter(
+            "'-' is standard output, and something else prints there already; name a file", param_hint=option
+        )
     return output == STDOUT
 
 

@@ -6,6 +6,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -94,7 +95,8 @@ def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
 
 def drop_stdout() -> None:
     """Send what is still to come on standard output nowhere; it would fail once more at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    with suppress(OSError):  # what stands in for it, in a notebook or a test, may be no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_text(path: str | Path, text: str) -> Path:

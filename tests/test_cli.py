@@ -225,6 +225,28 @@ def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
     assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["orbit", "fig9", "-o"],
+        ["grazing", "fig9", "--map", "P2", "--plot"],
+        ["check", "s.csv", "--scene", "fig6", "-o"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_the_figures_of_other_commands_go_there_too(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    trajectory = symosc.simulate("fig6", t_end=5)
+    rows = [f"{t},{x!r},{v!r}" for t in (n / 64 for n in range(321)) for x, v in [trajectory(t).tolist()]]
+    Path("s.csv").write_text("\n".join(["t,x,v", *rows]))
+    text = good(*arguments, "-")
+    assert text.startswith("<?xml")
+    assert text.endswith("</svg>\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
+
+
 # --- help and errors ---
 
 
@@ -267,6 +289,22 @@ BAD = [
     (["simulate", "fig5", "--start-error", "1,2"], "or three"),
     (["simulate", "fig5", "--start-error", "0,0,"], "start_error = ''"),
     (["simulate", "fig5", "--start-error", "nan"], "must be finite"),
+    (["simulate", "fig5", "--max-events", "1_000"], "not a valid integer"),
+    (["simulate", "fig5", "--max-events", "１"], "not a valid integer"),
+    (["simulate", "fig5", "--digits", "1_0"], "not a valid integer"),
+    (["simulate", "fig5", "--digits", "9" * 5000], "not a valid integer"),
+    (["figure", "fig5", "-o", "a.pdf", "--columns", "２"], "not a valid integer"),
+    (["grazing", "fig9", "--check", "1_000"], "not a valid integer"),
+    (["grazing", "fig9", "--plot", ""], "name of a file"),
+    (["grazing", "fig9", "--plot", "-", "--json"], "standard output"),
+    (["grazing", "fig9", "--plot", "-", "--latex"], "standard output"),
+    (["orbit", "fig9", "--periods", "1_000"], "not a valid integer"),
+    (["orbit", "fig9", "--periods", "1000"], "from 1 to 200"),
+    (["orbit", "fig9", "--structure", ""], "is empty"),
+    (["orbit", "fig9", "-o", "-", "--json"], "standard output"),
+    (["check", "keys.toml", "--scene", "fig9", "-o", ""], "name of a file"),
+    (["bench", "-o", "-", "--json"], "standard output"),
+    (["bench", "-o", ""], "name of a file"),
     (["simulate", "fig5", "--digits", "2"], "from 5 to 10000"),
     (["simulate", "fig5", "--digits", "many"], "not a valid integer"),
     (["simulate", "fig5", "--max-events", "0"], "must be a whole number >= 1"),

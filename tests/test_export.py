@@ -326,6 +326,8 @@ def test_errors(tmp_path: Path) -> None:
     for name in ("", "3d", "a b", "a-b", "ä", "１", 5, "a\n", "../a"):
         with pytest.raises(ParameterError, match="name = "):
             export("P32", name=name)  # type: ignore[arg-type]
+    with pytest.raises(OutputError):
+        write_export(tmp_path / ("n" * 300), "P32")
     for folder in (None, "", 5):
         with pytest.raises(ParameterError, match="path = "):
             write_export(folder, "P32")  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ import threading
 from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -196,7 +197,7 @@ class Folder:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self._made = [each for each in (self.path, *self.path.parents) if not each.exists()]
+        self._made = [each for each in (self.path, *self.path.parents) if not exists(each)]
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._draft = TemporaryDirectory(prefix=".symosc-", dir=self.path)

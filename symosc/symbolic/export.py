@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import ast
 import re
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -81,9 +82,16 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
     """
     texts = {Path(read_path(folder)) / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():
-        if not force and path.is_file() and path.read_bytes() != text.encode():
+        if not force and isfile(path) and not _holds(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
     return [write_text(path, text) for path, text in texts.items()]
+
+
+def _holds(path: Path, text: str) -> bool:
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError as error:
+        raise OutputError(str(path), error.strerror or str(error)) from None
 
 
 # --- layout ---
