@@ -236,6 +236,13 @@ def test_the_domain_of_a_force(value: Any) -> None:
     refused(lambda: TRAJECTORY.force(value, 1), "alpha")
 
 
+@pytest.mark.parametrize("value", NO_CHOICES, ids=str)
+def test_the_domains_and_belts_of_parameters(value: Any) -> None:
+    refused(lambda: P.A(value), "alpha")
+    refused(lambda: P.belt(value), "boundary")
+    refused(lambda: P.belt(3), "boundary")
+
+
 def test_the_force_of_each_domain() -> None:
     rng = np.random.default_rng(3)
     for t in rng.uniform(0, 5, 20):
@@ -258,7 +265,9 @@ def test_a_structure_that_is_none(value: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("name", None), ("name", 5), ("source", None), ("parameters", None), ("parameters", {})]
+    ("name", "value"),
+    [("name", value) for value in (None, 5, "", " ")]
+    + [("source", None), ("source", b""), ("parameters", None), ("parameters", {})],
 )
 def test_a_scene_of_wrong_types(name: str, value: Any) -> None:
     refused(lambda: Scene(**({"name": "s", "parameters": P, **START} | {name: value})), name)

@@ -59,8 +59,9 @@ class Scene:
 
     def __post_init__(self) -> None:
         for name in ("name", "source"):
-            if not isinstance(getattr(self, name), str):
-                raise ParameterError(name, getattr(self, name), "must be text")
+            value = getattr(self, name)
+            if not isinstance(value, str) or (name == "name" and not value.strip()):
+                raise ParameterError(name, value, "must be text")
         if not isinstance(self.parameters, Parameters):
             raise ParameterError("parameters", self.parameters, "must be Parameters")
         if self.structure is not None:

@@ -53,7 +53,7 @@ def export(
         For an unknown language, a name that is no identifier or that the language keeps for itself, and a `fix` that
         is not Parameters.
     """
-    if language not in LANGUAGES:
+    if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
     if fix is not None and not isinstance(fix, Parameters):
         raise ParameterError("fix", fix, "must be Parameters or None; a scene has them as scene.parameters")
