@@ -142,6 +142,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "plot":
+        return import_module("symosc.plot")
     if name not in _HOMES:
         raise AttributeError(f"module 'symosc' has no attribute {name!r}")
     value = getattr(import_module(f"symosc.{_HOMES[name]}"), name)
@@ -150,4 +152,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted([*__all__, "__version__", "plot"])

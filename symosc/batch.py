@@ -15,13 +15,12 @@ import numpy as np
 from symosc import loop
 from symosc.advance import END
 from symosc.errors import MissingExtraError, ParameterError
-from symosc.exact import read_exact
+from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.files import write_whole
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import Arithmetic, compiled
 from symosc.path import EVENT_KINDS, check_reached, last_time
-from symosc.scenes import read_start_error
-from symosc.simulation import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy, whole_number
+from symosc.simulation import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.start import Start, first_state
 from symosc.trajectory import Event
 
@@ -30,7 +29,7 @@ CAPACITY = 1 << 18
 KIND_NAMES = EVENT_KINDS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EventTable:
     """Events of many trajectories, one row per event, in order of trajectory and time.
 
@@ -64,6 +63,14 @@ class EventTable:
     def __len__(self) -> int:
         return len(self.t)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same events and statuses."""
+        if not isinstance(other, EventTable):
+            return NotImplemented
+        return all(np.array_equal(column, vars(other)[name]) for name, column in vars(self).items())
+
+    __hash__ = None  # type: ignore[assignment]  # arrays have none
+
     @property
     def kind(self) -> np.ndarray:
         """Kinds of the events."""
@@ -85,7 +92,7 @@ class EventTable:
         return plain | {"kind": self.kind, "source": self.source, "target": self.target}
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the rows as CSV with a header; raises OutputError if the file cannot be written."""
+        """Write the rows as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
 
         def write(draft: Path) -> None:
             with draft.open("w", encoding="utf-8", newline="") as file:
@@ -181,7 +188,9 @@ def simulate_many(
 
 
 def _follow_all(use_numba: bool | None) -> Any:
-    if use_numba is False:
+    if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
+        raise ParameterError("use_numba", use_numba, "must be True, False or None")
+    if use_numba is not None and not use_numba:
         return loop.follow_all
     try:
         return compiled()["follow_all"]
@@ -192,15 +201,19 @@ def _follow_all(use_numba: bool | None) -> Any:
 
 
 def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> tuple[list[Parameters], list[Start]]:
-    sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
-    for p in sets:
-        if not isinstance(p, Parameters):
-            raise ParameterError("parameters", p, "give Parameters or a sequence of them")
+    try:
+        sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
+    except TypeError:
+        sets = [None]
+    if not all(isinstance(p, Parameters) for p in sets):
+        raise ParameterError("parameters", parameters, "give Parameters or a sequence of them")
     rows = np.asarray(starts, dtype=object)
     rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
     if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ParameterError("starts", rows.shape, "must have shape (n, 3): rows of t0, x0, v0")
+        raise ParameterError("starts", starts, f"must have shape (n, 3), rows of t0, x0, v0; it has {rows.shape}")
     ends = np.atleast_1d(np.asarray(t_end, dtype=object))
+    if ends.ndim != 1:
+        raise ParameterError("t_end", t_end, f"must be a number or have shape (n,); it has {ends.shape}")
     count = max(len(sets), len(rows), len(ends))
     for name, length in (("parameters", len(sets)), ("starts", len(rows)), ("t_end", len(ends))):
         if length not in (1, count):
@@ -209,16 +222,22 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
     exact: dict[Any, Fraction] = {}
 
     def read(name: str, value: Any) -> Fraction:
-        if value not in exact:
-            exact[value] = read_exact(name, value)
-        return exact[value]
+        # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10, Fraction(0.1) is not.
+        key = type(value), value
+        try:
+            known = key in exact
+        except TypeError:  # a list, or another thing that is no number
+            return read_exact(name, value)
+        if not known:
+            exact[key] = read_exact(name, value)
+        return exact[key]
 
     problems = []
     for i in range(count):
         row, end = rows[i % len(rows)], read("t_end", ends[i % len(ends)])
         t0, x0, v0 = (read(name, value) for name, value in zip(names, row, strict=True))
         if end <= t0:
-            raise ParameterError("t_end", float(end), f"must be later than t0 = {float(t0)}")
+            raise ParameterError("t_end", show(end), f"must be later than t0 = {show(t0)}")
         problems.append(Start(sets[i % len(sets)], t0, x0, v0, end, start_error))
     return [problem.parameters for problem in problems], problems
 

@@ -6,7 +6,6 @@ Exit codes: 0 success, 1 a check failed, 2 bad input (one line on stderr).
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,9 +16,10 @@ from typing import Any, NoReturn
 import click
 
 import symosc
-from symosc.cli_settings import read_settings
+from symosc.cli_settings import WholeNumber, goes_to_stdout, read_settings
 from symosc.errors import SymoscError
-from symosc.exact import show
+from symosc.exact import read_start_error, show
+from symosc.files import drop_stdout
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 
@@ -62,7 +62,7 @@ class CommandLine(click.Group):
         except OverflowError as error:
             _fail(f"a number is beyond the range of double precision ({error})")
         except OSError as error:
-            _drop_stdout()
+            drop_stdout()
             _fail(f"{error.filename or 'cannot write standard output'}: {error.strerror or error}")
         except click.Abort:
             sys.exit(INTERRUPTED)
@@ -86,12 +86,7 @@ def _print(text: str) -> None:
     try:
         click.echo(text)
     except BrokenPipeError:
-        _drop_stdout()
-
-
-def _drop_stdout() -> None:
-    # What is still buffered would fail once more at exit.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_stdout()
 
 
 def _print_json(data: Any) -> None:
@@ -108,9 +103,8 @@ def _print_table(rows: list[list[str]], heads: list[str]) -> None:
 def _scene_with(name_or_path: str, settings: tuple[str, ...], start: dict[str, str | None]) -> Scene:
     """Return a scene with ``--set`` parameters and a start from the command line."""
     scene = load_scene(name_or_path)
-    changes = read_settings(settings)
-    given: dict[str, Any] = {name: value for name, value in start.items() if value is not None}
-    return replace(scene, parameters=scene.parameters.replace(**changes), **given)
+    changed = replace(scene, parameters=scene.parameters.replace(**read_settings(settings)))
+    return changed.started({name: value for name, value in start.items() if value is not None})
 
 
 def _undecidable(trajectory: symosc.Trajectory) -> bool:
@@ -150,13 +144,17 @@ def main() -> None:
 @click.option("--t0", metavar="T", help="Start time in place of the scene's.")
 @click.option("--x0", metavar="X", help="Start position in place of the scene's.")
 @click.option("--v0", metavar="V", help="Start velocity in place of the scene's.")
+@click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @set_option
-@click.option("--max-events", type=int, metavar="N", help="Stop after N events.")
-@click.option("--digits", type=int, metavar="N", help="N correct digits, instead of double precision.")
-@click.option("--csv", "csv_path", metavar="FILE", help="Write the events, all digits, as CSV as well.")
+@click.option("--max-events", type=WholeNumber(), metavar="N", help="Stop after N events.")
+@click.option(
+    "--digits", type=WholeNumber(), metavar="N", help="N digits, relative to max(1, |value|); default: doubles."
+)
+@click.option("--csv", "csv_path", metavar="FILE", help="Write the events, all digits, as CSV as well. -: only that.")
 @json_option
 def simulate(
     scene: str,
+    start_error: str | None,
     settings: tuple[str, ...],
     max_events: int | None,
     digits: int | None,
@@ -170,16 +168,28 @@ def simulate(
     stick: onset, slip: end of a stick, graze); on which belt; the motion before and after it; estimated errors of t
     and x. A trajectory that this precision cannot decide ends there, with exit code 1.
 
+    A start that is known to so much only says so by --start-error; a contact within its reach is then a graze. Without
+    it the start is exact, or known as well as the scene says.
+
+    With --digits the numbers of the motion are strings in JSON: a reader would round numbers to doubles.
+
     \b
     Examples:
       symosc simulate fig5
       symosc simulate fig8 --set c=3.9 --t-end 20 --digits 30 --csv events.csv
     """
+    piped = goes_to_stdout(csv_path, "--csv", as_json)
     problem = _scene_with(scene, settings, start)
-    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits)
+    known: dict[str, Any] = {}
+    if start_error is not None:
+        parts = start_error.split(",")
+        known["start_error"] = read_start_error(parts if len(parts) > 1 else start_error)
+    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits, **known)
     if csv_path is not None:
         trajectory.to_csv(csv_path)
-    if as_json:
+    if piped:
+        pass
+    elif as_json:
         _print_json({"scene": problem.name, **trajectory.as_dict()})
     else:
         _print_events(trajectory)
@@ -211,11 +221,11 @@ def _number(value: float | str) -> str:
 
 @main.command()
 @scene_argument
-@click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png.")
+@click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png. -: SVG to stdout.")
 @click.option("--t-end", metavar="T", help="End of the time axis; default: what the paper shows, else the scene's end.")
 @set_option
 @click.option("--panels", metavar="LETTERS", help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v).")
-@click.option("--columns", type=click.IntRange(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
+@click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
 def figure(
     scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, columns: int
 ) -> int:
@@ -226,13 +236,17 @@ def figure(
       symosc figure fig5 -o fig5.pdf
       symosc figure fig8 -o phase.svg --panels c --t-end 22
     """
+    piped = goes_to_stdout(output, "--output")
     problem = _scene_with(scene, settings, {})
     from symosc import plot
 
     plot.check_suffix(output)
-    trajectory = symosc.simulate(problem, t_end=plot.default_end(problem) if t_end is None else t_end)
     panels = plot.default_panels(problem) if panels is None else panels
+    plot.check_panels(panels)
+    trajectory = plot.simulated(problem, t_end)
     plot.save(plot.figure(trajectory, panels=panels, columns=columns), output)
+    if piped:
+        return int(_undecidable(trajectory))
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
     _print(f"{click.format_filename(output)}: {span}, {_counted(trajectory.events)}")
     return int(_undecidable(trajectory))
@@ -275,7 +289,8 @@ def scenes(scene: str | None, as_json: bool) -> None:
 def _scene_data(scene: Scene) -> dict[str, Any]:
     start = {name: show(getattr(scene, name)) for name in START_NAMES}
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
-    return {**about, **start, "parameters": scene.parameters.as_dict()}
+    error = None if scene.start_error is None else [show(each) for each in scene.start_error]
+    return {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
 
 
 def _as_toml(scene: Scene) -> str:
@@ -288,4 +303,6 @@ def _as_toml(scene: Scene) -> str:
     lines += [f"t_end = {number(data['t_end'])}", "", "[parameters]"]
     lines += [f"{name} = {number(data['parameters'][name])}" for name in PARAMETER_NAMES]
     lines += ["", "[start]", *(f"{name} = {number(data[name])}" for name in START_NAMES[:3])]
+    if data["start_error"] is not None:
+        lines.append(f"start_error = [{', '.join(map(number, data['start_error']))}]")
     return "\n".join(lines)

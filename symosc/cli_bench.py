@@ -11,13 +11,16 @@ from typing import Any
 import click
 
 from symosc.cli import _print, _print_json, json_option
+from symosc.cli_settings import goes_to_stdout
 
 
 @click.command()
 @click.option("--quick", is_flag=True, help="Fewer scenes, tolerances, cases and repeats: half a minute.")
 @click.option("--hard", "hard_cases", is_flag=True, help="The hard cases in place of speed, work and precision.")
 @json_option
-@click.option("-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png.")
+@click.option(
+    "-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout."
+)
 @click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
 def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
     """Measure speed beside error, of symosc and of other solvers.
@@ -38,6 +41,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
       symosc bench --hard
       symosc bench --results README.md
     """
+    piped = goes_to_stdout(output, "--output", as_json)
     from symosc import plot
     from symosc.bench import results
 
@@ -58,6 +62,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     code = 0 if "hard" not in result or result["hard"]["ok"] else 1
     if as_json:
         _print_json(_plain(result))
+    if as_json or piped:
         return code
     if readme is None:
         _print(_tables(result))

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from symosc.cli_settings import goes_to_stdout
 from symosc.exact import read_exact
 
 
@@ -58,6 +59,7 @@ def check(
       symosc check run.csv --scene fig9
       symosc check run.csv --scene fig5 --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
     """
+    piped = goes_to_stdout(output, "--output", as_json)
     from symosc.crosschecks import TOLERANCE, crosscheck
     from symosc.sample_files import read_samples
 
@@ -76,5 +78,7 @@ def check(
         from symosc import plot_crosscheck
 
         plot_crosscheck.write(result, output)
+    if piped:
+        return int(not result.ok)
     click.echo(json.dumps(result.as_dict(), indent=1) if as_json else result.summary())
     return int(not result.ok)

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
+from os.path import exists
 from pathlib import Path
 from typing import Any
 
 import click
 
-from symosc.errors import SymoscError
+from symosc.cli_settings import goes_to_stdout
+from symosc.errors import OutputError, SymoscError
 
 NO_LATEX = "symosc: no pdflatex here; install LaTeX (Debian: texlive-latex-base), then: cd {folder} && pdflatex {file}"
+
+FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
 
 
 @click.command()
 @click.argument("subject")
 @click.option("--scene", metavar="SCENE", help="Put a scene's numbers in; only what the scene needs appears.")
-@click.option("-o", "--output", metavar="DIR", help="Folder for the files (made if needed); here by default.")
+@click.option(
+    "-o", "--output", metavar="DIR", help="Folder for the files (made if needed); here by default. -: print them."
+)
 @click.option("--pdf", is_flag=True, help="Compile the LaTeX to derivations.pdf as well.")
 @click.option(
     "--format", "form", type=click.Choice(["latex", "markdown", "text"]), default="latex", help="What to write."
@@ -35,19 +42,24 @@ def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form:
       symosc derive all --pdf -o derived
       symosc derive maps --scene fig9 --format text -o fig9
     """
+    printed = goes_to_stdout(output, "--output", as_json)
     from symosc.derivation import document
     from symosc.derivation.steps import StepError
     from symosc.scenes import load_scene
 
-    if pdf and form != "latex":
-        raise click.BadParameter("needs --format latex", param_hint="--pdf")
-    problem = load_scene(scene) if scene else None
+    if pdf and (form != "latex" or printed):
+        raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
+    folder = Path(output or ".")
+    _check_folder(folder)
+    problem = None if scene is None else load_scene(scene)
     try:
         scope, chapters = document.build([subject], problem, _progress)
     except StepError as error:
         click.echo(f"\nsymosc: check failed: {error}", err=True)
         return 1
-    folder = Path(output or ".")
+    if printed:
+        click.echo("\n".join(document.FORMATS[form](chapter, scope) for chapter in chapters), nl=False)
+        return 0
     paths = document.write_document(chapters, scope, folder, form)
     status = 0
     if pdf:
@@ -59,6 +71,20 @@ def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form:
         for path in paths:
             click.echo(str(path))
     return status
+
+
+def _check_folder(folder: Path) -> None:
+    """Refuse what is no folder before the work, which may take minutes."""
+    above = next(each for each in (folder, *folder.absolute().parents) if exists(each))
+    if not above.is_dir():
+        reason = f"{above} is a file, and --output names a folder"
+    elif not os.access(above, os.W_OK):
+        reason = "Permission denied"
+    elif folder.suffix.lower() in FILES and not exists(folder):
+        reason = "is named like a file, and --output names a folder"
+    else:
+        return
+    raise OutputError(str(folder), reason)
 
 
 def _compile(document: Any, folder: Path, paths: list[Path]) -> int:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from symosc.cli_settings import read_settings
+from symosc.cli_settings import WholeNumber, goes_to_stdout, read_settings
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 )
 @click.option("--latex", "as_latex", is_flag=True, help="Print LaTeX, one window a line.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
-@click.option("--check", "phases", metavar="N", type=click.IntRange(min=1), help="Check the windows at N phases each.")
+@click.option("--check", "phases", metavar="N", type=WholeNumber(min=1), help="Check the windows at N phases each.")
 @click.option(
     "--plot", "output", metavar="FILE", help="Draw windows, contact curves and grazing curves: .pdf, .svg or .png."
 )
@@ -72,6 +72,7 @@ def grazing(
     """
     from symosc import cli  # the command line loads this module
 
+    piped = goes_to_stdout(output, "--plot", as_json or as_latex)
     name, p = _parameters(scene, settings)
     if as_latex and as_json:
         raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
@@ -91,6 +92,8 @@ def grazing(
 
         reports = [check_grazing(p, mapping, n=phases) for mapping in chosen]
     failed = int(any(not report.ok for report in reports))
+    if piped:
+        return failed
     if as_json:
         data: dict[str, Any] = {"scene": name, "parameters": p.as_dict(), "order": order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from symosc.cli_settings import read_settings
+from symosc.cli_settings import WholeNumber, goes_to_stdout, read_settings
 from symosc.errors import OutputError
 from symosc.exact import show
 from symosc.scenes import Scene, load_scene
@@ -27,10 +27,14 @@ FLOAT_FORMAT = "{:.14g}"
 @click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a parameter, such as k=3. Repeatable."
 )
-@click.option("--periods", type=int, metavar="N", help="Close after N forcing periods. Default: what simulations do.")
-@click.option("--digits", type=int, metavar="N", help="N correct digits, instead of double precision.")
+@click.option(
+    "--periods", type=WholeNumber(), metavar="N", help="Close after N forcing periods. Default: what simulations do."
+)
+@click.option("--digits", type=WholeNumber(), metavar="N", help="N correct digits, instead of double precision.")
 @click.option("--continue", "span", metavar="NAME=LOW:HIGH", help="Follow it over a parameter, such as Omega=3:5.")
-@click.option("-o", "--output", metavar="FILE", help="Draw the orbit, or the branch: .pdf, .svg or .png.")
+@click.option(
+    "-o", "--output", metavar="FILE", help="Draw the orbit, or the branch: .pdf, .svg or .png. -: SVG to stdout."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
 def orbit(
     scene: str,
@@ -57,9 +61,10 @@ def orbit(
     from symosc.closing import ConvergenceError
     from symosc.orbits import find_orbit
 
+    piped = goes_to_stdout(output, "--output", as_json)
     problem = _with_settings(load_scene(scene), settings)
-    word = structure or problem.structure
-    if not word:
+    word = problem.structure if structure is None else structure
+    if word is None:
         raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
     if output is not None:
         _check_suffix(output)
@@ -71,6 +76,10 @@ def orbit(
     branch = None if span is None or not found.admissible else _branch(found, span, periods)
     if output is not None and found.admissible:
         _draw(found, branch, output)
+    if piped:
+        if not found.admissible:
+            click.echo(_report(problem, found, branch), err=True)
+        return 0 if found.admissible else NOT_FOUND
     if as_json:
         _print(json.dumps(_data(problem, found, branch), indent=1))
     else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from symosc.cli import _print, _print_json, _print_table, json_option
+from symosc.cli_settings import folder_name
 
 if TYPE_CHECKING:
     from symosc.paper.run import Plan, Results
@@ -16,25 +17,28 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.option("-o", "--output", default="reproduced", metavar="DIR", help="Folder for the report; default: reproduced.")
-@click.option("--only", metavar="ID", help="Only claims whose id begins so, with the figures that they refer to.")
+@click.option("--only", metavar="ID", help="Only claims whose id begins so, with their figures, without derivations.")
 @json_option
 def reproduce(output: str, only: str | None, as_json: bool) -> int:
     """Recompute what the paper states, judge each claim, draw all figures and write a report.
 
     The folder gets report.html (one file that needs no other), report.md, report.json, figures/ and derivations/. The
-    exit code is 1 if a verdict is not the committed one, or a figure or a derivation fails.
+    exit code is 1 if a verdict is not the committed one, or a figure or a derivation fails. Everything is written at
+    the end; an interrupt leaves the folder as it was.
 
     \b
     Examples:
       symosc reproduce
       symosc reproduce --only fig8 -o fig8
     """
+    folder = Path(folder_name(output))
+    from symosc.derivation.chapters import CHAPTERS
     from symosc.paper.claims import read_claims
     from symosc.paper.pictures import PICTURES
     from symosc.paper.run import Plan
 
-    plan = Plan(read_claims(PICTURES), PICTURES)
-    return carry_out(plan if only is None else plan.only(only), Path(output), as_json)
+    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS))
+    return carry_out(plan if only is None else plan.only(only), folder, as_json)
 
 
 def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | None = None) -> int:

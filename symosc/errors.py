@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
+from numbers import Number
 from typing import Any
+
+LONGEST_VALUE = 80
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it: on one line, cut if it is long, numbers without their type."""
+    try:
+        text = str(value) if isinstance(value, Number) and not isinstance(value, str) else repr(value)
+    except Exception:  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
+        text = f"<{type(value).__name__}>"
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
 
 
 class SymoscError(Exception):
@@ -24,7 +37,7 @@ class ParameterError(SymoscError, ValueError):
 
     def __init__(self, name: str, value: Any, allowed: str) -> None:
         self.name, self.value, self.allowed = name, value, allowed
-        super().__init__(f"{name} = {value!r}: {allowed}")
+        super().__init__(f"{name} = {shown(value)}: {allowed}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.name, self.value, self.allowed)
@@ -41,7 +54,7 @@ class SceneError(SymoscError, ValueError):
 
     def __init__(self, scene: str, reason: str) -> None:
         self.scene, self.reason = scene, reason
-        super().__init__(f"scene {scene}: {reason}")
+        super().__init__(f"scene {scene or repr(scene)}: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.scene, self.reason)
@@ -58,7 +71,7 @@ class OutputError(SymoscError, OSError):
 
     def __init__(self, path: str, reason: str) -> None:
         self.path, self.reason = path, reason
-        super().__init__(f"cannot write {path}: {reason}")
+        super().__init__(f"cannot write {path or repr(path)}: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.path, self.reason)

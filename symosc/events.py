@@ -1,4 +1,4 @@
-"""The first exit from a domain, guaranteed: no crossing is missed, however near to a graze.
+"""The first exit from a domain: in real arithmetic no crossing is missed, however near to a graze.
 
 Why nothing can be missed
 -------------------------
@@ -11,7 +11,7 @@ bounded for all later times:
 with V0 the amplitude of the steady velocity and w, j the third and fourth derivative of the transient, whose energy
 j^2 + w0^2 w^2 never grows (it obeys the unforced equation, and damping only takes energy away). Near undamped resonance
 the two parts are not told apart; then the same energy argument for the whole derivative gives
-M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^2/m over the next 1/Omega of time, and no step is longer than that. Hence
+M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^3/m over the next 1/Omega of time, and no step is longer than that. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
@@ -26,6 +26,10 @@ Near a tangency the steps shrink; then the minimum of the gap ahead is found and
 gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken
 at the minimum, backward, excludes a root on the way to it. If it is clearly negative there is a crossing, which the
 steps find. If neither, the contact cannot be decided in this precision and is returned as a tangency.
+
+What is proven, and what is measured: the bound and the steps are a proof in real arithmetic. Evaluated with rounding,
+each gap is known to a few EPS times its terms only, so decisions must exceed ROUNDING such errors, and the marching
+steps MARCH_SLACK of the gap's size. That these margins are wide enough in doubles was measured, not proven.
 
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on mpmath numbers.
 """

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import numbers
+import operator
 import re
+from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -13,16 +15,22 @@ from symosc.errors import ParameterError
 
 NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fraction, a Decimal or a rational sympy number"
 
+#: What a decimal or a fraction looks like: ASCII digits only, no underscores, no spaces inside.
+NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE](?P<exponent>[+-]?\d+))?)", re.ASCII)
+#: What an expression looks like, which is no number.
+EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
+NO_EXPRESSION = (
+    "is an expression, and only fractions are exact: write its value with the digits that you need, such as "
+    "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
+)
+MOST_CHARACTERS = 4000  # Python converts no more than 4300 digits to an int
+
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many digits.
 MAX_EXPONENT = 1000
 
 # Fourth powers of rates and their products must not overflow a double.
 LARGEST = Fraction(10) ** 50
 SMALLEST = 1 / LARGEST
-
-# A double has at most 17 significant digits. A decimal with more was cut off by somebody who had still more of them.
-DIGITS_OF_A_DOUBLE = 17
-BITS_OF_A_DOUBLE = 53
 
 
 def read_exact(name: str, value: Any) -> Fraction:
@@ -61,21 +69,25 @@ def _read(name: str, value: Any) -> Fraction:
         if not math.isfinite(float(value)):
             raise ParameterError(name, value, "must be finite")
         return Fraction(str(value))  # str, not repr: numpy's repr names the type
-    raise ParameterError(name, value, NUMBER_FORMS)
+    # An expression of sympy, such as 2*pi, is known by how it prints.
+    symbolic = hasattr(value, "free_symbols") and EXPRESSION.search(str(value))
+    raise ParameterError(name, value, NO_EXPRESSION if symbolic else NUMBER_FORMS)
 
 
 def _read_text(name: str, text: str) -> Fraction:
-    exponent = re.search(r"[eE]([+-]?\d+)\s*$", text)
-    if exponent and abs(int(exponent.group(1))) > MAX_EXPONENT:
+    if len(text) > MOST_CHARACTERS:
+        raise ParameterError(name, text, f"a number may have at most {MOST_CHARACTERS} characters")
+    read = NUMBER.fullmatch(text.strip())
+    if read is None:
+        if text.strip().lower().lstrip("+-") in {"inf", "infinity", "nan"}:
+            raise ParameterError(name, text, "must be finite")
+        raise ParameterError(name, text, NO_EXPRESSION if EXPRESSION.search(text) else NUMBER_FORMS)
+    if abs(int(read["exponent"] or 0)) > MAX_EXPONENT:
         raise ParameterError(name, text, f"the decimal exponent must be within ±{MAX_EXPONENT}")
     try:
-        return Fraction(text)
+        return Fraction(read.group())
     except ZeroDivisionError:
         raise ParameterError(name, text, "the denominator must not be 0") from None
-    except ValueError:
-        lowered = text.strip().lower().lstrip("+-")
-        allowed = "must be finite" if lowered in {"inf", "infinity", "nan"} else NUMBER_FORMS
-        raise ParameterError(name, text, allowed) from None
 
 
 def _read_mpf(name: str, value: Any) -> Fraction:
@@ -86,38 +98,69 @@ def _read_mpf(name: str, value: Any) -> Fraction:
     return -magnitude if sign else magnitude
 
 
-def half_unit(value: Fraction) -> Fraction:
-    """Return how far a number that was cut to finitely many digits may be from the one that was meant.
+def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
+    allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise ParameterError(name, value, allowed) from None
+    if isinstance(value, bool) or number < least or (most is not None and number > most):
+        raise ParameterError(name, value, allowed)
+    return number
 
-    Numbers as people type them (up to 17 significant digits) are exact, so are fractions such as 1/3: the answer is 0.
-    A longer decimal or binary number is somebody's rounding: the answer is half a unit of its last digit.
+
+def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
+    """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
+
+    Raises
+    ------
+    ParameterError
+        Unless they are numbers >= 0.
     """
-    denominator = value.denominator
-    twos = (denominator & -denominator).bit_length() - 1
-    rest, fives = denominator >> twos, 0
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    if rest != 1:
-        return Fraction(0)
-    if fives == 0 and twos > BITS_OF_A_DOUBLE and value.numerator.bit_length() > BITS_OF_A_DOUBLE:
-        return Fraction(1, 2 ** (twos + 1))
-    decimals = max(twos, fives)
-    if len(str(abs(value.numerator) * 10**decimals // denominator)) > DIGITS_OF_A_DOUBLE:
-        return Fraction(1, 2 * 10**decimals)
-    return Fraction(0)
+    if value is None:
+        return None
+    several = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
+    given = list(value) if several else [value] * 3
+    if len(given) != 3:
+        raise ParameterError("start_error", value, "must be a number, or three: of t0, x0 and v0")
+    t0, x0, v0 = (read_exact("start_error", each) for each in given)
+    if min(t0, x0, v0) < 0:
+        raise ParameterError("start_error", value, "must be >= 0")
+    return t0, x0, v0
+
+
+# A decimal is written with an exponent if it has more leading or trailing zeros than this, and as a fraction if it has
+# more digits.
+MOST_ZEROS, MOST_DIGITS = 20, 60
 
 
 def show(value: Fraction) -> str:
-    """Return the shortest text that reads back as `value`: a decimal where it ends, else a fraction."""
-    denominator = value.denominator
-    twos = (denominator & -denominator).bit_length() - 1
-    rest, fives = denominator >> twos, 0
+    """Return a short text that reads back as `value`: a decimal where it ends, else a fraction."""
+    twos, fives, rest = _twos_and_fives(value.denominator)
+    decimals = max(twos, fives)
+    digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
+    significant = digits.rstrip("0")
+    if rest != 1 or len(significant) > MOST_DIGITS:
+        denominator = "" if value.denominator == 1 else f"/{_digits(value.denominator)}"
+        return f"{_digits(value.numerator)}{denominator}"
+    sign, leading = "-" if value < 0 else "", decimals - len(digits)
+    if max(leading, len(digits) - len(significant)) > MOST_ZEROS:
+        return f"{sign}{significant[0]}{'.' * bool(significant[1:])}{significant[1:]}e{len(digits) - decimals - 1}"
+    if decimals == 0:
+        return f"{sign}{digits}"
+    digits = digits.zfill(decimals + 1)
+    return f"{sign}{digits[:-decimals]}.{digits[-decimals:]}"
+
+
+def _digits(number: int) -> str:
+    return str(Decimal(number))  # an int of more than 4300 digits cannot be printed
+
+
+def _twos_and_fives(denominator: int) -> tuple[int, int, int]:
+    """Return the exponents of 2 and 5 in a number, and what is left of it without them."""
+    twos, fives = (denominator & -denominator).bit_length() - 1, 0
+    rest = denominator >> twos
     while rest % 5 == 0:
         rest, fives = rest // 5, fives + 1
-    decimals = max(twos, fives)
-    if rest != 1 or decimals > 60:
-        return str(value)
-    if decimals == 0:
-        return str(value.numerator)
-    digits = f"{abs(value.numerator) * 10**decimals // denominator:0{decimals + 1}d}"
-    return f"{'-' if value < 0 else ''}{digits[:-decimals]}.{digits[-decimals:]}"
+    return twos, fives, rest

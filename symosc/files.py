@@ -3,49 +3,100 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-from symosc.errors import OutputError
+from symosc.errors import OutputError, ParameterError
+
+#: The file name that means standard output.
+STDOUT = "-"
 
 
-def write_whole(path: str | Path, write: Callable[[Path], None]) -> Path:
+def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "") -> Path:
     """Let `write` fill a draft beside `path`, then move it there; on an error nothing is left behind.
 
     Parameters
     ----------
     path : str or Path
+        ``"-"`` is standard output.
     write : callable
         Gets the draft's path, which has the same suffix.
+    suffix : str
+        The draft's suffix if it goes to standard output.
 
     Raises
     ------
+    ParameterError
+        If `path` is no file name.
     OutputError
         If the folder does not exist or cannot be written to.
     """
-    path = Path(path)
-    draft, target = None, path.resolve()  # a link stays one
+    name = read_path(path)
+    target, draft = Path(name), None
     try:
+        if name == STDOUT:
+            _to_stdout(write, suffix)
+            return target
+        target = target.resolve()  # a link stays one
         if target.exists() and not target.is_file() and not target.is_dir():
             write(target)  # a device or a pipe cannot be replaced
-            return path
+            return Path(name)
         if target.is_dir():
             raise IsADirectoryError(None, "is a folder")
-        handle, name = tempfile.mkstemp(prefix=".symosc-", suffix=target.suffix, dir=target.parent)
+        handle, made = tempfile.mkstemp(prefix=".symosc-", suffix=target.suffix, dir=target.parent)
         os.close(handle)
-        draft = Path(name)
+        draft = Path(made)
         write(draft)
         draft.chmod(0o666 & ~_umask())
         os.replace(draft, target)
         draft = None
     except OSError as error:
-        raise OutputError(str(path), error.strerror or str(error)) from None
+        raise OutputError(name, error.strerror or str(error)) from None
     finally:
         if draft is not None:
             draft.unlink(missing_ok=True)
-    return path
+    return Path(name)
+
+
+def read_path(path: Any) -> str:
+    """Return the text of a file name.
+
+    Raises
+    ------
+    ParameterError
+        If it is neither text nor a Path, or can name no file.
+    """
+    text = os.fspath(path) if isinstance(path, os.PathLike) else path
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise ParameterError("path", path, "must be the name of a file; '-' is standard output")
+    return text
+
+
+def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        draft = Path(folder) / f"draft{suffix}"
+        write(draft)
+        content = draft.read_bytes()
+    try:
+        sys.stdout.flush()
+        if hasattr(sys.stdout, "buffer"):
+            sys.stdout.buffer.write(content)
+        else:  # a notebook's has no bytes
+            sys.stdout.write(content.decode("utf-8", "replace"))
+        sys.stdout.flush()
+    except BrokenPipeError:  # a reader that closed the pipe has had enough
+        drop_stdout()
+
+
+def drop_stdout() -> None:
+    """Send what is still to come on standard output nowhere; it would fail once more at exit."""
+    with suppress(OSError):  # what stands in for it, in a notebook or a test, may be no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_text(path: str | Path, text: str) -> Path:

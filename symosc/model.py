@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.errors import ParameterError
-from symosc.exact import SMALLEST, read_exact, show
+from symosc.exact import SMALLEST, read_exact, show, whole_number
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
@@ -90,12 +90,13 @@ class Parameters:
 
     def A(self, alpha: int) -> Fraction:
         """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1), (5))."""
+        alpha = whole_number("alpha", alpha, 1, 3)
         friction = {1: self.mu1 + self.mu2, 2: self.mu2 - self.mu1, 3: -self.mu1 - self.mu2}[alpha]
         return self.A0 + friction * self.FN
 
     def belt(self, boundary: int) -> Fraction:
         """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
-        return self.v1 if boundary == 1 else self.v2
+        return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""

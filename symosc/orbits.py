@@ -79,7 +79,7 @@ def find_orbit(
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else _whole("periods", periods, 1, None)
+    periods = None if periods is None else _whole("periods", periods, 1, MOST_PERIODS)
     digits = None if digits is None else _whole("digits", digits, LEAST_DIGITS, MOST_DIGITS)
     equations = ClosingEquations(parameters, structure, periods or 1)
     batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
@@ -236,6 +236,10 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
+
+
+#: The search tries evenly spaced points over all periods; beyond these it takes minutes.
+MOST_PERIODS = 200
 
 
 def _whole(name: str, value: Any, least: int, most: int | None) -> int:

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from symosc.errors import OutputError, ParameterError
-from symosc.files import write_whole
+from symosc.exact import whole_number
+from symosc.files import STDOUT, read_path, write_whole
 from symosc.panels import PANELS, Panel, View, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation import simulate
@@ -27,6 +28,8 @@ SUFFIXES = (".pdf", ".svg", ".png")
 SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
+#: More events than these are a black band, and take long to draw.
+MOST_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
 
@@ -90,23 +93,47 @@ def figure(
     ParameterError
         If an argument is out of range.
     """
-    if not isinstance(subject, Trajectory):
-        scene = load_scene(subject) if isinstance(subject, str) else subject
-        panels = default_panels(scene) if panels is None else panels
-        subject = simulate(scene, t_end=default_end(scene) if t_end is None else t_end)
-    elif t_end is not None:
+    scene = load_scene(subject) if isinstance(subject, str) else subject
+    if not isinstance(scene, (Scene, Trajectory)):
+        raise ParameterError("subject", subject, "give a Trajectory, a Scene or the name of one")
+    if isinstance(scene, Trajectory) and t_end is not None:
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
-    panels = "abcd" if panels is None else panels
-    if not panels or set(panels) - set(PANELS) or len(set(panels)) < len(panels):
-        raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
-    if boundary not in (None, 1, 2):
-        raise ParameterError("boundary", boundary, "must be 1 or 2")
-    if columns not in (1, 2):
-        raise ParameterError("columns", columns, "must be 1 or 2")
+    if panels is None:
+        panels = default_panels(scene) if isinstance(scene, Scene) else "abcd"
+    check_panels(panels)
+    boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
+    columns = whole_number("columns", columns, 1, 2)
+    subject = simulated(scene, t_end) if isinstance(scene, Scene) else scene
+    if len(subject.events) > MOST_EVENTS:
+        allowed = f"a figure shows at most {MOST_EVENTS} events; simulate a shorter time"
+        raise ParameterError("subject", subject, allowed)
     view = view_of(subject, boundary)
     drawn = [(PANELS[letter], view) for letter in panels]
     tall = panels.index("b") if "b" in panels and view.magnified else None
     return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
+
+
+def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
+    """Return the motion that a figure of a scene shows.
+
+    Raises
+    ------
+    ParameterError
+        If it has more events than a figure can show.
+    """
+    end = default_end(scene) if t_end is None else t_end
+    found = simulate(scene, t_end=end, max_events=MOST_EVENTS)
+    if found.status == "max_events":
+        reached = f"the motion has {MOST_EVENTS} events by t = {float(found.t_end):.6g}, and a figure shows no more"
+        raise ParameterError("t_end", end, f"{reached}; give an earlier end, or a scene that starts later")
+    return found
+
+
+def check_panels(panels: Any) -> None:
+    """Raise ParameterError unless these are letters of panels."""
+    if isinstance(panels, str) and panels and not set(panels) - set(PANELS) and len(set(panels)) == len(panels):
+        return
+    raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
 
 
 def default_end(scene: Scene) -> Any:
@@ -124,20 +151,32 @@ def default_panels(scene: Scene) -> str:
 
 def check_suffix(path: str | Path) -> None:
     """Raise OutputError unless figures can be written to a file of that name."""
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise OutputError(str(path), f"a figure's name must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    _suffix(path)
+
+
+def _suffix(path: str | Path) -> str:
+    """Return the suffix of a figure's file; standard output gets SVG."""
+    name = read_path(path)
+    suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise OutputError(name, f"a figure's name must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    return suffix
 
 
 def save(drawing: Figure, path: str | Path) -> Path:
-    """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all.
+    """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all; ``"-"``: SVG to standard output.
 
     Raises
     ------
+    ParameterError
+        If `drawing` is no figure or `path` no file name.
     OutputError
         If the suffix is another one or the file cannot be written.
     """
-    check_suffix(path)
-    kind = Path(path).suffix.lower().removeprefix(".")
+    if not isinstance(drawing, Figure):
+        raise ParameterError("drawing", drawing, "must be a figure, such as figure(...) returns")
+    suffix = _suffix(path)
+    kind = suffix.removeprefix(".")
     # No date in the file: drawing it again gives the same bytes.
     metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": None}[kind]
 
@@ -145,7 +184,7 @@ def save(drawing: Figure, path: str | Path) -> Path:
         with rc_context(STYLE):
             drawing.savefig(draft, format=kind, metadata=metadata)
 
-    return write_whole(path, write)
+    return write_whole(path, write, suffix)
 
 
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:

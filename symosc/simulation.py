@@ -10,17 +10,17 @@ With `digits` the working precision is raised until every event is known to that
 from __future__ import annotations
 
 from fractions import Fraction
-from math import inf, isinf, isnan
+from math import inf, isinf
 from typing import Any
 
 from symosc.advance import FAILED, REST
 from symosc.backup import Backup, touch_digits
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import mp_context
 from symosc.path import Path, check_reached, cut_event, rounded_event
-from symosc.scenes import Scene, load_scene, read_start_error
+from symosc.scenes import Scene, load_scene
 from symosc.start import Start, settles
 from symosc.trajectory import MAP_LABELS, Event, Segment, Trajectory
 
@@ -54,7 +54,8 @@ def simulate(
     max_events : int, optional
         Stop after that many events (default 1,000,000).
     digits : int, optional
-        None: double precision. An int: every event time and position has that many correct digits (mpmath).
+        None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
+        max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
         In double precision, an event whose time or position is known to less than that (relative to max(1, |value|))
         is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster. With
@@ -88,9 +89,9 @@ def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_er
     if isinstance(scene, str):
         scene = load_scene(scene)
     if isinstance(scene, Scene):
-        parameters = scene.parameters
+        scene = scene.started({name: value for name, value in given.items() if value is not None})
+        parameters, given = scene.parameters, {name: getattr(scene, name) for name in given}
         start_error = scene.start_error if start_error is None else start_error
-        given = {name: getattr(scene, name) if value is None else value for name, value in given.items()}
     elif isinstance(scene, Parameters):
         parameters = scene
     else:
@@ -105,25 +106,17 @@ def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_er
     return start
 
 
-def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
-    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
-    allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise ParameterError(name, value, allowed)
-    if value < least or (most is not None and value > most):
-        raise ParameterError(name, value, allowed)
-    return int(value)
-
-
 def read_accuracy(value: Any) -> float:
     """Return the accuracy that is asked of events in double precision, ACCURACY for None."""
     if value is None:
         return ACCURACY
+    if isinstance(value, float) and value == inf:
+        return inf
     try:
-        accuracy = float(value)
-    except (TypeError, ValueError):
+        accuracy = float(read_exact("accuracy", value))
+    except ParameterError:
         accuracy = 0.0
-    if isnan(accuracy) or accuracy <= 0.0:
+    if accuracy <= 0.0:
         raise ParameterError("accuracy", value, f"must be a number > 0; the default is {ACCURACY:g}")
     return accuracy
 

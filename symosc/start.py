@@ -36,6 +36,10 @@ class Start:
     t_end: Fraction
     start_error: tuple[Fraction, Fraction, Fraction] | None = None
 
+    def __post_init__(self) -> None:
+        if self.start_error and max(self.start_error) == 0:
+            object.__setattr__(self, "start_error", None)
+
     @property
     def spare_digits(self) -> int:
         """Digits after the decimal point that show the errors of the start, and that v0 is not quite a belt's speed."""

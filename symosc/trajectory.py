@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from symosc.errors import ParameterError
+from symosc.exact import read_exact, whole_number
 from symosc.files import write_text
 from symosc.flow import Constants, constants
 from symosc.kernels._generated import acceleration, motion
@@ -119,7 +120,7 @@ class Trajectory:
     t_start, t_end : number
         First and last time.
     digits : int or None
-        The number of correct digits asked for; None is double precision.
+        How many digits were asked for, relative to max(1, |value|); None is double precision.
     """
 
     def __init__(
@@ -153,20 +154,20 @@ class Trajectory:
         ParameterError
             If a time is outside [t_start, t_end].
         """
-        times = np.asarray(t, dtype=float)
+        times = _read_times(t)
         states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
     def mode(self, t: Any) -> Any:
         """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
-        times = np.asarray(t, dtype=float)
+        times = _read_times(t)
         names = [MODE_NAMES[self._piece(time)[0].mode] for time in times.ravel()]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
     def force(self, alpha: int, t: Any) -> Any:
-        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` would give, at times `t`."""
-        times, K = np.asarray(t, dtype=float), self._K
-        A = (K.A1, K.A2, K.A3)[alpha - 1]
+        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
+        times, K = _read_times(t), self._K
+        A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
         values = [
             acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for x, v, c in (self._state(time) for time in times.ravel())
         ]
@@ -174,7 +175,7 @@ class Trajectory:
 
     def _piece(self, t: float) -> tuple[Piece, float]:
         if not float(self.t_start) <= t <= float(self.t_end):
-            raise ParameterError("t", t, f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
+            raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
         elapsed = (t - self._t0) - self._t0_low
         piece = self._pieces[max(bisect_right(self._starts, elapsed) - 1, 0)]
         return piece, max(elapsed - piece.elapsed, 0.0)
@@ -193,14 +194,18 @@ class Trajectory:
         return piece.x + dx, piece.v + dv, c
 
     def table(self) -> list[dict[str, Any]]:
-        """Return the events as rows of plain values; numbers with more than double precision become text."""
+        """Return the events as rows of plain values.
+
+        With ``digits=`` the numbers t, x, v and theta are text of that many digits: no table and no JSON reader rounds
+        text to doubles (RFC 7493 recommends it for numbers with more digits). In double precision they are floats.
+        """
         return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
 
     def _plain(self, value: Any) -> Any:
         return value if isinstance(value, (int, float, str)) else value.context.nstr(value, self.digits)
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the events as CSV with a header; raises OutputError if the file cannot be written."""
+        """Write the events as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
         text = io.StringIO()
         writer = csv.DictWriter(text, EVENT_COLUMNS, lineterminator="\n")
         writer.writeheader()
@@ -208,7 +213,11 @@ class Trajectory:
         write_text(path, text.getvalue())
 
     def as_dict(self) -> dict[str, Any]:
-        """Return parameters, status and events as plain values."""
+        """Return parameters, status and events as plain values.
+
+        Parameters are text that reads back exactly. With ``digits=`` the numbers of the motion are text too, see
+        `table`; the entry "digits" says so.
+        """
         return {
             "parameters": self.parameters.as_dict(),
             "t_start": self._plain(self.t_start),
@@ -221,12 +230,37 @@ class Trajectory:
         }
 
     def to_json(self, path: str | Path) -> None:
-        """Write parameters, status and events as JSON; raises OutputError if the file cannot be written."""
+        """Write what `as_dict` returns as JSON ("-": to standard output); OutputError if it cannot be written."""
         write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same motion: parameters, digits, status, events, segments and dense output."""
+        if not isinstance(other, Trajectory):
+            return NotImplemented
+        return self._content() == other._content()
+
+    def __hash__(self) -> int:
+        return hash((self.parameters, self.digits, self.status, float(self.t_end), len(self.events)))
+
+    def _content(self) -> tuple[Any, ...]:
+        about = self.parameters, self.digits, self.status, self.message
+        return *about, self.events, self.segments, self._pieces
 
     def __repr__(self) -> str:
         span = f"t = {float(self.t_start):g} … {float(self.t_end):g}"
         return f"<Trajectory {span}, {len(self.events)} events: {self.status}>"
+
+
+def _read_times(t: Any) -> np.ndarray:
+    """Return times as floats, in the shape that they are given in."""
+    try:
+        given = np.asarray(t)
+    except ValueError:  # rows of several lengths
+        given = np.asarray(t, dtype=object)
+    if given.dtype.kind in "iuf":
+        return given.astype(float)
+    numbers = [float(read_exact("t", time)) for time in given.ravel().tolist()]
+    return np.array(numbers, dtype=float).reshape(given.shape)
 
 
 EVENT_COLUMNS = tuple(field.name for field in fields(Event))

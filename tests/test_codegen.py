@@ -56,7 +56,7 @@ def functions() -> dict[str, ast.FunctionDef]:
 
 def test_the_committed_module_is_what_codegen_prints() -> None:
     difference = codegen.check()
-    assert not difference, f"run `symosc codegen` to accept this change of symosc/kernels/_generated.py:\n{difference}"
+    assert not difference, f"run `symosc codegen --regenerate` to accept this change:\n{difference}"
 
 
 def test_generation_does_not_depend_on_the_hash_seed() -> None:

@@ -166,3 +166,38 @@ def test_what_is_printed_reads_back(key: str) -> None:
             values = {latex.latex(letter): complex(value) for letter, value in point.items()}
             expected = complex(sp.N(side.subs(point, simultaneous=True), 20))
             assert Reader(text, values).value() == pytest.approx(expected, rel=1e-9, abs=1e-9), text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["all", "-o", "file.csv"], "is a file"),
+        (["all", "-o", "file.csv/deeper"], "is a file"),
+        (["all", "-o", "new.tex"], "named like a file"),
+        (["all", "-o", "new.csv"], "named like a file"),
+        (["all", "-o", ""], "name of a file"),
+        (["all", "-o", "-", "--json"], "standard output"),
+        (["all", "-o", "-", "--pdf"], "--pdf"),
+        (["all", "--scene", ""], "unknown"),
+        (["none"], "none"),
+        ([""], "one of"),
+    ],
+)
+def test_bad_input_is_refused_before_the_work(
+    arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from symosc.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file.csv").touch()
+    monkeypatch.setattr(Step, "verify", lambda step: pytest.fail("the work has begun"))
+    run = CliRunner().invoke(main, ["derive", *arguments])
+    assert (run.exit_code, run.stdout) == (2, ""), run.output
+    assert message in run.stderr
+    assert run.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file.csv"]
+
+
+def test_a_chapter_goes_to_standard_output() -> None:
+    run = CliRunner().invoke(derive, ["sticks", "--format", "text", "-o", "-"])
+    assert run.stdout == document.as_text(chapter("sticks"), Scope())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import json
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -182,7 +183,52 @@ def test_exported_source_runs_without_symosc(tmp_path: Path) -> None:
     assert float(run.stdout) < 1e-13
 
 
+@pytest.mark.parametrize("fix", [None, load_scene("fig9").parameters], ids=["free", "fixed"])
+def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -> None:
+    rng = np.random.default_rng(5)
+    for word in ("P1", "P4", "P2", "P32", "P4645", ALL):
+        n = len(read_word(word, closed=False).labels)
+        module, scalar = (load(export(word, language, fix, "made")["made.py"]) for language in ("numpy", "python"))
+        p = fix or REGIMES["near critical"]
+        K = [
+            [] if fix else [each.constants(**{k: float(getattr(p, k)) for k in PARAMETER_NAMES})]
+            for each in (module, scalar)
+        ]
+        for shape in ((), (1,), (0,), (3, 2)):
+            # Positions are arrays, most phases numbers: what a map does not depend on must not change a shape.
+            theta = np.cumsum(rng.uniform(0.01, 3, n + 1))
+            z = [part for at in theta for part in (rng.uniform(-5, 5, shape), at)]
+            z[-1] = z[-1] + rng.uniform(0, 1, shape[1:])
+            f, J = module.residual(z, *K[0]), np.array(module.jacobian(z, *K[0]))
+            assert f.shape == (2 * n, *shape)
+            assert J.shape == (n, 2, 4, *shape)
+            for place in np.ndindex(shape):
+                point = [float(np.broadcast_to(part, shape)[place]) for part in z]
+                expected = np.array(scalar.residual(point, *K[1])), np.array(scalar.jacobian(point, *K[1]))
+                np.testing.assert_allclose(f[:, *place], expected[0], rtol=1e-11, atol=1e-11)
+                np.testing.assert_allclose(J[..., *place], expected[1], rtol=1e-11, atol=1e-11)
+        for name, function in vars(module).items():
+            if name.startswith("P") and not name.endswith("_jacobian"):
+                f1, f2 = function(rng.uniform(-1, 1, (2, 1)), 0.1, 0.5, 1.2, *K[0])
+                assert f1.shape == f2.shape == (2, 1)
+
+
 # --- Julia ---
+
+
+def test_nothing_in_a_julia_module_is_called_like_it() -> None:
+    words = [f"P{digit}" for digit in range(1, 9)] + ["P32", "P4645", ALL]
+    cases = [(word, None) for word in words] + [
+        ("P32", name) for name in ("p2", "p3", "P2_jacobian", "constants", "main")
+    ]
+    for word, name in cases:
+        for fix in (None, load_scene("fig9").parameters):
+            (text,) = export(word, "julia", fix, name).values()
+            (module,) = re.findall(r"^module (\w+)$", text, re.MULTILINE)
+            inside = re.findall(r"^(?:function|struct|const) (\w+)", text, re.MULTILINE)
+            assert module[0].isupper()
+            assert module not in [*inside, "Main", "Base", "Core"]
+            assert "residual" in inside
 
 
 def test_julia_source_has_balanced_blocks() -> None:
@@ -198,7 +244,7 @@ def test_julia_source_has_balanced_blocks() -> None:
 @pytest.mark.skipif(shutil.which("julia") is None, reason="no julia here")
 def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
     for word, fix in ((ALL, None), ("P4645", load_scene("fig10").parameters)):
-        (path,) = write_export(tmp_path, word, "julia", fix, "made")
+        (path,) = write_export(tmp_path, word, "julia", fix, "made", force=True)
 
         def evaluate(z: list[float], p: Parameters, path: Path = path, fix: Any = fix) -> tuple[Any, Any]:
             given = ", ".join(f"{name} = {float(getattr(p, name))!r}" for name in PARAMETER_NAMES)
@@ -272,6 +318,53 @@ def test_errors(tmp_path: Path) -> None:
         export("P52")
     with pytest.raises(OutputError):
         write_export(tmp_path / "nowhere", "P32")
+    with pytest.raises(WordError, match="P3 cannot follow P3"):
+        export("P33")
+    for fix in ("fig9", {}, load_scene("fig9")):
+        with pytest.raises(ParameterError, match="fix = "):
+            export("P32", fix=fix)  # type: ignore[arg-type]
+    for name in ("", "3d", "a b", "a-b", "ä", "１", 5, "a\n", "../a"):
+        with pytest.raises(ParameterError, match="name = "):
+            export("P32", name=name)  # type: ignore[arg-type]
+    with pytest.raises(OutputError):
+        write_export(tmp_path / ("n" * 300), "P32")
+    for folder in (None, "", 5):
+        with pytest.raises(ParameterError, match="path = "):
+            write_export(folder, "P32")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("language", "names"),
+    [
+        ("python", ["for", "class", "None", "match", "math", "collections", "numpy"]),
+        ("numpy", ["lambda", "math", "numpy"]),
+        ("c", ["for", "double", "restrict", "math", "stdlib"]),
+        ("julia", ["end", "module", "begin", "Main", "Base"]),
+    ],
+)
+def test_words_of_the_language_are_no_names(language: str, names: list[str]) -> None:
+    for name in names:
+        with pytest.raises(ParameterError, match=f"^name = '{name}': is a word or a library"):
+            export("P32", language, name=name)
+
+
+def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
+    (path,) = write_export(tmp_path, "P32", "python")
+    text = path.read_text()
+    write_export(tmp_path, "P32", "python")  # the same once more
+    for other in ({"language": "numpy"}, {"fix": load_scene("fig9").parameters}):
+        with pytest.raises(OutputError, match=r"p32\.py: is there with another content"):
+            write_export(tmp_path, "P32", **other)
+        assert path.read_text() == text
+    path.write_bytes(b"\xff mine")
+    with pytest.raises(OutputError, match="another content"):
+        write_export(tmp_path, "P32")
+    write_export(tmp_path, "P32", "numpy", force=True)
+    assert "import numpy" in path.read_text()
+    (tmp_path / "p32.c").write_text("mine")
+    with pytest.raises(OutputError, match=r"p32\.c"):
+        write_export(tmp_path, "P32", "c")
+    assert not (tmp_path / "p32.h").exists()
 
 
 # --- the command ---
@@ -287,5 +380,44 @@ def test_command_writes_files(tmp_path: Path) -> None:
 def test_command_prints() -> None:
     run = CliRunner().invoke(codegen, ["P32", "--language", "julia", "-o", "-"])
     assert run.stdout == export("P32", "julia")["p32.jl"]
-    assert CliRunner().invoke(codegen, ["P32", "--check"]).exit_code == 2
     assert "is what the formulas print" in CliRunner().invoke(codegen, ["--check"]).stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "give --check or --regenerate, or a WORD"),
+        (["--check", "--regenerate"], "not both"),
+        (["-l", "c"], "--language needs a WORD"),
+        (["--language", "python"], "--language needs a WORD"),
+        (["--check", "--fix", "fig9"], "--fix needs a WORD"),
+        (["--regenerate", "--name", "a", "--json"], "--name, --json needs a WORD"),
+        (["--check", "-o", "."], "--output needs a WORD"),
+        (["--check", "--force"], "--force needs a WORD"),
+        (["P32", "--check"], "leave WORD out"),
+        (["P32", "--regenerate"], "leave WORD out"),
+        (["P32", "-o", "-", "--json"], "standard output"),
+        (["P32", "-o", "-", "--force"], "leave it out"),
+        (["P32", "-o", ""], "name of a file"),
+        (["P32", "--name", ""], "name = ''"),
+        (["P32", "--name", "for"], "is a word"),
+        (["P32", "--fix", ""], "unknown"),
+        (["P33"], "P3 cannot follow P3"),
+        ([""], "is empty"),
+    ],
+)
+def test_the_command_never_ignores_an_option_and_never_touches_the_package(
+    arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from symosc.cli import main
+    from symosc.symbolic import codegen as generator
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(generator, "PATH", tmp_path / "package" / "_generated.py")
+    monkeypatch.setattr(generator, "generate", lambda: "pass")
+    (tmp_path / "package").mkdir()
+    run = CliRunner().invoke(main, ["codegen", *arguments])
+    assert run.exit_code == 2, run.output
+    assert message in run.stderr
+    assert run.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.rglob("*")] == ["package"]

@@ -13,6 +13,7 @@ ORDER = [
     "errors",
     "exact",
     "model",
+    "words",
     "scenes",
     "multiprecision",
     "kernels._generated",
@@ -73,3 +74,14 @@ def test_only_symbolic_and_derivation_import_sympy() -> None:
 def test_generated_kernels_are_arithmetic() -> None:
     tree = ast.parse((ROOT / "kernels" / "_generated.py").read_text(encoding="utf-8"))
     assert not [node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom, ast.Call, ast.If))]
+
+
+def test_no_text_stands_alone() -> None:
+    """A string that is no docstring does nothing: it was meant to be part of the line before."""
+    for path in ROOT.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            body = getattr(node, "body", [])
+            own = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            for statement in body[own:] if isinstance(body, list) else []:
+                lone = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+                assert not (lone and isinstance(statement.value.value, str)), f"{path.name}, line {statement.lineno}"

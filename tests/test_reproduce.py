@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import signal
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -151,8 +153,19 @@ def test_a_part_of_a_plan() -> None:
     assert "fig7" in part.pictures
     assert "fig6" not in part.pictures
     assert 0 < len(part) < len(plan)
-    with pytest.raises(ParameterError, match="no claim's id begins so"):
-        plan.only("fig11")
+    assert plan.subjects
+    assert part.subjects == ()  # a chapter takes longer than the claims
+    for prefix in ("fig11", ""):
+        with pytest.raises(ParameterError, match="no claim's id begins so"):
+            plan.only(prefix)
+
+
+def test_the_command_checks_every_chapter(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    plans: list[Plan] = []
+    monkeypatch.setattr(cli_reproduce, "carry_out", lambda plan, *rest: plans.append(plan) or 0)
+    for words in ([], ["--only", "fig5"]):
+        assert CliRunner().invoke(main, ["reproduce", "-o", str(tmp_path), *words]).exit_code == 0
+    assert [plan.subjects for plan in plans] == [tuple(CHAPTERS), ()]
 
 
 # --- a run ---
@@ -252,9 +265,57 @@ def test_nothing_is_written_before_the_end(read: Any, tmp_path: Path, monkeypatc
     assert [(path.name, path.read_text()) for path in old.iterdir()] == [("report.html", "old")]
 
 
+@pytest.mark.parametrize("there", [False, True])
+def test_an_interrupt_leaves_the_folder_as_it_was(
+    read: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, there: bool
+) -> None:
+    folder = tmp_path / "deep" / "out"
+    if there:
+        folder.mkdir(parents=True)
+        (folder / "report.html").write_text("old")
+    plan = Plan(read(CLAIM.format(id="one", check="right")), pictures(good_picture))
+
+    def interrupted(*_: object) -> None:
+        assert list(folder.glob(".symosc-*"))  # the work has begun
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("symosc.paper.run.judge", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        cli_reproduce.carry_out(plan, folder, workers=0)
+    if there:
+        assert [(path.name, path.read_text()) for path in folder.iterdir()] == [("report.html", "old")]
+    else:
+        assert not (tmp_path / "deep").exists()
+
+
+def test_an_interrupt_while_the_report_is_written_comes_after_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = os.replace
+
+    def interrupting(*paths: Any) -> None:
+        signal.raise_signal(signal.SIGINT)
+        replace(*paths)
+
+    monkeypatch.setattr(os, "replace", interrupting)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), report.Folder(tmp_path / "out") as folder:
+            folder.write({"report.html": "new", "report.md": "new"})
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["report.html", "report.md"]
+
+
 def test_bad_input_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    for words in (["-o", str(tmp_path / "file" / "sub")], ["--only", "fig11", "-o", str(tmp_path / "out")]):
+    for words in (
+        ["-o", str(tmp_path / "file" / "sub")],
+        ["-o", "-"],
+        ["-o", ""],
+        ["--only", "fig11", "-o", str(tmp_path / "out")],
+        ["--only", "", "-o", str(tmp_path / "out")],
+    ):
         result = CliRunner().invoke(main, ["reproduce", *words])
         assert result.exit_code == 2
         assert result.stdout == ""

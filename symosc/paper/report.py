@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
+import threading
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -166,8 +170,24 @@ def _markdown(text: str) -> str:
     return re.sub(r"([\\`*_|\[\]~])", r"\\\1", typeset(" ".join(text.split())))
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Put an interrupt off to the end of the block."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread gets them
+        return
+    caught: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if caught:
+            signal.raise_signal(signal.SIGINT)
+
+
 class Folder:
-    """A folder for a report: made and tried out before the work, filled when all of it is done.
+    """A folder for a report: made and tried out before the work, filled when all of it is done, else taken away again.
 
     Raises
     ------
@@ -177,6 +197,7 @@ class Folder:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
+        self._made = [each for each in (self.path, *self.path.parents) if not exists(each)]
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._draft = TemporaryDirectory(prefix=".symosc-", dir=self.path)
@@ -188,6 +209,9 @@ class Folder:
 
     def __exit__(self, *error: object) -> None:
         self._draft.cleanup()
+        for made in self._made:
+            with suppress(OSError):  # it is full
+                made.rmdir()
 
     def write(self, texts: Mapping[str, str]) -> None:
         """Write the files; only when all are on the disk are they moved to their places."""
@@ -196,8 +220,9 @@ class Folder:
             for name, text in texts.items():
                 (draft / name).parent.mkdir(exist_ok=True)
                 (draft / name).write_text(text, encoding="utf-8")
-            for name in texts:
-                (self.path / name).parent.mkdir(exist_ok=True)
-                os.replace(draft / name, self.path / name)
+            with uninterrupted():
+                for name in texts:
+                    (self.path / name).parent.mkdir(exist_ok=True)
+                    os.replace(draft / name, self.path / name)
         except OSError as error:
             raise OutputError(str(self.path), error.strerror or str(error)) from None

@@ -53,14 +53,19 @@ class Plan:
     ----------
     claims : tuple of Claim
     pictures : dict of str to Picture
+    chapters : tuple of str, optional
+        Subjects of the derivations; None: those that the claims refer to.
     """
 
     claims: tuple[Claim, ...]
     pictures: Mapping[str, Picture]
+    chapters: tuple[str, ...] | None = None
 
     @property
     def subjects(self) -> tuple[str, ...]:
-        """Chapters of derivations that the claims refer to."""
+        """Subjects of the derivations."""
+        if self.chapters is not None:
+            return self.chapters
         return tuple(dict.fromkeys(claim.derivation for claim in self.claims if claim.derivation))
 
     def __len__(self) -> int:
@@ -69,17 +74,19 @@ class Plan:
     def only(self, prefix: str) -> Plan:
         """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
 
+        Derivations are left out: one chapter may take as long as all claims together.
+
         Raises
         ------
         ParameterError
             If there is no such claim.
         """
-        claims = tuple(claim for claim in self.claims if claim.id.startswith(prefix))
+        claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
             heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
             raise ParameterError("only", prefix, f"no claim's id begins so; ids begin with {', '.join(heads)}")
         cited = {key for claim in claims for key in claim.figures}
-        return Plan(claims, {key: picture for key, picture in self.pictures.items() if key in cited})
+        return Plan(claims, {key: picture for key, picture in self.pictures.items() if key in cited}, chapters=())
 
 
 @dataclass(frozen=True)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
 from symosc.errors import ParameterError, SceneError
-from symosc.exact import read_exact, show
+from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.words import read_word
 
 FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
+TABLES = ("parameters", "start")
 
 
 @dataclass(frozen=True)
@@ -33,11 +36,15 @@ class Scene:
         Mapping structure of the periodic orbit that the scene is about, such as "P32".
     source : str
         Where the numbers come from.
+    start_error : number or three numbers, optional
+        Half-widths to which t0, x0 and v0 are known; kept as three Fractions. None: the start is exact.
 
     Raises
     ------
     ParameterError
-        If a number is not finite or t_end <= t0.
+        If a number is not finite, t_end <= t0, or another argument is not of its type.
+    WordError
+        If the structure is none.
     """
 
     name: str
@@ -48,25 +55,29 @@ class Scene:
     t_end: Fraction
     structure: str | None = None
     source: str = ""
-    start_error: Any = None
+    start_error: tuple[Fraction, Fraction, Fraction] | None = None
 
     def __post_init__(self) -> None:
+        for name in ("name", "source"):
+            value = getattr(self, name)
+            if not isinstance(value, str) or (name == "name" and not value.strip()):
+                raise ParameterError(name, value, "must be text")
+        if not isinstance(self.parameters, Parameters):
+            raise ParameterError("parameters", self.parameters, "must be Parameters")
+        if self.structure is not None:
+            read_word(self.structure)
         object.__setattr__(self, "start_error", read_start_error(self.start_error))
         for name in START_NAMES:
             object.__setattr__(self, name, read_exact(name, getattr(self, name)))
         if self.t_end <= self.t0:
             raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
 
-
-def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return half-widths of t0, x0, v0."""
-    if value is None:
-        return None
-    values = value if isinstance(value, (tuple, list)) else [value] * 3
-    errors = tuple(read_exact("start_error", entry) for entry in values)
-    if len(errors) != 3 or min(errors) < 0:
-        raise ParameterError("start_error", value, "must be a number >= 0, or three")
-    return errors if max(errors) > 0 else None
+    def started(self, given: dict[str, Any]) -> Scene:
+        """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error."""
+        errors = self.start_error
+        if errors is not None:
+            errors = tuple(Fraction(0) if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
+        return replace(self, **(given | {"start_error": errors}))
 
 
 def scene_names() -> list[str]:
@@ -87,22 +98,28 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     text = str(name_or_path)
     path = FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
-    if path.suffix != ".toml" and not path.is_file():
+    if "\0" in text:
+        raise SceneError(repr(text), "is no file name")
+    if path.suffix != ".toml" and not isfile(path):
         raise SceneError(text, f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file")
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=Decimal)
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"), parse_float=Decimal)
     except OSError as error:
         raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise SceneError(text, "is not UTF-8 text") from None
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise SceneError(text, "is not valid TOML: nested too deeply") from None
+    except ValueError as error:  # TOMLDecodeError, and an int of more digits than Python converts
         raise SceneError(text, f"is not valid TOML: {error}") from None
     return _scene_from(data, default_name=path.stem, where=text)
 
 
 def _scene_from(data: dict[str, Any], default_name: str, where: str) -> Scene:
+    if not data:
+        raise SceneError(where, "is empty; `symosc scenes fig5` prints an example")
     _check_keys(where, "", data, required=("start", "t_end", "parameters"), optional=("name", "structure", "source"))
-    for table in ("parameters", "start"):
+    for table in TABLES:
         if not isinstance(data[table], dict):
             raise SceneError(where, f"[{table}] must be a table")
     _check_keys(where, "parameters.", data["parameters"], required=PARAMETER_NAMES, optional=())
@@ -125,7 +142,8 @@ def _check_keys(
 ) -> None:
     for key in required:
         if key not in table:
-            raise SceneError(where, f"{prefix}{key} is missing")
+            table_name = f": give it in a table [{key}]" if not prefix and key in TABLES else ""
+            raise SceneError(where, f"{prefix}{key} is missing{table_name}")
     for key in table:
         if key not in required + optional:
             raise SceneError(where, f"{prefix}{key} is unknown; known are {', '.join(required + optional)}")

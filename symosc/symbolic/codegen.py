@@ -1,4 +1,4 @@
-"""Prints the kernels to symosc/kernels/_generated.py (`symosc codegen`).
+"""Prints the kernels to symosc/kernels/_generated.py (`symosc codegen --regenerate`).
 
 A kernel is a straight-line program of formulas from `symosc.symbolic.solution`, kept in the structure in which they
 were derived: simplifying them further would bring back the cancellation that they avoid. Printing finds common

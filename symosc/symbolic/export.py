@@ -13,14 +13,15 @@ from __future__ import annotations
 
 import ast
 import re
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
-from symosc.errors import ParameterError
-from symosc.files import write_text
+from symosc.errors import OutputError, ParameterError
+from symosc.files import read_path, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.symbolic.export_program import FLAGS, Program, program
-from symosc.symbolic.languages import MATRIX, C, Julia, wrapped
+from symosc.symbolic.languages import MATRIX, RESERVED, C, Julia, wrapped
 from symosc.words import read_word
 
 LANGUAGES = ("python", "numpy", "c", "julia")
@@ -41,21 +42,27 @@ def export(
     fix : Parameters, optional
         Fold these parameters in. Without, the functions take the constants that `constants` computes.
     name : str, optional
-        Base of the file names and, in C and Julia, of the names; the word in small letters if None.
+        Base of the file names and, in C and Julia, of the names; the word in small letters if None. A Julia module is
+        called like it, with a capital, and "Map" behind if the source has a function of that name: P2Map.
 
     Raises
     ------
     WordError
         If the word cannot be read or has an impossible step.
     ParameterError
-        For an unknown language or a name that is no identifier.
+        For an unknown language, a name that is no identifier or that the language keeps for itself, and a `fix` that
+        is not Parameters.
     """
-    if language not in LANGUAGES:
+    if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
-    read = read_word(word, closed=False, grazing=True)
-    name = name or str(read).lower()
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
-        raise ParameterError("name", name, "must be letters, digits and underscores, a letter first")
+    if fix is not None and not isinstance(fix, Parameters):
+        raise ParameterError("fix", fix, "must be Parameters or None; a scene has them as scene.parameters")
+    read = read_word(word, closed=False)
+    name = str(read).lower() if name is None else name
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+        raise ParameterError("name", name, "must be letters (a to z), digits and underscores, a letter first")
+    if name in RESERVED[language]:
+        raise ParameterError("name", name, f"is a word or a library of the language {language}; choose another")
     made = program(read, language == "numpy", fix)
     if language == "c":
         return _c(made, name)
@@ -64,15 +71,27 @@ def export(
     return {f"{name}.py": _python(made, language == "numpy")}
 
 
-def write_export(folder: str | Path, *arguments: Any, **options: Any) -> list[Path]:
+def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
     """Write the files of `export` to a folder and return their paths.
 
     Raises
     ------
     OutputError
-        If a file cannot be written; and what `export` raises.
+        If a file cannot be written, or is there with another content (with `force` it is replaced); and what `export`
+        raises.
     """
-    return [write_text(Path(folder) / name, text) for name, text in export(*arguments, **options).items()]
+    texts = {Path(read_path(folder)) / name: text for name, text in export(*arguments, **options).items()}
+    for path, text in texts.items():
+        if not force and isfile(path) and not _holds(path, text):
+            raise OutputError(str(path), "is there with another content; give another name, or force it")
+    return [write_text(path, text) for path, text in texts.items()]
+
+
+def _holds(path: Path, text: str) -> bool:
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError as error:
+        raise OutputError(str(path), error.strerror or str(error)) from None
 
 
 # --- layout ---
@@ -122,16 +141,38 @@ def _python(program: Program, arrays: bool) -> str:
     head = ['"""' + "\n".join(_about(program, "")) + '\n"""', "\n".join(imports)]
     if _numbers(program):
         head.append("\n".join(f"{name} = {value!r}" for name, value in _numbers(program).items()))
-    calls = _calls(program, 0)
+    word = _numpy_word(program, passed) if arrays else _python_word(program, passed)
+    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *word]) + "\n"
+
+
+def _python_word(program: Program, passed: list[str]) -> list[str]:
+    """Return the functions of the whole word, on numbers."""
+    calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
     residual = [f"        *{label}({', '.join([*z, *passed])})," for label, z, _ in calls]
     jacobian = [f"        {label}{MATRIX}({', '.join([*z, *passed])})," for label, _, z in calls]
-    arguments = ", ".join(["z", *passed])
     doc = '    """Return f1, f2 of each map, in order of time."""'
     word = ["\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])]
     doc = '    """Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."""'
     end = ["    ]", "    return [[list(block[:4]), list(block[4:])] for block in blocks]"]
-    word.append("\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end]))
-    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *word]) + "\n"
+    return [*word, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
+
+
+def _numpy_word(program: Program, passed: list[str]) -> list[str]:
+    """Return the functions of the whole word, on numbers and arrays that broadcast."""
+    calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
+    lines = []
+    for name, spread, shape, what in (
+        ("residual", "*", str(2 * len(calls)), "f1, f2 of each map, in order of time: shape"),
+        ("jacobian", "", f"{len(calls)}, 2, 4", "the derivatives of f1, f2 of each map, in order of time: shape"),
+    ):
+        rows = [
+            f"        {spread}{label}{MATRIX * (not spread)}({', '.join([*(z if spread else few), *passed])}),"
+            for label, z, few in calls
+        ]
+        head = [f"def {name}({arguments}):", f'    """Return {what} ({shape}) and that of the numbers in z."""']
+        body = ["    z, shape = flat(*z)", "    rows = [", *rows, "    ]"]
+        lines.append("\n".join([*head, *body, f"    return np.array(rows).reshape(({shape}, *shape))"]))
+    return lines
 
 
 def _python_setup(program: Program) -> str:
@@ -189,9 +230,11 @@ def _c_setup(program: Program, c: C, signature: str) -> str:
 def _julia(program: Program, name: str) -> str:
     julia, passed = Julia(program.returns()), ["K"] if program.values is None else []
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
-    head = [f"module {name[0].upper() + name[1:]}", f"export {', '.join(exports)}"]
+    numbers = _numbers(program)
+    head = [f"module {_module(name, {*exports, *program.functions, *numbers, 'Constants'})}"]
+    head.append(f"export {', '.join(exports)}")
     parts = ["\n".join(_about(program, "# ")), *head]
-    parts.append("\n".join(f"const {key} = {float(value)!r}" for key, value in _numbers(program).items()))
+    parts.append("\n".join(f"const {key} = {float(value)!r}" for key, value in numbers.items()))
     if passed:
         fields = [f"    {field}::{'Bool' if field in FLAGS else 'Float64'}" for field in program.fields]
         parts.append("\n".join(["struct Constants", *fields, "end"]))
@@ -211,3 +254,11 @@ def _julia(program: Program, name: str) -> str:
     body = [f"function jacobian({arguments})", "    blocks = (", *lines, "    )", rows, "end"]
     parts.append("\n".join([doc, *body]))
     return "\n\n".join([*(part for part in parts if part), "end"]) + "\n"
+
+
+def _module(name: str, inside: set[str]) -> str:
+    """Return the name of a Julia module; nothing inside it may be called like it."""
+    module = name[0].upper() + name[1:]
+    while module in inside or module in RESERVED["julia"]:
+        module += "Map"
+    return module

@@ -45,6 +45,14 @@ A2 = (A0 + (mu2 - mu1) * FN) / m
 A3 = (A0 - (mu1 + mu2) * FN) / m
 """
 
+#: What the functions for arrays need besides.
+FLAT = '''
+def flat(*given):
+    """Return numbers or arrays as flat arrays of one length, and the shape that they have together."""
+    columns = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in given))
+    return [column.ravel() for column in columns], columns[0].shape
+'''
+
 
 @dataclass(frozen=True)
 class Program:
@@ -120,13 +128,15 @@ def program(word: Word, arrays: bool, fix: Parameters | None) -> Program:
     wanted: dict[str, str] = {}
     for row, exit in zip(word.maps, word.exits(), strict=True):
         for each in [exit] if exit or not row.sticks else ["below", "above"]:
-            label, source = _map_source(row, each)
+            label, source = _map_source(row, each, arrays)
             wanted[label] = wanted[f"{label}_jacobian"] = source
             maps.append(label)
     if word.maps[-1].sticks and word.exits()[-1] is None:
         maps.pop()  # the word's own functions take the exit below; the other one is there to be called
     for source in wanted.values():
         library |= {name: fold.function(node) for name, node in _functions(source).items()}
+    if arrays:
+        library |= _functions(FLAT)
     functions: dict[str, ast.FunctionDef] = {}
     for label in wanted:
         _add(label, library, functions)
@@ -163,8 +173,11 @@ def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, as
     functions[name] = library[name]
 
 
-def _map_source(row: Map, exit: str | None) -> tuple[str, str]:
-    """Return the name of a mapping's function, and the source of it and of its Jacobian."""
+def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
+    """Return the name of a mapping's function, and the source of it and of its Jacobian.
+
+    For arrays, the arguments are made flat and of one length, and all results get their shape.
+    """
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
         domain = SIDES[row.start.boundary][exit == "above"]
@@ -180,14 +193,19 @@ def _map_source(row: Map, exit: str | None) -> tuple[str, str]:
         lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
         entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
         arguments = "x_i, theta_i, theta_j"
+    flattened = ""
+    if arrays:
+        residual = f"[part.reshape(shape) for part in np.broadcast_arrays(*{residual})]"
+        entries = f"[part.reshape(shape) for part in np.broadcast_arrays({entries})]"
+        flattened = "[{0}], shape = flat({0})\n    "
     source = f'''
 def {label}(x_i, theta_i, x_j, theta_j, K):
     """Return f1, f2 of {row.label}: {what}."""
-    return {residual}
+    {flattened.format("x_i, theta_i, x_j, theta_j")}return {residual}
 
 def {label}_jacobian({arguments}, K):
     """Return the derivatives of f1, then of f2, by x_i, theta_i, x_j, theta_j."""
-    {lines}
+    {flattened.format(arguments)}{lines}
     return {entries}
 '''
     return label, source

@@ -7,7 +7,9 @@ comparisons and calls. All values are real numbers, except for flags and loop co
 from __future__ import annotations
 
 import ast
+import keyword
 import re
+import sys
 import textwrap
 from collections.abc import Iterator
 
@@ -29,6 +31,28 @@ TERNARY, SIGN, ATOM = 1, 8, 9
 WIDTH = 112
 #: What the Jacobian of a mapping's function adds to its name. It returns two rows.
 MATRIX = "_jacobian"
+
+_PYTHON = frozenset(keyword.kwlist) | frozenset(keyword.softkwlist) | sys.stdlib_module_names | {"numpy"}
+_C_WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int long register
+restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+"""
+_C_HEADERS = """
+assert complex ctype errno fenv inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio
+stdlib string tgmath time wchar wctype
+"""
+_JULIA = """
+abstract baremodule begin break catch const continue do else elseif end export false finally for function global if
+import in isa let local macro module mutable outer primitive public quote return struct true try type using where while
+Base Core Main
+"""
+#: Names that a file cannot have: words of the language, and what the source or the compiler would find in its place.
+RESERVED = {
+    "python": _PYTHON,
+    "numpy": _PYTHON,
+    "c": frozenset((_C_WORDS + _C_HEADERS).split()),
+    "julia": frozenset(_JULIA.split()),
+}
 
 
 class Language:

@@ -85,8 +85,8 @@ def _sticks() -> Iterator[Any]:
 def _perturbations() -> Iterator[Any]:
     flow = solution.flow()
     yield Heading("Perturbations in a domain")
-    reason = r"A small change of the state at $t_i$ obeys the unforced equation, so its matrix does not depend "
-    r"on the motion:"
+    reason = r"A small change of the state at $t_i$ obeys the unforced equation, so its matrix does not depend on "
+    reason += "the motion:"
     entries = (
         ("x", "x_i", flow.x, x_i, 1 - w0sq * E2),
         ("x", r"\dot{x}_i", flow.x, v_i, E1),

@@ -1,0 +1,443 @@
+"""Bad input in Python: one clear line that names the argument, never a raw error and never a silent acceptance."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+import time
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+
+import symosc
+from symosc import Event, EventTable, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
+from symosc.errors import ParameterError, SceneError, SymoscError
+from symosc.exact import read_exact, read_start_error, show, whole_number
+from symosc.scenes import FOLDER
+from symosc.words import WordError
+
+P = load_scene("fig5").parameters
+START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
+TRAJECTORY = simulate("fig5", t_end=5)
+
+#: Nothing of this is a number.
+NO_NUMBERS = [
+    "",
+    " ",
+    "abc",
+    "1_000",
+    "１",
+    "٣",
+    "1 2",
+    "1/0",
+    "0x1",
+    "--1",
+    "nan",
+    "inf",
+    True,
+    False,
+    1j,
+    [],
+    [1],
+    {},
+    (),
+    b"1",
+]
+NO_NUMBERS += [
+    float("nan"),
+    float("inf"),
+    np.float64("nan"),
+    Decimal("NaN"),
+    Decimal("sNaN"),
+    np.True_,
+    object(),
+    str,
+    mpmath.nan,
+]
+NO_NUMBERS += ["1e5000", "9" * 5000, 10**400, -(10**60), sympy.oo, sympy.Symbol("x"), np.array([1.0, 2.0])]
+#: Nothing of this is a whole number from 1 to 3.
+NO_CHOICES = [0, 4, -1, 10**30, "1", "", None, 1.0, True, 1j, [1], {}, np.array([1, 2]), Fraction(1)]
+
+
+def refused(call: Callable[[], Any], name: str) -> str:
+    """Return the message of the error that a call ends with: one line of reasonable length that begins with a name."""
+    with pytest.raises(ParameterError) as caught:
+        call()
+    message = str(caught.value)
+    assert message.startswith(f"{name} = "), message
+    assert "\n" not in message
+    assert len(message) < 400
+    return message
+
+
+# --- numbers ---
+
+
+@pytest.mark.parametrize(
+    "value", [*NO_NUMBERS, None], ids=lambda value: repr(value)[:30] if not isinstance(value, int) else "int"
+)
+def test_what_is_no_number_is_no_number_anywhere(value: Any) -> None:
+    refused(lambda: read_exact("k", value), "k")
+    refused(lambda: P.replace(k=value), "k")
+    refused(lambda: Scene("s", P, **(START | {"x0": value})), "x0")
+    if value is not None:
+        refused(lambda: simulate(P, **(START | {"v0": value})), "v0")
+    with pytest.raises(ParameterError, match=r"^(starts|x0) = "):
+        simulate_many(P, [[0, value, 0]], 5)
+
+
+def test_numbers_are_read_as_they_are_written() -> None:
+    rng = random.Random(1)
+    for _ in range(150):
+        sign, whole, part = rng.choice(["", "+", "-"]), rng.randrange(10 ** rng.randint(1, 20)), rng.randrange(10**9)
+        exponent = rng.randint(-25, 25)
+        for text in (
+            f"{sign}{whole}",
+            f"{sign}{whole}.{part}",
+            f"{sign}.{part}",
+            f"{sign}{whole}.",
+            f"{sign}{whole}/7",
+        ):
+            assert read_exact("k", f" {text}\n") == Fraction(text)
+            if "/" not in text:
+                assert read_exact("k", f"{text}e{exponent}") == Fraction(f"{text}e{exponent}")
+        text = f"{whole}.{part}"
+        for place in range(1, len(text)):
+            for letter in "_ １,'":
+                refused(lambda bad=text[:place] + letter + text[place:]: read_exact("k", bad), "k")  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    "value", ["pi", "2*pi", "2π", "pi/2", "2 * PI", "sqrt(2)", "1+2", "2^3", 2 * sympy.pi, sympy.sqrt(2)]
+)
+def test_an_expression_is_told_what_to_write(value: Any) -> None:
+    message = refused(lambda: P.replace(Omega=value), "Omega")
+    assert "6.28318530717958647692528676656" in message
+    given = message.partition("as '")[2].partition("'")[0]
+    assert abs(float(given) - np.pi) < 1e-15
+    P.replace(Omega=given)
+
+
+def test_numbers_are_shown_short_and_read_back() -> None:
+    assert show(Fraction("1e-300")) == "1e-300"
+    assert show(Fraction("-1.25e-40")) == "-1.25e-40"
+    assert show(Fraction(10) ** 50) == "1e50"
+    assert [show(Fraction(text)) for text in ("0", "120", "-0.05", "1/3")] == ["0", "120", "-0.05", "1/3"]
+    rng = random.Random(2)
+    for _ in range(1000):
+        value = Fraction(rng.randint(-(10**18), 10**18) * 10 ** rng.randint(0, 40), 10 ** rng.randint(0, 320))
+        assert Fraction(show(value)) == value
+        assert len(show(value)) <= 45
+    assert "0.0000000" not in refused(lambda: P.replace(m=Fraction(1, 10**300)), "m")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (Decimal("NaN"), "k = NaN: "),
+        (np.float64("nan"), "k = nan: "),
+        (np.float64(1e60), "k = 1e+60: "),
+        ("a\nb", r"k = 'a\nb': "),
+    ],
+)
+def test_messages_show_numbers_without_their_types(value: Any, text: str) -> None:
+    assert refused(lambda: P.replace(k=value), "k").startswith(text)
+
+
+def test_whole_numbers() -> None:
+    assert [whole_number("n", value, 1, 3) for value in (1, np.int64(2), sympy.Integer(3))] == [1, 2, 3]
+    for value in NO_CHOICES:
+        refused(lambda value=value: whole_number("n", value, 1, 3), "n")  # type: ignore[misc]
+
+
+# --- simulate, simulate_many ---
+
+
+@pytest.mark.parametrize(
+    "value", [True, False, 0, -1, float("nan"), "", "abc", "1_000", 1j, [], {}, None.__class__, -float("inf"), 0.0]
+)
+def test_accuracy(value: Any) -> None:
+    refused(lambda: simulate("fig5", accuracy=value), "accuracy")
+    refused(lambda: simulate_many(P, [0, 0, 0], 5, accuracy=value), "accuracy")
+
+
+def test_accuracy_may_be_infinite_or_text() -> None:
+    for value in (float("inf"), "1e-9", Fraction(1, 10**9), np.float64(1e-9)):
+        assert simulate("fig5", t_end=5, accuracy=value).events == TRAJECTORY.events
+
+
+@pytest.mark.parametrize("value", ["yes", "", 1, 0, 1.0, [], "False"])
+def test_use_numba(value: Any) -> None:
+    refused(lambda: simulate_many(P, [0, 0, 0], 5, use_numba=value), "use_numba")
+
+
+@pytest.mark.parametrize(
+    "value", [None, 5, "fig5", [], ["fig5"], [None], {}, load_scene("fig5"), [load_scene("fig5")], 1j]
+)
+def test_parameters_of_many(value: Any) -> None:
+    refused(lambda: simulate_many(value, [[0, 0, 0]], 5), "parameters")
+
+
+@pytest.mark.parametrize("value", [None, 5, "", [], [[]], [0, 0], [[0, 0]], [[0, 0, 0], [1]], {}, [[[0, 0, 0]]]])
+def test_starts_of_many(value: Any) -> None:
+    refused(lambda: simulate_many(P, value, 5), "starts")
+
+
+@pytest.mark.parametrize("value", [None, "", [], [[5]], [5, 5], {}, float("nan"), True, 0, -1, [5, [5]]])
+def test_ends_of_many(value: Any) -> None:
+    refused(lambda: simulate_many(P, [[0, 0, 0]] * 3, value), "t_end")
+
+
+def test_equal_numbers_of_two_types_are_read_each_in_its_way() -> None:
+    for pair in ([0.1, Fraction(0.1)], [Fraction(0.1), 0.1], [np.float32(0.1), float(np.float32(0.1))]):
+        table = simulate_many(P, [[0, x0, 0] for x0 in pair], 5, use_numba=False)
+        for i, x0 in enumerate(pair):
+            assert (
+                table.x[table.trajectory == i].tolist() == simulate_many(P, [0, x0, 0], 5, use_numba=False).x.tolist()
+            )
+    with pytest.raises(ParameterError, match="x0 = True"):
+        simulate_many(P, [[0, 1, 0], [0, True, 0]], 5)
+
+
+@pytest.mark.parametrize("value", [None, 5, 1j, [], {}, TRAJECTORY])
+def test_the_subject_of_a_simulation(value: Any) -> None:
+    refused(lambda: simulate(value), "scene")
+
+
+# --- a trajectory ---
+
+
+@pytest.mark.parametrize(
+    "value",
+    [None, "", "abc", 1j, True, [True], {}, [1, None], [[1], [1, 2]], [1, float("nan")], -1e-9, 5.1, 10**400, b"1"],
+)
+def test_times_of_a_trajectory(value: Any) -> None:
+    for call in (TRAJECTORY, TRAJECTORY.mode, lambda t: TRAJECTORY.force(1, t)):
+        refused(lambda call=call: call(value), "t")  # type: ignore[misc]
+
+
+def test_times_may_be_any_numbers_in_any_shape() -> None:
+    for t in (Fraction(1, 3), "1/3", Decimal("0.25"), mpmath.mpf("0.3"), np.float32(0.5), 3, np.int8(1)):
+        assert TRAJECTORY(t).shape == (2,)
+    assert TRAJECTORY("1/3").tolist() == TRAJECTORY(1 / 3).tolist()
+    assert TRAJECTORY([[1, "2", Fraction(1, 2)]]).shape == (2, 1, 3)
+    assert TRAJECTORY([]).shape == (2, 0)
+
+
+@pytest.mark.parametrize("value", NO_CHOICES, ids=str)
+def test_the_domain_of_a_force(value: Any) -> None:
+    refused(lambda: TRAJECTORY.force(value, 1), "alpha")
+
+
+@pytest.mark.parametrize("value", NO_CHOICES, ids=str)
+def test_the_domains_and_belts_of_parameters(value: Any) -> None:
+    refused(lambda: P.A(value), "alpha")
+    refused(lambda: P.belt(value), "boundary")
+    refused(lambda: P.belt(3), "boundary")
+
+
+def test_the_force_of_each_domain() -> None:
+    rng = np.random.default_rng(3)
+    for t in rng.uniform(0, 5, 20):
+        (x, v), p = TRAJECTORY(t), P
+        for alpha in (1, 2, 3):
+            force = (
+                float(p.A(alpha)) + float(p.B0) * np.cos(float(p.Omega) * t) - float(p.c) * v - float(p.k) * x
+            ) / float(p.m)
+            assert TRAJECTORY.force(alpha, t) == pytest.approx(force, abs=1e-12)
+
+
+# --- scenes ---
+
+
+@pytest.mark.parametrize("value", ["P99", "", "P33", "xx", "P5 P2"])
+def test_a_structure_that_is_none(value: str) -> None:
+    with pytest.raises(WordError):
+        Scene("s", P, **START, structure=value)
+    assert Scene("s", P, **START, structure="P3∘P2").structure == "P3∘P2"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("name", value) for value in (None, 5, "", " ")]
+    + [("source", None), ("source", b""), ("parameters", None), ("parameters", {})],
+)
+def test_a_scene_of_wrong_types(name: str, value: Any) -> None:
+    refused(lambda: Scene(**({"name": "s", "parameters": P, **START} | {name: value})), name)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "is empty"),
+        (b"# nothing\n", "is empty"),
+        (b"t_end = 5\n", r"start is missing: give it in a table \[start\]"),
+        (b"a = " + b"[" * 100_000, "nested too deeply"),
+        (b"t_end = " + b"1" * 5000, "is not valid TOML"),
+        (b"\xff\xfea", "is not UTF-8"),
+    ],
+)
+def test_scene_files_that_are_none(text: bytes, message: str, tmp_path: Any) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_bytes(text)
+    with pytest.raises(SceneError, match=message) as caught:
+        load_scene(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_file_may_begin_with_a_byte_order_mark(tmp_path: Any) -> None:
+    path = tmp_path / "bom.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + (FOLDER / "fig5.toml").read_bytes())
+    assert load_scene(path) == load_scene("fig5")
+
+
+@pytest.mark.parametrize("value", [None, 5, "", "a\0b", "a\0.toml", [], ".", "n" * 5000])
+def test_names_of_scenes(value: Any) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene(value)
+    assert "\n" not in str(caught.value)
+    assert "\0" not in str(caught.value)
+
+
+# --- the error of a start ---
+
+
+def test_start_errors_are_read_exactly() -> None:
+    assert read_start_error(None) is None
+    assert read_start_error("1e-30") == (Fraction(1, 10**30),) * 3
+    assert read_start_error([0, 0.1, "1/3"]) == (0, Fraction(1, 10), Fraction(1, 3))
+    assert Scene("s", P, **START).start_error is None
+    scene = Scene("s", P, **START, start_error=(0, "5e-45", Decimal("5e-45")))
+    assert scene.start_error == (0, Fraction(1, 2 * 10**44), Fraction(1, 2 * 10**44))
+    assert hash(scene) == hash(pickle.loads(pickle.dumps(scene)))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "",
+        "abc",
+        -1,
+        [0, 0, -1],
+        [0, 0],
+        [],
+        [0] * 4,
+        [0, 0, None],
+        float("nan"),
+        True,
+        {},
+        {1: 2, 3: 4, 5: 6},
+        1j,
+        b"123",
+        [[0]] * 3,
+    ],
+)
+def test_start_errors_that_are_none(value: Any) -> None:
+    refused(lambda: Scene("s", P, **START, start_error=value), "start_error")
+
+
+@pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
+def test_exact_scenes_are_known_to_half_a_unit_of_their_last_digit(name: str) -> None:
+    scene = load_scene(name)
+    assert scene.start_error is not None
+    assert scene.start_error[0] == 0
+    for value, error in zip((scene.x0, scene.v0), scene.start_error[1:], strict=True):
+        digits = len(show(value).partition(".")[2])
+        assert error == Fraction(1, 2 * 10**digits)
+
+
+# --- figures ---
+
+
+@pytest.mark.parametrize("value", [None, 5, [], P, 1j, {}])
+def test_the_subject_of_a_figure(value: Any) -> None:
+    refused(lambda: symosc.plot.figure(value), "subject")
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("panels", ["", "z", "aa", 5, ["a"], True, b"a", {}, "A"]),
+        ("boundary", [0, 3, True, "1", [1], 1.0, np.array([1, 2])]),
+        ("columns", [0, 3, True, "1", None, 1.0]),
+        ("t_end", ["", "x", float("nan"), True, -1, 1j, []]),
+    ],
+)
+def test_options_of_a_figure(name: str, values: list[Any]) -> None:
+    for value in values:
+        refused(lambda value=value: symosc.plot.figure("fig5", **{name: value}), name)  # type: ignore[misc]
+
+
+def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
+    start = time.perf_counter()
+    message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
+    assert "earlier end" in message
+    assert time.perf_counter() - start < 5
+    long = simulate("fig9", max_events=symosc.plot.MOST_EVENTS + 1, t_end=10**7)
+    refused(lambda: symosc.plot.figure(long), "subject")
+
+
+def test_what_cannot_be_saved(tmp_path: Any) -> None:
+    refused(lambda: symosc.plot.save(None, tmp_path / "a.pdf"), "drawing")
+    refused(lambda: symosc.plot.save(symosc.plot.figure("fig6", panels="a"), None), "path")  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- equality and copies ---
+
+
+@pytest.mark.parametrize(
+    "make", [lambda end: simulate("fig5", t_end=end), lambda end: simulate_many(P, [[0, 0, 0], [0, 1, 0]], end)]
+)
+def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | EventTable]) -> None:
+    one, same, other = make(7), make(7), make(6)
+    assert (one == same) is True
+    assert (one == other) is False
+    assert (one != other) is True
+    assert (one == None) is False  # noqa: E711
+    assert (one == "text") is False
+    for copied in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+        assert (copied == one) is True
+    if isinstance(one, Trajectory):
+        assert hash(one) == hash(same)
+
+
+def test_events_compare_copy_and_pickle() -> None:
+    event = TRAJECTORY.events[0]
+    assert isinstance(event, Event)
+    assert (event == simulate("fig5", t_end=5).events[0]) is True
+    assert (event == TRAJECTORY.events[1]) is False
+    for copied in (copy.copy(event), copy.deepcopy(event), pickle.loads(pickle.dumps(event))):
+        assert (copied == event) is True
+
+
+def test_trajectories_with_digits_compare_and_copy() -> None:
+    one, same, rougher = (simulate("fig5", t_end=5, digits=digits) for digits in (20, 20, 25))
+    assert (one == same) is True
+    assert (one == rougher) is False
+    assert (copy.deepcopy(one) == one) is True
+
+
+# --- the package ---
+
+
+def test_dir_shows_the_api_alone() -> None:
+    names = dir(symosc)
+    assert set(symosc.__all__) <= set(names)
+    assert set(names) - set(symosc.__all__) == {"__version__", "plot"}
+    for name in names:
+        assert getattr(symosc, name) is not None
+    with pytest.raises(AttributeError, match="no_such_name"):
+        symosc.no_such_name  # noqa: B018
+
+
+def test_errors_of_bad_input_are_value_errors_of_symosc() -> None:
+    assert issubclass(ParameterError, (SymoscError, ValueError))
+    assert Parameters is symosc.Parameters
