@@ -27,6 +27,7 @@ from symosc.windows import (
     Place,
     case_label,
     check_order,
+    check_parameters,
     place,
 )
 
@@ -52,7 +53,7 @@ def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingW
     ParameterError
         For a map without grazing, or another order.
     """
-    return GrazingWindow(p, mapping, check_order(order), place(mapping))
+    return GrazingWindow(check_parameters(p), mapping, check_order(order), place(mapping))
 
 
 @dataclass(frozen=True, repr=False)

@@ -23,21 +23,20 @@ from typing import Any
 
 import numpy as np
 
-from symosc.backward import NEVER, REACHED, TOUCH, Arrival, flow_back
+from symosc.backward import CONTACT, MOST_STEPS, NEVER, STEP, TOUCH
 from symosc.errors import ParameterError
-from symosc.flow import constants
 from symosc.grazing import grazing_window
-from symosc.grazing_orbits import PERIODS
+from symosc.grazing_origin import Origins
 from symosc.kernels.entire import basis
 from symosc.model import Parameters
-from symosc.numerics import MpArithmetic
-from symosc.windows import place
+from symosc.windows import check_count
 
 POINTS = 400
-LEAST_POINTS = 8
+LEAST_POINTS, MOST_POINTS = 8, 20_000
 PIECE_POINTS = 33
-EPS = 2.0**-53
-BACKUP_DIGITS = 40
+# The work of a curve, in steps of all its searches; when it is used up, each search has LEAST_STEPS left.
+MOST_CURVE_STEPS, LEAST_STEPS = 60_000, 100
+LARGEST_EXPONENT = 700.0
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 HALVINGS = 50
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
@@ -64,6 +63,7 @@ class Sample:
     theta: float
     slope_x: float
     slope_theta: float
+    is_open: bool = False  # a touch that was not looked at with more digits
 
 
 @dataclass(frozen=True)
@@ -131,43 +131,37 @@ class GrazingCurve:
 
 
 class Tracer:
-    """Flows back from the tangencies of one mapping, in double precision backed up by more digits."""
+    """Samples the curve of one mapping, in double precision backed up by more digits."""
 
     def __init__(self, p: Parameters, mapping: str) -> None:
-        if p.k == 0:
-            raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
-        self.p, self.mapping, self.place, self.K = p, mapping, place(mapping), constants(p)
+        self.origins = Origins(p, mapping)
+        self.p, self.mapping, self.place, self.K = p, mapping, self.origins.place, self.origins.K
         self.v = float(p.belt(self.place.boundary))
         self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
         self.gain = float(p.B0 / p.k)
-        self.fine: MpArithmetic | None = None
+        self.steps_left = MOST_CURVE_STEPS
 
-    def arrival(self, theta_m: float, careful: bool = True) -> Arrival:
-        """Return where the flow from the tangency came from; without `careful` a contact may stay open, as a touch."""
-        where, far = self.place, PERIODS * self.K.period
-        arrival = flow_back(theta_m, 1, where.boundary, where.domain, far, self.K, math, EPS)
-        if not careful or arrival.kind != TOUCH:
-            return arrival
-        self.fine = self.fine or MpArithmetic(self.p, BACKUP_DIGITS)
-        context, K = self.fine.context, self.fine.K
-        theta = context.mpf(theta_m)
-        fine = flow_back(theta, 1, where.boundary, where.domain, PERIODS * K.period, K, context, context.eps)
-        return Arrival(fine.kind, fine.boundary, *(float(value) for value in fine[2:]))
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.p, self.mapping)
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
-        """Return the sample at theta_m."""
+        """Return the sample at theta_m; without `careful` a contact may stay open, as a touch."""
         K = self.K
-        arrival = self.arrival(theta_m, careful)
+        steps = max(LEAST_STEPS, min(MOST_STEPS, self.steps_left))
+        arrival = self.origins.arrival(theta_m, careful=careful, most_steps=steps)
+        self.steps_left -= int(arrival.tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
-        if arrival.kind in (NEVER, REACHED):
+        if arrival.kind not in (CONTACT, TOUCH):
             return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, *[math.nan] * 4)
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(arrival.tau, K)
-        growth = exp(K.cm * arrival.tau)
+        growth = exp(min(K.cm * arrival.tau, LARGEST_EXPONENT))
         slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
         origin = OWN if arrival.boundary == self.place.boundary else OTHER
-        return Sample(theta_m, x_m, origin, x_m + arrival.dx, theta_m - K.Om * arrival.tau, slope_x, slope_theta)
+        is_open = not careful and arrival.kind == TOUCH
+        at = x_m + arrival.dx, theta_m - K.Om * arrival.tau
+        return Sample(theta_m, x_m, origin, *at, slope_x, slope_theta, is_open)
 
 
 def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
@@ -188,8 +182,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
         For a mapping without grazing, k = 0, or too small an n.
     """
     window = grazing_window(p, mapping)
-    if isinstance(n, bool) or not isinstance(n, int) or n < LEAST_POINTS:
-        raise ParameterError("n", n, f"must be a whole number >= {LEAST_POINTS}")
+    n = check_count("n", n, LEAST_POINTS, MOST_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
     runs: list[Run] = []
@@ -243,13 +236,12 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
         if edges is None:
             run.append(ahead.pop())
             continue
-        inner, outer = edges
-        run += [inner] if inner.theta_m > run[-1].theta_m else []
-        border = 0.5 * (inner.theta_m + outer.theta_m)
-        runs.append(Run(run, (begin, border), (reason, _reason(tracer, inner, outer))))
-        run, begin, reason = [outer], border, _reason(tracer, outer, inner)
-        if outer.theta_m >= ahead[-1].theta_m:
-            ahead.pop()
+        before, behind, border = edges
+        run += before
+        runs.append(Run(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        begin, reason = border, _reason(tracer, behind[-1], run[-1])
+        ahead[-1:] = behind
+        run = [ahead.pop()]
     runs.append(Run(run, (begin, high), (reason, limit)))
     return _joined(runs) if closed and len(runs) > 1 else runs
 
@@ -265,31 +257,38 @@ def _joined(runs: list[Run]) -> list[Run]:
     return [*runs[1:-1], both]
 
 
-def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[Sample, Sample] | None:
-    """Return the samples on both sides of the first change of origin found between two neighbours, or of a jump.
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
+    """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
 
-    None: there is none. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     """
     if left.origin == right.origin and not abs(right.theta - left.theta) > STRIDE:
         return None
+    lefts: list[Sample] = []
+    rights = [right]
     for _ in range(HALVINGS):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break
+        if left.origin == right.origin and abs(right.theta - left.theta) < JUMP:
+            return None
         middle = tracer.sample(theta, careful=False)
-        if left.origin != right.origin:
-            to_left = middle.origin == left.origin
-        elif middle.origin != left.origin:
-            if right.theta_m - left.theta_m < FINEST:
+        to_left = middle.origin == left.origin
+        if left.origin == right.origin:
+            if not to_left and right.theta_m - left.theta_m < FINEST:
                 return None
-            to_left, right = False, middle
-            continue
+            to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
+        if to_left:
+            left = middle
+            lefts.append(middle)
         else:
-            to_left = abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
-        left, right = (middle, right) if to_left else (left, middle)
+            right = middle
+            rights.append(middle)
     if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < JUMP):
         return None
-    return left, right
+    border = 0.5 * (left.theta_m + right.theta_m)
+    return [each for each in lefts if not each.is_open], [each for each in rights if not each.is_open], border
 
 
 def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
@@ -304,9 +303,12 @@ def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
 
 
 def _filled(tracer: Tracer, run: Run) -> Run:
-    """Return a run with at least PIECE_POINTS samples."""
+    """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
-    if len(run.samples) >= PIECE_POINTS or last - first < FINEST:
+    margin = 0.1 * (last - first)
+    if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
+        return run
+    if last - first < FINEST:
         return run
     between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
     inner = [each for each in between if each.origin == OWN]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from symosc.grazing_orbits import number_of, read_angle
+from symosc.grazing_angles import number_of, read_angle
 from symosc.kernels._generated import next_derivative
 from symosc.model import Parameters
 from symosc.numerics import mp_context

@@ -56,8 +56,8 @@ class BasisMP:
             return 20 + sum(math.ceil(float(self.context.log(size / gap, 2))) for gap in gaps if gap)
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
-        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
-        short = K.rate * tau < SERIES_BELOW
+        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
+        short = K.rate * abs(tau) < SERIES_BELOW
         with self.context.workprec(self.context.prec + (10 if short else self.guard_bits)):
             values = self._series(tau, K) if short else self._divided_differences(tau)
         return tuple(+value for value in values)
