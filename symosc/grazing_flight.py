@@ -18,7 +18,7 @@ from __future__ import annotations
 from math import log10
 from typing import Any, NamedTuple
 
-from symosc.backward import CONTACT, LARGE, LONG, NEVER, REACHED, STEP, TOUCH, Arrival, Backward, State
+from symosc.backward import CONTACT, LARGE, LONG, NEVER, REACHED, STEP, TOUCH, Arrival, State, Steps
 from symosc.flow import derivatives
 from symosc.kernels._generated import motion
 from symosc.model import Parameters
@@ -65,7 +65,7 @@ class Flights:
         self.context, self.K = self.arithmetic.context, self.arithmetic.K
         self.belt = self.number(p.belt(self.place.boundary))
         self._basis = self.arithmetic.namespace["basis"]
-        self._searches: dict[float, Backward] = {}
+        self._steps: dict[float, Steps] = {}
 
     def number(self, value: Any) -> Any:
         """Return a Fraction, a float or a sympy constant as a number of this precision."""
@@ -134,28 +134,24 @@ class Flights:
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, State]:
-        """Judge a step of a search in double precision that begins at tau; see `Backward.run`."""
-        search = self._search(step)
+        """Judge a step of a search in double precision that begins at tau; see `symosc.backward.Search.run`."""
+        steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
-        state = search.begin(0 * theta)
-        if tau > back:
-            now = self.instant(theta, tau - back)
-            state = State(tau - back, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
-        found, T, after = search.over(theta, order, state)
-        end = state.tau + search.H
+        state = self._state(theta, tau - back) if tau > back else steps.begin(0 * theta)
+        found, taken, after = steps.over(theta, order, state)
         if found is None:
-            now = self.instant(theta, end)
-            return None, _rounded(State(end, now.dx, now.v, now.a, now.v_error * self.K.rate, *now[-2:]))
-        here = search._moved(after, T, found.sigma)
-        kind = TOUCH if found.touch else CONTACT
-        arrival = Arrival(kind, found.wall.boundary, here.tau, here.dx, found.wall.v, here.a, *here[5:])
-        return arrival, _rounded(state)
+            return None, _rounded(self._state(theta, state.tau + steps.H))
+        return steps.arrival(after, taken, found), _rounded(state)
 
-    def _search(self, step: float) -> Backward:
-        if step not in self._searches:
+    def _state(self, theta: Any, tau: Any) -> State:
+        now = self.instant(theta, tau)
+        return State(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
+
+    def _steps_of(self, step: float) -> Steps:
+        if step not in self._steps:
             where, context = self.place, self.context
-            self._searches[step] = Backward(self.K, where.boundary, where.domain, context, context.eps, step)
-        return self._searches[step]
+            self._steps[step] = Steps(self.K, where.boundary, where.domain, context, context.eps, step)
+        return self._steps[step]
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
         """Return how many digits behind the point a polished arrival lacks."""

@@ -53,6 +53,8 @@ class GrazingStart:
         Whether the flow only touches that belt, as far as twice the working precision tells.
     t_m, x_m, theta_m : number
         The tangency. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
+    undecided : bool
+        Whether the search ended before it was known where the flow came from; the reason tells how.
     start : dict
         t0, x0 and v0 of the point as exact numbers that `simulate` takes: ``simulate(p, **found.start, t_end=...)``.
     """
@@ -70,6 +72,7 @@ class GrazingStart:
     x_m: Any
     theta_m: Any
     start: dict[str, Any]
+    undecided: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entries as text and booleans."""
@@ -226,6 +229,7 @@ def _result(
         x_m=out(x_m),
         theta_m=out(theta_m),
         start={} if nowhere else texts,
+        undecided=nowhere and arrival.kind != NEVER,
     )
 
 

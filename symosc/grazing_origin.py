@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,9 +10,8 @@ from symosc.backward import (
     LONG,
     MOST_STEPS,
     REACHED,
-    STEP,
     Arrival,
-    Backward,
+    Search,
     State,
 )
 from symosc.errors import ParameterError
@@ -22,7 +20,6 @@ from symosc.grazing_flight import LOOK_STEPS, Flights
 from symosc.model import Parameters
 from symosc.windows import check_parameters, place
 
-EPS = 2.0**-53
 # How far back a start is looked for, in periods of the excitation.
 PERIODS = 100
 # Digits of the first look at a step that is open; the second look has twice as many.
@@ -53,7 +50,7 @@ class Origins:
         if check_parameters(p).k == 0:
             raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
         self.p, self.mapping, self.place, self.K = p, mapping, where, constants(p)
-        self._search = Backward(self.K, where.boundary, where.domain, math, EPS)
+        self._search = Search(self.K, where.boundary, where.domain)
         self._flights: dict[int, Flights] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
