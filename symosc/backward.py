@@ -45,7 +45,7 @@ CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "ne
 
 EPS = 2.0**-53
 # Length of a step, times the largest rate of the system.
-STEP = 0.5
+STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
 ROUNDING = 8
 # What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.

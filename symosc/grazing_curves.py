@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import cos, exp, inf, pi, sin
 from typing import Any
 
 import numpy as np
 
-from symosc.backward import CONTACT, MOST_STEPS, NEVER, STEP, TOUCH
+from symosc.backward import CONTACT, MOST_STEPS, NEVER, STEP, TOUCH, Arrival
 from symosc.errors import ParameterError
 from symosc.grazing import grazing_window
 from symosc.grazing_origin import Origins
@@ -35,12 +36,20 @@ POINTS = 400
 LEAST_POINTS, MOST_POINTS = 8, 20_000
 PIECE_POINTS = 33
 # The work of a curve, in steps of all its searches; when it is used up, each search has LEAST_STEPS left.
-MOST_CURVE_STEPS, LEAST_STEPS = 60_000, 100
+MOST_CURVE_STEPS, LEAST_STEPS = 60_000, 50
+# Digits with which a contact that doubles leave open is looked at.
+CURVE_DIGITS = 30
 LARGEST_EXPONENT = 700.0
+# At |k v_lambda| = |B0| Omega, G^(1) below this part of its terms is that of the tangency of fourth order.
+QUARTIC = 1e-13
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 HALVINGS = 50
+# ... but not where the search ends in one of them: that is no end of the curve.
+ROUGH_HALVINGS = 8
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
 STRIDE = 0.2
+# ... unless the slopes explain it, but for this part of it ...
+AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
 JUMP = 1e-3
 # Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
@@ -144,11 +153,25 @@ class Tracer:
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.p, self.mapping)
 
+    def _is_quartic(self, theta_m: float) -> bool:
+        """Return whether a phase is that of the tangency of fourth order, to the digits of a double."""
+        p, level = self.p, self.K.w0sq * self.v
+        equal = abs(p.k * p.belt(self.place.boundary)) == abs(p.B0 * p.Omega)
+        return equal and abs(level + self.K.fB * sin(theta_m)) <= QUARTIC * abs(level)
+
+    @cached_property
+    def _autonomous(self) -> Arrival:
+        return self.origins.arrival(0.0)
+
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` a contact may stay open, as a touch."""
         K = self.K
         steps = max(LEAST_STEPS, min(MOST_STEPS, self.steps_left))
-        arrival = self.origins.arrival(theta_m, careful=careful, most_steps=steps)
+        if self.p.B0 == 0:  # every phase has the same flight
+            arrival = self._autonomous
+        else:
+            order = 3 if self._is_quartic(theta_m) else 1
+            arrival = self.origins.arrival(theta_m, order, careful=careful, digits=CURVE_DIGITS, looks=1, most_steps=steps)
         self.steps_left -= int(arrival.tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
         if arrival.kind not in (CONTACT, TOUCH):
@@ -156,7 +179,10 @@ class Tracer:
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(arrival.tau, K)
         growth = exp(min(K.cm * arrival.tau, LARGEST_EXPONENT))
-        slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
+        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
+            slope_theta = 1.0
+        else:
+            slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
         origin = OWN if arrival.boundary == self.place.boundary else OTHER
         is_open = not careful and arrival.kind == TOUCH
@@ -232,6 +258,9 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
+        if _needs_middle(run[-1], ahead[-1]):
+            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+            continue
         edges = _edge(tracer, run[-1], ahead[-1])
         if edges is None:
             run.append(ahead.pop())
@@ -257,17 +286,32 @@ def _joined(runs: list[Run]) -> list[Run]:
     return [*runs[1:-1], both]
 
 
+def _continuous(left: Sample, right: Sample) -> bool:
+    """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
+    change = right.theta - left.theta
+    expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
+    return not abs(change) > STRIDE or abs(change - expected) <= AGREEMENT * abs(change)
+
+
+def _needs_middle(left: Sample, right: Sample) -> bool:
+    """Return whether a steep stretch of the curve needs another sample."""
+    if not left.origin == right.origin == OWN or _continuous(left, right):
+        return False
+    return right.theta_m - left.theta_m > FINEST
+
+
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
     """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
 
     That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
     there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     """
-    if left.origin == right.origin and not abs(right.theta - left.theta) > STRIDE:
+    if left.origin == right.origin and _continuous(left, right):
         return None
     lefts: list[Sample] = []
     rights = [right]
-    for _ in range(HALVINGS):
+    unknown = UNKNOWN in (left.origin, right.origin)
+    for _ in range(ROUGH_HALVINGS if unknown else HALVINGS):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break

@@ -26,7 +26,7 @@ from symosc.numerics import MpArithmetic
 from symosc.windows import place
 
 # A step that is open is looked at again, with another length: it is no accident of where steps and intervals end.
-LOOK_STEPS = (0.61, 0.77)
+LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
 ROUNDING = 2**10
 MOST_NEWTON = 60

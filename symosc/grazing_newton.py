@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.backward import TOUCH
 from symosc.exact import read_exact
 from symosc.grazing_curves import OWN, CurveEnd, CurvePiece, GrazingCurve, Sample
 from symosc.grazing_flight import Flights
+from symosc.grazing_origin import PERIODS
 
 # Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
 SPARE_DIGITS = 40
@@ -23,6 +25,8 @@ MOST_NEWTON = 20
 HALVINGS = 60
 # A flight at the end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
 ENDLESS = 1e-4
+# The reason of an end where the search ended (`symosc.grazing_curves`).
+SEARCH_ENDS = "(within the search)"
 # Solutions nearer to each other than this are one.
 SAME = 1e-15
 
@@ -172,6 +176,10 @@ class Candidates:
             if middle is None:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
+        solution = self._among_touches(guess[0], target)
+        if solution is not None and self._lies_between(solution, first, last):
+            self._add(*solution)
+            return
         self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
 
     def _touching(self, first: Point, turn: Point, last: Point, target: Any) -> None:
@@ -217,6 +225,27 @@ class Candidates:
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
         return None
 
+    def _among_touches(self, theta_m: float, target: Any) -> tuple[Any, Any] | None:
+        """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
+        flights, origins = self.flights, self.curve._source.origins
+        phase = Fraction(theta_m)
+        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * PERIODS, flights.digits)
+        if arrival.kind != TOUCH:
+            return None
+        theta, tau = flights.number(phase), flights.number(arrival.tau)
+        for _ in range(MOST_NEWTON):
+            now = flights.instant(theta, tau)
+            if self.name == "x_i":
+                rest, by_theta = flights.contact(theta) + now.dx - target, now.x_theta
+            else:
+                rest, by_theta = theta - flights.K.Om * tau - target, 1
+            if by_theta == 0:
+                return None
+            theta -= rest / by_theta
+            if abs(rest / by_theta) <= flights.context.eps * 100:
+                return theta, tau
+        return None
+
     def _lies_between(self, solution: tuple[Any, Any], first: Point, last: Point, more: float = 0.0) -> bool:
         """Return whether theta_m and tau of a solution lie between those of two points, with some room."""
         theta, tau = map(float, solution)
@@ -240,12 +269,14 @@ class Candidates:
         if end.reason in ("end of the window", "closed"):
             return
         index = 0 if end is piece.low else -1
+        if end.reason.endswith(SEARCH_ENDS):
+            self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
+            return
         if abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < ENDLESS:
             return
         if self.name == "x_i" and not abs(float(self.target)) > abs(point.value):
             return
-        what = "more solutions" if self.name == "theta_i" else "solutions of that size"
         self.notes.append(
-            f"at theta_m = {end.theta_m:.12g} the curve goes on for ever, beyond theta = {piece.theta[index]:.6g}, "
-            f"x = {piece.x[index]:.6g}; {what} lie nearer to that phase than doubles tell and are left out"
+            f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
+            f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles tell"
         )

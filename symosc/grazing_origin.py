@@ -69,6 +69,7 @@ class Origins:
         far: float | None = None,
         careful: bool = True,
         digits: int = LOOK_DIGITS,
+        looks: int = len(LOOK_STEPS),
         most_steps: int = MOST_STEPS,
     ) -> Arrival:
         """Return where the flow into the tangency at an exact angle (or a float) came from, in double precision.
@@ -83,21 +84,22 @@ class Origins:
         careful : bool
             Whether to look with more digits at what is open; otherwise it is a touch.
         digits : int
-            Digits of the first look.
+            Digits of the first look at what is open; the second look has twice as many.
+        looks : int
         most_steps : int
         """
         far = PERIODS * self.K.period if far is None else far
-        look = self._look(angle, order, digits) if careful else None
+        look = self._look(angle, order, digits, looks) if careful else None
         return self._search.run(float(angle), order, far, look, most_steps)
 
-    def _look(self, angle: Any, order: int, digits: int) -> Callable[[float], tuple[Arrival | None, State]]:
+    def _look(self, angle: Any, order: int, digits: int, looks: int) -> Callable[[float], tuple[Arrival | None, State]]:
         left = MOST_LOOKS
 
         def look(tau: float) -> tuple[Arrival | None, State]:
             nonlocal left
             left -= 1
             arrival, state = None, self._search.begin(0.0)
-            for times, step in enumerate(LOOK_STEPS, start=1):
+            for times, step in enumerate(LOOK_STEPS[:looks], start=1):
                 flights = self.flights(times * digits)
                 arrival, state = flights.look(flights.number(angle), order, tau, step)
                 if arrival is None or arrival.kind == CONTACT:

@@ -25,6 +25,7 @@ from symosc.windows import check_count, check_parameters, place
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 # Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
 CLOSE = 100
+MOST_NOTES = 3
 
 
 class GrazingSolutions(list[GrazingStart]):
@@ -141,6 +142,8 @@ def _on_curve(window: GrazingWindow, name: str, value: Any, n: int, digits: int 
     complete = not notes
     if not found and complete:
         notes.append(candidates.why_none())
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
     return GrazingSolutions(found, complete, "; ".join(notes))
 
 
