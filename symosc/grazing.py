@@ -323,7 +323,7 @@ def _read_phase(theta: Any) -> Any:
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
         return Fraction(float(theta))
-    if hasattr(theta, "free_symbols") and not theta.is_Rational and not theta.is_Float:
+    if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
         from symosc.symbolic.theorem7 import real

@@ -59,7 +59,8 @@ def place(mapping: str) -> Place:
 def check_parameters(p: Any) -> Parameters:
     """Return `p` if it is a set of parameters."""
     if not isinstance(p, Parameters):
-        raise ParameterError("p", p, "must be Parameters; those of a scene are load_scene(name).parameters")
+        shown = p if isinstance(p, str | int | float | None) else type(p).__name__
+        raise ParameterError("p", shown, "must be Parameters; those of a scene are load_scene(name).parameters")
     return p
 
 
