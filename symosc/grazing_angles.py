@@ -12,7 +12,6 @@ import numpy as np
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
 
-
 # Longer texts are no angles that somebody means.
 LONGEST_TEXT = 200
 
@@ -37,13 +36,18 @@ def read_angle(name: str, value: Any) -> Any:
         except (sympy.SympifyError, TypeError, SyntaxError, ValueError, AttributeError):
             raise ParameterError(name, value, forms) from None
     if getattr(value, "is_Float", None) is False and not value.is_Rational:  # sympy's, and no plain number
-        if not hasattr(value, "is_real") or value.free_symbols or value.is_real is False or not value.is_number or not value.evalf().is_Float:
+        if not _is_real_constant(value):
             raise ParameterError(name, value, forms)
         return value
     try:
         return read_exact(name, value)
     except ParameterError as error:
         raise ParameterError(name, value, error.allowed if "finite" in error.allowed else forms) from None
+
+
+def _is_real_constant(value: Any) -> bool:
+    plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
+    return bool(plain and value.is_real is not False and value.evalf().is_Float)
 
 
 def number_of(value: Any, context: Any) -> Any:

@@ -125,8 +125,8 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     Raises
     ------
     ParameterError
-        For a mapping without grazing, for an n or seed out of range, and where there is no isolated contact to check: k = 0 (F = 0 fixes
-        the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+        For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
+        k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
     """
     n, seed = check_count("n", n, 1, MOST_PHASES), check_count("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()

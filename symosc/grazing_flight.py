@@ -15,7 +15,6 @@ with G1 = G^(1) at the tangency and v, a the state at the point: at a fixed time
 
 from __future__ import annotations
 
-from math import log10
 from typing import Any, NamedTuple
 
 from symosc.backward import CONTACT, LARGE, LONG, NEVER, REACHED, STEP, TOUCH, Arrival, State, Steps
@@ -29,7 +28,7 @@ from symosc.windows import place
 LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
 ROUNDING = 2**10
-MOST_NEWTON = 60
+MOST_NEWTON = 200
 # How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
 NEAR = 1e-3
 
@@ -129,7 +128,7 @@ class Flights:
             if before is not None and abs(shift) >= before and abs(shift) < self.context.eps**0.75 * abs(tau):
                 return tau
             before = abs(shift)
-        return tau
+        return None
 
     # -- judging -----------------------------------------------------------------------------------------------------
 

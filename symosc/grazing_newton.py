@@ -15,9 +15,10 @@ import numpy as np
 
 from symosc.backward import TOUCH
 from symosc.exact import read_exact
-from symosc.grazing_curves import OWN, CurveEnd, CurvePiece, GrazingCurve, Sample
+from symosc.grazing_curves import CurveEnd, CurvePiece, GrazingCurve
 from symosc.grazing_flight import Flights
 from symosc.grazing_origin import PERIODS
+from symosc.grazing_tracer import OWN, Sample
 
 # Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
 SPARE_DIGITS = 40
@@ -32,7 +33,7 @@ SAME = 1e-15
 
 
 class Point(NamedTuple):
-    """A point of the curve: the phase of the tangency, the value that is asked for, its slope, and the flight's time."""
+    """A point of the curve: the tangency's phase, the value that is asked for, its slope, and the flight's time."""
 
     theta_m: float
     value: float
@@ -144,7 +145,7 @@ class Candidates:
     def _extremum(self, first: Point, last: Point) -> Point | None:
         """Return the extremum between neighbours whose slopes differ in sign; None where the curve breaks."""
         for _ in range(HALVINGS):
-            middle = self._sampled(0.5 * (first.theta_m + last.theta_m), first, last)
+            middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
             if middle is None:
                 return None
             if not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
@@ -154,7 +155,7 @@ class Candidates:
                 break
         return first
 
-    def _sampled(self, theta_m: float, first: Point, last: Point) -> Point | None:
+    def _sampled(self, theta_m: float) -> Point | None:
         sample = self.curve.sample(theta_m)
         return self._point(sample) if sample.origin == OWN else None
 
@@ -166,17 +167,17 @@ class Candidates:
         for _ in range(HALVINGS):
             gaps = first.value - wanted, last.value - wanted
             part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
-            guess = [a + part * (b - a) for a, b in ((first.theta_m, last.theta_m), (first.tau, last.tau))]
-            solution = self._newton(*guess, target)
+            theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
+            solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
             if solution is not None and self._lies_between(solution, first, last):
                 self._add(*solution)
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
-            middle = self._sampled(theta_m, first, last) if first.theta_m < theta_m < last.theta_m else None
+            middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
             if middle is None:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
-        solution = self._among_touches(guess[0], target)
+        solution = self._among_touches(theta_m, target)
         if solution is not None and self._lies_between(solution, first, last):
             self._add(*solution)
             return

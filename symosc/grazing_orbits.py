@@ -242,7 +242,7 @@ def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | 
     if arrival.kind == REACHED:
         return f"the flow met no belt in the {periods:g} periods before; ask for more with periods="
     if arrival.kind == LARGE:
-        return f"the search ended at t = {t:.6g}: backward from there the velocity exceeds {HUGE:g}, and no belt was met"
+        return f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met"
     if arrival.kind == LONG:
         return f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met"
     if arrival.kind == OPEN:

@@ -74,6 +74,8 @@ class Origins:
     ) -> Arrival:
         """Return where the flow into the tangency at an exact angle (or a float) came from, in double precision.
 
+        What was looked at with more digits keeps them.
+
         Parameters
         ----------
         angle : float, Fraction or sympy constant
@@ -106,13 +108,11 @@ class Origins:
                     break
             if arrival is None:
                 return (None, state) if left else (Arrival(LONG, 0, *state[:4], *state[5:]), state)
-            return Arrival(arrival.kind, arrival.boundary, *map(float, arrival[2:])), state
+            return arrival, state
 
         return look
 
-    def exact(
-        self, angle: Any, order: int, far: Callable[[Flights], Any], wanted: int
-    ) -> tuple[Arrival, Flights]:
+    def exact(self, angle: Any, order: int, far: Callable[[Flights], Any], wanted: int) -> tuple[Arrival, Flights]:
         """Return where the flow came from with `wanted` digits behind the point, and the flights that it is one of.
 
         Parameters

@@ -36,6 +36,14 @@ class WindowColumns(NamedTuple):
     high: np.ndarray
     theta_cr: np.ndarray
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, WindowColumns):
+            return False
+        return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in zip(self, other, strict=True))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
 
 def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
@@ -86,7 +94,9 @@ def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
     except ValueError:
         shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
-        raise ParameterError("swept", shapes, "the shapes must be equal, or broadcast to one as numpy does it") from None
+        raise ParameterError(
+            "swept", shapes, "the shapes must be equal, or broadcast to one as numpy does it"
+        ) from None
 
 
 def _float_array(name: str, values: Any) -> np.ndarray:

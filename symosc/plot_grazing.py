@@ -21,7 +21,17 @@ from symosc.grazing import GrazingWindow, grazing_window
 from symosc.grazing_sweep import WindowColumns, grazing_windows
 from symosc.model import Parameters
 from symosc.plot import STYLE
-from symosc.windows import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, HALF_PI, THREE_HALVES_PI, WRAPPED_ARC, check_parameters, place
+from symosc.windows import (
+    ALL_BUT_ONE,
+    ARC,
+    EMPTY,
+    EVERYTHING,
+    HALF_PI,
+    THREE_HALVES_PI,
+    WRAPPED_ARC,
+    check_parameters,
+    place,
+)
 
 INSIDE, SHADE, OUTSIDE, CRITICAL = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 TURN = 2 * pi

@@ -11,7 +11,6 @@ Scalar arithmetic only: this source runs as CPython floats and compiled by numba
 from __future__ import annotations
 
 from math import frexp, ldexp, nan, sqrt
-from numbers import Integral
 from typing import Any, NamedTuple
 
 from symosc.errors import ParameterError
@@ -66,7 +65,8 @@ def check_parameters(p: Any) -> Parameters:
 
 def check_count(name: str, value: Any, least: int, most: int) -> int:
     """Return a whole number within limits; numpy's integers are such numbers, True is none."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most:
+    whole = hasattr(value, "__index__") and type(value).__name__ not in ("bool", "bool_", "ndarray")
+    if not whole or not least <= int(value) <= most:
         raise ParameterError(name, value, f"must be a whole number from {least} to {most}")
     return int(value)
 
