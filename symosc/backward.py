@@ -50,8 +50,8 @@ STEP = 1.0
 ROUNDING = 8
 # What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
 CLEAR = 1e-9
-# Velocities that are no longer followed: doubles end not far above.
-HUGE = 1e250
+# Velocities that are no longer followed: nothing can be simulated from there.
+HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_STEPS = 20_000
 
@@ -273,11 +273,15 @@ class Search(Steps):
                 return self.arrival(state, step, found)
             if state.tau > 0 and self._never_came(theta, state):
                 return _ended(NEVER, state)
-            dv, a, dx = step.end
-            state = self._at(state, self.H, dv, a, dx)
+            state = self.ended(state, step)
             if abs(state.v) > HUGE:
                 return _ended(LARGE, state)
         return _ended(LONG, state)
+
+    def ended(self, state: State, step: Step) -> State:
+        """Return the state at the end of a step."""
+        dv, a, dx = step.end
+        return self._at(state, self.H, dv, a, dx)
 
     def _reached(self, theta: float, order: int, state: State, tau_max: float) -> Arrival:
         """Return the end of the search, reached on the step from a state."""

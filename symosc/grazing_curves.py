@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from symosc.grazing import grazing_window
+from symosc.grazing_origin import Origins
 from symosc.grazing_tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
 from symosc.model import Parameters
 from symosc.windows import check_count
@@ -107,6 +108,11 @@ class GrazingCurve:
     def sample(self, theta_m: float) -> Sample:
         """Return the sample at any phase of the window, computed anew."""
         return self._source.sample(theta_m)
+
+    @property
+    def origins(self) -> Origins:
+        """The searches that the samples come from."""
+        return self._source.origins
 
 
 def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:

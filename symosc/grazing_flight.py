@@ -136,13 +136,14 @@ class Flights:
         """Judge a step of a search in double precision that begins at tau; see `symosc.backward.Search.run`."""
         steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
-        state = self._state(theta, tau - back) if tau > back else steps.begin(0 * theta)
+        state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
         found, taken, after = steps.over(theta, order, state)
         if found is None:
-            return None, _rounded(self._state(theta, state.tau + steps.H))
-        return steps.arrival(after, taken, found), _rounded(state)
+            return None, rounded(self.state(theta, state.tau + steps.H))
+        return steps.arrival(after, taken, found), rounded(state)
 
-    def _state(self, theta: Any, tau: Any) -> State:
+    def state(self, theta: Any, tau: Any) -> State:
+        """Return the flight as the state of a search."""
         now = self.instant(theta, tau)
         return State(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
 
@@ -163,7 +164,7 @@ class Flights:
         return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
 
 
-def _rounded(state: State) -> State:
+def rounded(state: State) -> State:
     """Return a state in doubles, with the errors that rounding it adds."""
     eps = 2.0**-53
     tau, dx, v, a, energy_error, v_error, x_error = map(float, state)

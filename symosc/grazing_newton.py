@@ -18,7 +18,7 @@ from symosc.exact import read_exact
 from symosc.grazing_curves import CurveEnd, CurvePiece, GrazingCurve
 from symosc.grazing_flight import Flights
 from symosc.grazing_origin import PERIODS
-from symosc.grazing_tracer import OWN, Sample
+from symosc.grazing_tracer import OWN, UNKNOWN, Sample
 
 # Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
 SPARE_DIGITS = 40
@@ -54,12 +54,16 @@ class Candidates:
 
     def __init__(self, curve: GrazingCurve, name: str, value: Any, digits: int) -> None:
         self.curve, self.name, self.K = curve, name, curve._source.K
-        self.flights: Flights = curve._source.origins.flights(digits + SPARE_DIGITS)
+        self.flights: Flights = curve.origins.flights(digits + SPARE_DIGITS)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
+        self._broken: set[Point] = set()
         self._solutions: list[tuple[Any, Any]] = []
         for piece in curve.pieces:
             self._on_piece(piece)
+        for low, high, origin in curve.gaps:
+            if origin == UNKNOWN:
+                self.notes.append(f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search")
 
     @property
     def phases(self) -> list[Fraction]:
@@ -165,6 +169,8 @@ class Candidates:
         """Look up the solution between two points on both sides of the target."""
         wanted = float(target)
         for _ in range(HALVINGS):
+            if first in self._broken:
+                return
             gaps = first.value - wanted, last.value - wanted
             part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
             theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
@@ -177,10 +183,12 @@ class Candidates:
             if middle is None:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
-        solution = self._among_touches(theta_m, target)
-        if solution is not None and self._lies_between(solution, first, last):
-            self._add(*solution)
-            return
+        if self.curve.sample(theta_m).slope_theta == 1.0:  # a touch
+            solution = self._among_touches(theta_m, target)
+            if solution is not None and self._lies_between(solution, first, last):
+                self._add(*solution)
+                return
+        self._broken.add(first)
         self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
 
     def _touching(self, first: Point, turn: Point, last: Point, target: Any) -> None:
@@ -228,7 +236,7 @@ class Candidates:
 
     def _among_touches(self, theta_m: float, target: Any) -> tuple[Any, Any] | None:
         """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
-        flights, origins = self.flights, self.curve._source.origins
+        flights, origins = self.flights, self.curve.origins
         phase = Fraction(theta_m)
         arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * PERIODS, flights.digits)
         if arrival.kind != TOUCH:

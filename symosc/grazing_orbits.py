@@ -117,10 +117,21 @@ def grazing_start(
     """
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)
-    order = order_at(p, mapping, angle)
-    wanted = check_digits(digits) or DEFAULT_DIGITS
     until = None if t0 is None else read_exact("t0", t0)
-    periods = _check_periods(periods)
+    return start_of(origins, time, angle, until, check_digits(digits), _check_periods(periods))
+
+
+def start_of(
+    origins: Origins,
+    time: Any,
+    angle: Any,
+    until: Fraction | None = None,
+    digits: int | None = None,
+    periods: float = PERIODS,
+) -> GrazingStart:
+    """Return what `grazing_start` returns, for an exact time and phase and checked arguments."""
+    order = order_at(origins.p, origins.mapping, angle)
+    wanted = digits or DEFAULT_DIGITS
 
     def far(flights: Flights) -> Any:
         if until is None:
@@ -128,9 +139,9 @@ def grazing_start(
         return flights.number(time) - flights.number(until)
 
     if far(origins.flights(wanted + 20)) <= 0:
-        raise ParameterError("t0", t0, f"must be earlier than t_m = {float(time)!r}")
+        raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
     arrival, flights = origins.exact(angle, order, far, wanted)
-    return _result(arrival, flights, mapping, time, angle, until is not None, digits, periods)
+    return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
 
 
 def check_digits(digits: Any) -> int | None:

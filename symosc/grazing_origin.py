@@ -16,7 +16,7 @@ from symosc.backward import (
 )
 from symosc.errors import ParameterError
 from symosc.flow import constants
-from symosc.grazing_flight import LOOK_STEPS, Flights
+from symosc.grazing_flight import LOOK_STEPS, Flights, rounded
 from symosc.model import Parameters
 from symosc.windows import check_parameters, place
 
@@ -99,8 +99,16 @@ class Origins:
 
         def look(tau: float) -> tuple[Arrival | None, State]:
             nonlocal left
-            left -= 1
             arrival, state = None, self._search.begin(0.0)
+            if tau > 0:  # often it is only the bound of the error that has grown
+                flights = self.flights(digits)
+                fresh = rounded(flights.state(flights.number(angle), tau))
+                found, step_taken, after = self._search.over(float(angle), order, fresh)
+                if found is None:
+                    return None, self._search.ended(after, step_taken)
+                if not found.touch:
+                    return self._search.arrival(after, step_taken, found), fresh
+            left -= 1
             for times, step in enumerate(LOOK_STEPS[:looks], start=1):
                 flights = self.flights(times * digits)
                 arrival, state = flights.look(flights.number(angle), order, tau, step)

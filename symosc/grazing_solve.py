@@ -14,10 +14,10 @@ from typing import Any
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing import GrazingWindow, grazing_window
-from symosc.grazing_angles import number_of, phase_of, read_phase
+from symosc.grazing_angles import number_of, phase_of, read_phase, times
 from symosc.grazing_curves import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curve
 from symosc.grazing_newton import Candidates
-from symosc.grazing_orbits import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start
+from symosc.grazing_orbits import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
 from symosc.model import Parameters
 from symosc.numerics import mp_context
 from symosc.windows import check_count, check_parameters, place
@@ -127,13 +127,14 @@ def _phases_of_contact(p: Parameters, mapping: str, value: Any) -> list[Any]:
 def _on_curve(window: GrazingWindow, name: str, value: Any, n: int, digits: int | None) -> GrazingSolutions:
     """Return the starts on the grazing curve that have a value of x_i or theta_i."""
     p, mapping = window.parameters, window.mapping
-    candidates = Candidates(grazing_curve(p, mapping, n), name, value, digits or DEFAULT_DIGITS)
+    curve = grazing_curve(p, mapping, n)
+    candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
     found: list[GrazingStart] = []
     notes = list(candidates.notes)
     for phase in candidates.phases:
         if not window.contains(phase):
             continue
-        start = grazing_start(p, mapping, phase, digits=digits)
+        start = start_of(curve.origins, times(phase, 1 / p.Omega), phase, digits=digits)
         if start.found and has_value(start, p, name, value, digits or DEFAULT_DIGITS):
             found.append(start)
         else:

@@ -22,7 +22,7 @@ from symosc.kernels.entire import basis
 from symosc.model import Parameters
 
 # The work of a curve, in steps of all its searches; when it is used up, each search has LEAST_STEPS left.
-MOST_CURVE_STEPS, LEAST_STEPS = 60_000, 50
+MOST_CURVE_STEPS, LEAST_STEPS = 40_000, 50
 # Digits with which a contact that doubles leave open is looked at.
 CURVE_DIGITS = 30
 LARGEST_EXPONENT = 700.0

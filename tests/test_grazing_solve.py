@@ -208,6 +208,17 @@ def test_answers_say_why_there_is_none() -> None:
     assert "touches belt 1" in elsewhere.message
 
 
+def test_what_was_not_searched_is_said() -> None:
+    """Just below critical damping all flights are so long that their starts are beyond any bound."""
+    p = Parameters(
+        m="2.7", c="5.93999999406", k="3.267", A0="-2.587", B0="-1.78", Omega="1.178", v1="-1.419", v2="-0.945",
+        mu1="0.399", mu2="0.118", FN="7.979",
+    )  # fmt: skip
+    found = solve_grazing(p, "P6", x_i="2.59", n=20)
+    assert (found, found.complete) == ([], False)
+    assert "longer than the search" in found.message
+
+
 def test_the_work_is_bounded() -> None:
     slow = Parameters(m=1, c=0, k=1, A0=0, B0="0.001", Omega="0.0001", v1=0, v2=2, mu1=0, mu2=0, FN=1)
     begin = time.process_time()
