@@ -242,3 +242,9 @@ def test_results_compare_and_pickle() -> None:
     curve = pickle.loads(pickle.dumps(grazing_curve(p, "P5", 20)))
     assert curve.sample(5.0) == grazing_curve(p, "P5", 20).sample(5.0)
     assert curve != grazing_curve(p, "P5", 21)
+
+
+def test_a_touch_is_looked_at_with_twice_the_digits() -> None:
+    p = FREE.replace(k=1, Omega=1, c=Fraction(1, 10**70))
+    assert grazing_start(p, "P2", 1).touch is False  # 60 digits leave it open
+    assert grazing_start(p.replace(c=Fraction(1, 10**200)), "P2", 1).touch is True
