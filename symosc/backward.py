@@ -1,4 +1,4 @@
-"""Backward in time from a tangency to the boundary that the flow came from, guaranteed: no contact is passed over.
+"""Backward in time from a tangency to the boundary that the flow came from: no contact is passed over.
 
 Why nothing can be missed
 -------------------------
@@ -14,39 +14,46 @@ hence over a step H, with y = v^(n) and y' = v^(n+1) taken at its beginning,
 
 which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the largest rate), so
 the remainder is below the rounding error. On each step the gap to a wall is that polynomial, known within `noise`:
-remainder, rounding, and the errors of all steps before, which grow like the energy. If its Bernstein coefficients all
-exceed the noise there is no contact; if they change sign exactly once, whatever the noise, there is exactly one, from
-which Newton's method starts; otherwise the interval is divided. What is still open at the smallest width is a touch as
-far as this precision tells. At the tangency where the search starts, the known root is divided out of the polynomial.
+remainder, rounding, and the errors of all steps before, which grow like the energy. `symosc.grazing_roots` finds its
+first root. At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in
+real arithmetic; what rounding may add to them (ROUNDING) was measured.
+
+A contact that the noise leaves open is a touch as far as this precision tells. A search in double precision hands such
+a step to one with more digits (`look`), and goes on from there as if it had just begun.
 
 A flight that never met a wall is recognised where that can happen at all, in an over- or critically damped system: by
 a transient that runs away from the only wall for ever (`never_came`). An underdamped transient that grows comes back.
 
-The functions are scalar and run on floats and on mpmath numbers; `functions` is `math` or an mpmath context.
+Steps run on floats and on mpmath numbers (`Steps`); searches over many steps on floats (`Search`).
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
-from math import comb
+import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from symosc.flow import Constants
+from symosc.grazing_roots import bernstein, first_root
 from symosc.kernels._generated import next_derivative
 
-# What a search ends with.
-CONTACT, TOUCH, REACHED, NEVER = "contact", "touch", "reached", "never"
+# What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
+# met a wall; velocities beyond HUGE; all steps used up.
+CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 
+EPS = 2.0**-53
 # Length of a step, times the largest rate of the system.
-STEP = 0.5
+STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
 ROUNDING = 8
-# Where an interval is divided: not a fraction at which roots like to be.
-CUT = 0.4831
-# Newton's method halves its bracket at worst: enough for thousands of digits.
-MOST_STEPS = 20_000
 # What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
 CLEAR = 1e-9
+# Velocities that are no longer followed: nothing can be simulated from there.
+HUGE = 1e100
+# The work of a search: more than 100 periods at the fastest drive, and less than a second.
+MOST_STEPS = 20_000
 
 
 class Arrival(NamedTuple):
@@ -70,104 +77,245 @@ class Wall(NamedTuple):
     inward: int
 
 
+class State(NamedTuple):
+    """A flight `tau` before the tangency, with the bounds of its errors."""
+
+    tau: Any
+    dx: Any
+    v: Any
+    a: Any
+    energy_error: Any
+    v_error: Any
+    x_error: Any
+
+
+class Found(NamedTuple):
+    """A contact on a step: at its part `sigma`, with which wall, and whether it is open (a touch)."""
+
+    touch: bool
+    sigma: Any
+    wall: Wall
+
+
 def walls_of(domain: int, K: Constants) -> list[Wall]:
     """Return the walls of domain 1, 2 or 3."""
     walls = [Wall(domain - 1, K.belt1.v if domain == 2 else K.belt2.v, 1)] if domain > 1 else []
     return walls + ([Wall(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
 
 
-def flow_back(
-    theta: Any,
-    order: int,
-    boundary: int,
-    domain: int,
-    tau_max: Any,
-    K: Constants,
-    functions: Any,
-    eps: Any,
-    step: float = STEP,
-) -> Arrival:
-    """Follow the flow backward from a tangency, to the first contact with a wall or over tau_max.
+class Step(NamedTuple):
+    """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
+
+    T: list[Any]
+    remainder: Any
+    low: Any
+    high: Any
+    end: tuple[Any, Any, Any]
+
+
+class Steps:
+    """Steps backward from tangencies of one system at one belt, in any arithmetic.
 
     Parameters
     ----------
-    theta : phase of the tangency.
-    order : order of the first G-function that does not vanish there, 1 or 3.
-    boundary, domain : the belt that is touched and the domain of the flow.
-    tau_max : time to search.
     K : Constants
-    functions, eps : arithmetic of `theta` and `K`, and its unit of rounding.
-    step : length of a step times K.rate.
+    boundary, domain : int
+        The belt that is touched and the domain of the flow.
+    functions, eps :
+        The arithmetic of `K`, and its unit of rounding.
+    step : float
+        Length of a step times K.rate.
     """
-    walls = walls_of(domain, K)
-    n = _degree(eps, step)
-    zero = 0 * theta
-    tau, dx, v, a = zero, zero, next(wall.v for wall in walls if wall.boundary == boundary), zero
-    energy_error, v_error, x_error = zero, zero, zero
-    while True:
-        H = step / K.rate
-        last = tau_max - tau <= H
-        if last:
-            H = tau_max - tau
-        angle = theta - K.Om * tau
-        s, c = functions.sin(angle), functions.cos(angle)
-        growth = functions.exp(K.cm * H)
-        T, remainder = taylor(v, a, s, c, H, n, growth, K, functions)
+
+    def __init__(self, K: Constants, boundary: int, domain: int, functions: Any, eps: Any, step: float) -> None:
+        self.K, self.boundary, self.functions, self.eps = K, boundary, functions, eps
+        self.domain, self.walls = domain, walls_of(domain, K)
+        self.v = next(wall.v for wall in self.walls if wall.boundary == boundary)
+        self.n, self.H = _degree(eps, step), step / K.rate
+        self.growth = functions.exp(K.cm * self.H)
+        # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
+        cm, w0sq, power = -K.cm * self.H, K.w0sq * self.H * self.H, K.fB * self.H * self.H
+        self.recurrence = []
+        for k in range(self.n):
+            power = power / (k + 2)
+            self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
+            power = power * K.Om * self.H
+        self.drive_remainder = abs(power)
+
+    def begin(self, zero: Any) -> State:
+        """Return the state at the tangency."""
+        return State(zero, zero, self.v + zero, zero, zero, zero, zero)
+
+    def over(self, theta: Any, order: int, state: State) -> tuple[Found | None, Step, State]:
+        """Return the first contact on the step from a state, the step, and the state with the errors at its end.
+
+        `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
+        """
+        K, H, eps = self.K, self.H, self.eps
+        tau, v, a = state.tau, state.v, state.a
+        step = self._step(v, a, *self.wave(theta, tau))
         rounding = ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + abs(K.fB) * (1 + abs(theta) + K.Om * tau)) * H * H)
-        energy_error = growth * energy_error + rounding / H
-        v_error = growth * v_error + H * energy_error + rounding + eps * abs(v)
+        energy_error = self.growth * state.energy_error + rounding / H
+        v_error = self.growth * state.v_error + H * energy_error + rounding + eps * abs(v)
         if K.w0 > 0:
             v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
         energy_error = max(energy_error, K.w0 * rounding)
         found = None
-        for wall in walls:
-            gap = [wall.inward * (T[0] - wall.v), *(wall.inward * term for term in T[1:])]
-            at_start = tau == 0 and wall.boundary == boundary
-            noise = remainder + (rounding if at_start else v_error)
-            touch, sigma = first_root(gap[order + 1 :] if at_start else gap, noise, eps)
-            if sigma is not None and (found is None or sigma < found[1]):
-                found = touch, sigma, wall
-        if found is None and tau > 0 and never_came(v, a, s, c, domain, walls, v_error, K):
-            return Arrival(NEVER, 0, tau, dx, v, a, v_error, x_error)
-        sigma = found[1] if found else 1 + zero
-        v_new, a_new, dx_new = at(T, sigma, H)
-        tau, dx, a = tau + sigma * H, dx + dx_new, a_new
-        x_error = x_error + H * v_error + eps * abs(dx)
-        if found:
-            return Arrival(TOUCH if found[0] else CONTACT, found[2].boundary, tau, dx, found[2].v, a, v_error, x_error)
-        v = v_new
-        if last:
-            return Arrival(REACHED, 0, tau_max, dx, v, a, v_error, x_error)
+        for wall in self.walls:
+            at_start = tau == 0 and wall.boundary == self.boundary
+            noise = step.remainder + (rounding if at_start else v_error)
+            if not at_start and (step.low - wall.v if wall.inward > 0 else wall.v - step.high) > noise:
+                continue
+            if at_start:
+                p = [wall.inward * term for term in step.T[order + 1 :]]
+            else:
+                p = [wall.inward * (v - wall.v), *(wall.inward * term for term in step.T[1:])]
+            touch, sigma = first_root(p, noise, eps)
+            if sigma is not None and (found is None or sigma < found.sigma):
+                found = Found(touch, sigma, wall)
+        return found, step, State(tau, state.dx, v, a, energy_error, v_error, state.x_error)
+
+    def wave(self, theta: Any, tau: Any) -> tuple[Any, Any]:
+        """Return sine and cosine of the phase tau before theta."""
+        angle = theta - self.K.Om * tau
+        return self.functions.sin(angle), self.functions.cos(angle)
+
+    def moved(self, state: State, step: Step, sigma: Any) -> State:
+        """Return the state at the part `sigma` of a step, whose errors are those at its end."""
+        dv, slope, area = at(step.T, sigma)
+        return self._at(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
+
+    def arrival(self, state: State, step: Step, found: Found) -> Arrival:
+        """Return the contact found on a step from a state."""
+        here = self.moved(state, step, found.sigma)
+        kind = TOUCH if found.touch else CONTACT
+        return Arrival(kind, found.wall.boundary, here.tau, here.dx, found.wall.v, here.a, here.v_error, here.x_error)
+
+    def _at(self, state: State, tau: Any, dv: Any, a: Any, dx: Any) -> State:
+        dx = state.dx + dx
+        x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
+        return State(state.tau + tau, dx, state.v + dv, a, state.energy_error, state.v_error, x_error)
+
+    def _taylor(self, v: Any, a: Any, s: Any, c: Any) -> list[Any]:
+        """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
+        sines = (s, -c, -s, c)  # (-d/dphase)^k sin
+        T = [v, -a * self.H]
+        for k, (power, cm, w0sq) in enumerate(self.recurrence):
+            T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
+        return T
+
+    def _remainder(self, behind: Any, last: Any) -> Any:
+        """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
+        return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (self.n + 1) + self.drive_remainder)
+
+    def _step(self, v: Any, a: Any, s: Any, c: Any) -> Step:
+        *T, behind = self._taylor(v, a, s, c)
+        spread = sum(map(abs, T[1:]))
+        return Step(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())  # type: ignore[arg-type]
 
 
-def taylor(
-    v: Any, a: Any, s: Any, c: Any, H: Any, n: int, growth: Any, K: Constants, functions: Any
-) -> tuple[list[Any], Any]:
-    """Return the Taylor coefficients of v over the part of a step H gone back, and the bound of the remainder."""
-    cm, w0sq = -K.cm * H, K.w0sq * H * H
-    drive, turn = K.fB * H * H, K.Om * H
-    sines = (s, -c, -s, c)  # (-d/dphase)^k sin
-    D = [v, -a * H]
-    power = drive
-    for k in range(n):
-        D.append(next_derivative(D[k + 1], D[k], power * sines[k % 4], cm, w0sq))
-        power = power * turn
-    terms, factorial = [], 1
-    for k in range(n + 1):
-        factorial *= max(k, 1)
-        terms.append(D[k] / factorial)
-    size = functions.sqrt(D[n + 1] * D[n + 1] + w0sq * D[n] * D[n]) + abs(power)
-    return terms, growth * size / (factorial * (n + 1))
+class Search(Steps):
+    """Searches of one system in double precision.
+
+    A step is linear in v, a and the sine and cosine of the phase: one product with a matrix gives its Taylor
+    coefficients, its Bernstein coefficients (less v) and the state at its end.
+    """
+
+    def __init__(self, K: Constants, boundary: int, domain: int) -> None:
+        super().__init__(K, boundary, domain, math, EPS, STEP)
+        columns = []
+        for i in range(4):
+            unit = [float(i == j) for j in range(4)]
+            *T, behind = self._taylor(*unit)
+            dv, slope, area = at(T, 1.0)
+            columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
+        self._matrix = np.array(columns).T.copy()
+
+    def _step(self, v: float, a: float, s: float, c: float) -> Step:
+        rows, n = (self._matrix @ np.array((v, a, s, c))).tolist(), self.n + 1
+        changes = rows[n + 1 : -3]
+        remainder = self._remainder(rows[n], rows[n - 1])
+        return Step(rows[:n], remainder, v + min(changes), v + max(changes), tuple(rows[-3:]))
+
+    def run(
+        self,
+        theta: float,
+        order: int,
+        tau_max: float,
+        look: Callable[[float], tuple[Arrival | None, State]] | None = None,
+        most_steps: int = MOST_STEPS,
+    ) -> Arrival:
+        """Follow the flow backward from the tangency at the phase theta, to the first contact or over tau_max.
+
+        Parameters
+        ----------
+        theta : float
+        order : int
+            Order of the first G-function that does not vanish there, 1 or 3.
+        tau_max : float
+            Time to search.
+        look : callable, optional
+            Judges with more digits what is open on the step that begins at a given time: returns the arrival there, or
+            None and the state behind. Without it what is open is a touch.
+        most_steps : int
+        """
+        state = self.begin(0.0)
+        for _ in range(most_steps):
+            found, step, state = self.over(theta, order, state)
+            if found and found.touch and look is not None and state.tau <= tau_max:
+                arrival, state = look(state.tau)
+                if arrival is None:
+                    continue
+                return arrival if arrival.tau <= tau_max else self._reached(theta, order, state, tau_max)
+            if state.tau + (found.sigma if found else 1.0) * self.H > tau_max:
+                return self._reached(theta, order, state, tau_max)
+            if found:
+                return self.arrival(state, step, found)
+            if state.tau > 0 and self._never_came(theta, state):
+                return _ended(NEVER, state)
+            state = self.ended(state, step)
+            if abs(state.v) > HUGE:
+                return _ended(LARGE, state)
+        return _ended(LONG, state)
+
+    def ended(self, state: State, step: Step) -> State:
+        """Return the state at the end of a step."""
+        dv, a, dx = step.end
+        return self._at(state, self.H, dv, a, dx)
+
+    def _reached(self, theta: float, order: int, state: State, tau_max: float) -> Arrival:
+        """Return the end of the search, reached on the step from a state."""
+        _, step, state = self.over(theta, order, state)
+        return _ended(REACHED, self.moved(state, step, (tau_max - state.tau) / self.H))
+
+    def _never_came(self, theta: float, state: State) -> bool:
+        """Return whether, going on backward from a state, no wall is met."""
+        K = self.K
+        if K.under or self.domain == 2:
+            return False
+        s, c = self.wave(theta, state.tau)
+        u = state.v - (K.Ss * s + K.Sc * c)
+        u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
+        # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
+        sign = self.walls[0].inward
+        away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
+        clear = K.V0 + state.v_error + CLEAR * (abs(state.v) + K.V0)
+        return bool(away and sign * (u - self.walls[0].v) > clear)
 
 
-def at(T: list[Any], sigma: Any, H: Any) -> tuple[Any, Any, Any]:
-    """Return v, a and the displacement at the part `sigma` of a step of length H backward."""
-    v = slope = area = 0 * sigma
+def _ended(kind: str, state: State) -> Arrival:
+    """Return an end of a search without a contact."""
+    return Arrival(kind, 0, state.tau, state.dx, state.v, state.a, state.v_error, state.x_error)
+
+
+def at(T: list[Any], sigma: Any) -> tuple[Any, Any, Any]:
+    """Return the change of a polynomial from 0 to sigma, its slope at sigma and its integral."""
+    change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
-        v = v * sigma + T[k]
+        slope = slope * sigma + change
+        change = change * sigma + (T[k] if k else 0)
         area = area * sigma + T[k] / (k + 1)
-        slope = slope * sigma + (k + 1) * T[k + 1] if k + 1 < len(T) else slope
-    return v, -slope / H, -H * sigma * area
+    return change, slope, sigma * area
 
 
 def _degree(eps: Any, step: float) -> int:
@@ -176,111 +324,3 @@ def _degree(eps: Any, step: float) -> int:
         n += 1
         term = term * step / n
     return n
-
-
-# -- the first root of a polynomial on [0, 1] ------------------------------------------------------------------------
-
-
-def first_root(p: list[Any], noise: Any, eps: Any) -> tuple[bool, Any]:
-    """Return (touch, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
-
-    `touch` says that the polynomial comes to 0 within the noise, and whether it passes is open.
-    """
-    if p[0] - sum(abs(term) for term in p[1:]) > noise:
-        return False, None
-    one = 1 + 0 * p[0]
-    narrowest = eps**0.5 / 16
-    stack = [(0 * one, one, bernstein(p))]
-    while stack:
-        low, high, b = stack.pop()
-        if min(b) > noise:
-            continue
-        if b[0] > noise and b[-1] < -noise and _changes(b, noise) == 1 and _changes(b, -noise) == 1:
-            return False, _newton(p, low, high, eps)
-        if high - low < narrowest:
-            return True, _lowest(p, low, high)
-        left, right = _divided(b)
-        middle = low + CUT * (high - low)
-        stack += [(middle, high, right), (low, middle, left)]
-    return False, None
-
-
-def bernstein(p: list[Any]) -> list[Any]:
-    """Return the Bernstein coefficients on [0, 1] of a polynomial in powers."""
-    n = len(p) - 1
-    scaled = [term / comb(n, j) for j, term in enumerate(p)]
-    return [sum((comb(i, j) * scaled[j] for j in range(1, i + 1)), scaled[0]) for i in range(n + 1)]
-
-
-def _divided(b: list[Any]) -> tuple[list[Any], list[Any]]:
-    left, right, row = [b[0]], [b[-1]], b
-    while len(row) > 1:
-        row = [first + CUT * (second - first) for first, second in pairwise(row)]
-        left.append(row[0])
-        right.append(row[-1])
-    return left, right[::-1]
-
-
-def _changes(b: list[Any], level: Any) -> int:
-    signs = [value > level for value in b]
-    return sum(first != second for first, second in pairwise(signs))
-
-
-def _value(p: list[Any], sigma: Any) -> Any:
-    value = 0 * sigma
-    for term in reversed(p):
-        value = value * sigma + term
-    return value
-
-
-def _newton(p: list[Any], low: Any, high: Any, eps: Any) -> Any:
-    """Return the root of p, positive at `low` and negative at `high`, by Newton's method kept inside the bracket.
-
-    Only steps of Newton's method tell that it has converged: one that leaves the bracket is replaced by a halving,
-    whose length says nothing.
-    """
-    slope = [k * term for k, term in enumerate(p)][1:]
-    sigma = 0.5 * (low + high)
-    before, settled = high - low, eps**0.75
-    for _ in range(MOST_STEPS):
-        value, rise = _value(p, sigma), _value(slope, sigma)
-        if value > 0:
-            low = sigma
-        else:
-            high = sigma
-        shift = -value / rise if rise != 0 else high - low
-        if abs(shift) <= eps * sigma or (before <= abs(shift) <= settled * sigma):
-            return sigma
-        if low < sigma + shift < high:
-            sigma, before = sigma + shift, abs(shift)
-        else:
-            following = 0.5 * (low + high)
-            if following in (low, high):
-                return sigma
-            sigma = following
-    return sigma
-
-
-def _lowest(p: list[Any], low: Any, high: Any) -> Any:
-    """Return where p is lowest near a narrow interval: the place of a touch."""
-    slope = [k * term for k, term in enumerate(p)][1:]
-    bend = [k * term for k, term in enumerate(slope)][1:]
-    start = sigma = 0.5 * (low + high)
-    for _ in range(12):
-        curvature = _value(bend, sigma) if bend else 0
-        if curvature <= 0:
-            return start
-        sigma = sigma - _value(slope, sigma) / curvature
-    return sigma if abs(sigma - start) < 0.01 else start
-
-
-def never_came(v: Any, a: Any, s: Any, c: Any, domain: int, walls: list[Wall], v_error: Any, K: Constants) -> bool:
-    """Return whether, going on backward from here, no wall can ever be met."""
-    if K.under or domain == 2:
-        return False
-    u = v - (K.Ss * s + K.Sc * c)
-    u_slope = -(a - K.Om * (K.Ss * c - K.Sc * s))
-    # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
-    sign = walls[0].inward
-    away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
-    return away and sign * (u - walls[0].v) > K.V0 + v_error + CLEAR * (abs(v) + K.V0)

@@ -84,13 +84,13 @@ def grazing(
     from symosc.grazing import grazing_window
 
     windows = [grazing_window(p, mapping, order) for mapping in chosen]
-    if output is not None:
-        _draw(windows, against, output)
     reports = []
     if phases is not None:
         from symosc.grazing_check import check_grazing
 
         reports = [check_grazing(p, mapping, n=phases) for mapping in chosen]
+    if output is not None:
+        _draw(windows, against, output)
     failed = int(any(not report.ok for report in reports))
     if piped:
         return failed

@@ -27,6 +27,7 @@ from symosc.windows import (
     Place,
     case_label,
     check_order,
+    check_parameters,
     place,
 )
 
@@ -52,7 +53,7 @@ def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingW
     ParameterError
         For a map without grazing, or another order.
     """
-    return GrazingWindow(p, mapping, check_order(order), place(mapping))
+    return GrazingWindow(check_parameters(p), mapping, check_order(order), place(mapping))
 
 
 @dataclass(frozen=True, repr=False)
@@ -322,7 +323,7 @@ def _read_phase(theta: Any) -> Any:
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
         return Fraction(float(theta))
-    if hasattr(theta, "free_symbols") and not theta.is_Rational and not theta.is_Float:
+    if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
         from symosc.symbolic.theorem7 import real

@@ -23,8 +23,9 @@ from symosc.errors import ParameterError
 from symosc.grazing import GrazingWindow, grazing_window
 from symosc.grazing_ways import EPS, FLOW_DIGITS, OPEN, ROUNDING, YES, Ways
 from symosc.model import Parameters
+from symosc.windows import check_count
 
-PHASES = 10_000
+PHASES, MOST_PHASES = 10_000, 1_000_000
 DECADES = range(3, 15)
 #: The three ways, and why they leave a phase open.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
@@ -117,18 +118,17 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int
-        Random phases; some hundred adversarial ones come on top.
+        Random phases, at most a million; some hundred adversarial ones come on top.
     seed : int
         Of the random phases.
 
     Raises
     ------
     ParameterError
-        For a mapping without grazing, for n < 1, and where there is no isolated contact to check: k = 0 (F = 0 fixes
-        the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+        For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
+        k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
     """
-    if isinstance(n, bool) or not isinstance(n, int) or n < 1:
-        raise ParameterError("n", n, "must be a whole number >= 1")
+    n, seed = check_count("n", n, 1, MOST_PHASES), check_count("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
     if p.k == 0:

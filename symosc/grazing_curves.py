@@ -4,66 +4,39 @@ Theorem 7's window gives the phases theta_m of the tangencies, the flow back fro
 (`symosc.backward`, in double precision with error bounds, with more digits where these leave a contact open). The curve
 ends where the window ends, or where the flow begins to come from elsewhere: it touches the other belt or its own on the
 way, or has met none.
-
-Between a tangency and its start, tau earlier, a shift of theta_m along the contacts moves the start by
-
-    d(Omega t_i)/d(theta_m) = -exp(c tau/m) E1(tau) G1/a_i
-    d(x_i)/d(theta_m)       = (v_lambda d(Omega t_i)/d(theta_m) + exp(c tau/m) E0(tau) G1 m/k)/Omega
-
-with G1 = G^(1) at the tangency and a_i the acceleration at the start: at a fixed time neighbouring contacts differ in x
-only.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, replace
-from math import cos, exp, inf, pi, sin
+from dataclasses import dataclass, field, fields, replace
+from math import pi
 from typing import Any
 
 import numpy as np
 
-from symosc.backward import NEVER, REACHED, TOUCH, Arrival, flow_back
-from symosc.errors import ParameterError
-from symosc.flow import constants
 from symosc.grazing import grazing_window
-from symosc.grazing_orbits import PERIODS
-from symosc.kernels.entire import basis
+from symosc.grazing_origin import Origins
+from symosc.grazing_tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
 from symosc.model import Parameters
-from symosc.numerics import MpArithmetic
-from symosc.windows import place
+from symosc.windows import check_count
 
 POINTS = 400
-LEAST_POINTS = 8
+LEAST_POINTS, MOST_POINTS = 8, 20_000
 PIECE_POINTS = 33
-EPS = 2.0**-53
-BACKUP_DIGITS = 40
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 HALVINGS = 50
+# ... but not where the search ends in one of them: that is no end of the curve.
+ROUGH_HALVINGS = 8
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
 STRIDE = 0.2
+# ... unless the slopes explain it, but for this part of it ...
+AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
 JUMP = 1e-3
 # Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
 FINEST = 1e-6
 # How near to an open end of the window the curve is sampled.
 END_GAP = 1e-7
-
-#: Where the flow of a sample came from.
-OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A tangency at theta_m and where its flow came from: `origin`, x, and Omega t = theta_m - Omega tau, unwrapped."""
-
-    theta_m: float
-    x_m: float
-    origin: str
-    x: float
-    theta: float
-    slope_x: float
-    slope_theta: float
 
 
 @dataclass(frozen=True)
@@ -76,7 +49,7 @@ class CurveEnd:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CurvePiece:
     """A stretch of theta_m over which the start moves continuously; columns in order of theta_m.
 
@@ -100,6 +73,13 @@ class CurvePiece:
     slope_x: np.ndarray
     low: CurveEnd
     high: CurveEnd
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, CurvePiece):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -129,45 +109,10 @@ class GrazingCurve:
         """Return the sample at any phase of the window, computed anew."""
         return self._source.sample(theta_m)
 
-
-class Tracer:
-    """Flows back from the tangencies of one mapping, in double precision backed up by more digits."""
-
-    def __init__(self, p: Parameters, mapping: str) -> None:
-        if p.k == 0:
-            raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
-        self.p, self.mapping, self.place, self.K = p, mapping, place(mapping), constants(p)
-        self.v = float(p.belt(self.place.boundary))
-        self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
-        self.gain = float(p.B0 / p.k)
-        self.fine: MpArithmetic | None = None
-
-    def arrival(self, theta_m: float, careful: bool = True) -> Arrival:
-        """Return where the flow from the tangency came from; without `careful` a contact may stay open, as a touch."""
-        where, far = self.place, PERIODS * self.K.period
-        arrival = flow_back(theta_m, 1, where.boundary, where.domain, far, self.K, math, EPS)
-        if not careful or arrival.kind != TOUCH:
-            return arrival
-        self.fine = self.fine or MpArithmetic(self.p, BACKUP_DIGITS)
-        context, K = self.fine.context, self.fine.K
-        theta = context.mpf(theta_m)
-        fine = flow_back(theta, 1, where.boundary, where.domain, PERIODS * K.period, K, context, context.eps)
-        return Arrival(fine.kind, fine.boundary, *(float(value) for value in fine[2:]))
-
-    def sample(self, theta_m: float, careful: bool = True) -> Sample:
-        """Return the sample at theta_m."""
-        K = self.K
-        arrival = self.arrival(theta_m, careful)
-        x_m = self.rest + self.gain * cos(theta_m)
-        if arrival.kind in (NEVER, REACHED):
-            return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, *[math.nan] * 4)
-        G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
-        E0, E1, *_ = basis(arrival.tau, K)
-        growth = exp(K.cm * arrival.tau)
-        slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
-        slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
-        origin = OWN if arrival.boundary == self.place.boundary else OTHER
-        return Sample(theta_m, x_m, origin, x_m + arrival.dx, theta_m - K.Om * arrival.tau, slope_x, slope_theta)
+    @property
+    def origins(self) -> Origins:
+        """The searches that the samples come from."""
+        return self._source.origins
 
 
 def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
@@ -188,8 +133,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
         For a mapping without grazing, k = 0, or too small an n.
     """
     window = grazing_window(p, mapping)
-    if isinstance(n, bool) or not isinstance(n, int) or n < LEAST_POINTS:
-        raise ParameterError("n", n, f"must be a whole number >= {LEAST_POINTS}")
+    n = check_count("n", n, LEAST_POINTS, MOST_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
     runs: list[Run] = []
@@ -239,17 +183,19 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
+        if _needs_middle(run[-1], ahead[-1]):
+            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+            continue
         edges = _edge(tracer, run[-1], ahead[-1])
         if edges is None:
             run.append(ahead.pop())
             continue
-        inner, outer = edges
-        run += [inner] if inner.theta_m > run[-1].theta_m else []
-        border = 0.5 * (inner.theta_m + outer.theta_m)
-        runs.append(Run(run, (begin, border), (reason, _reason(tracer, inner, outer))))
-        run, begin, reason = [outer], border, _reason(tracer, outer, inner)
-        if outer.theta_m >= ahead[-1].theta_m:
-            ahead.pop()
+        before, behind, border = edges
+        run += before
+        runs.append(Run(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        begin, reason = border, _reason(tracer, behind[-1], run[-1])
+        ahead[-1:] = behind
+        run = [ahead.pop()]
     runs.append(Run(run, (begin, high), (reason, limit)))
     return _joined(runs) if closed and len(runs) > 1 else runs
 
@@ -265,31 +211,53 @@ def _joined(runs: list[Run]) -> list[Run]:
     return [*runs[1:-1], both]
 
 
-def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[Sample, Sample] | None:
-    """Return the samples on both sides of the first change of origin found between two neighbours, or of a jump.
+def _continuous(left: Sample, right: Sample) -> bool:
+    """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
+    change = right.theta - left.theta
+    expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
+    return not abs(change) > STRIDE or abs(change - expected) <= AGREEMENT * abs(change)
 
-    None: there is none. Jumps among flows from the other belt are no edges, but something may hide behind them.
+
+def _needs_middle(left: Sample, right: Sample) -> bool:
+    """Return whether a steep stretch of the curve needs another sample."""
+    if not left.origin == right.origin == OWN or _continuous(left, right):
+        return False
+    return right.theta_m - left.theta_m > FINEST
+
+
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
+    """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
+
+    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     """
-    if left.origin == right.origin and not abs(right.theta - left.theta) > STRIDE:
+    if left.origin == right.origin and _continuous(left, right):
         return None
-    for _ in range(HALVINGS):
+    lefts: list[Sample] = []
+    rights = [right]
+    unknown = UNKNOWN in (left.origin, right.origin)
+    for _ in range(ROUGH_HALVINGS if unknown else HALVINGS):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break
+        if left.origin == right.origin and abs(right.theta - left.theta) < JUMP:
+            return None
         middle = tracer.sample(theta, careful=False)
-        if left.origin != right.origin:
-            to_left = middle.origin == left.origin
-        elif middle.origin != left.origin:
-            if right.theta_m - left.theta_m < FINEST:
+        to_left = middle.origin == left.origin
+        if left.origin == right.origin:
+            if not to_left and right.theta_m - left.theta_m < FINEST:
                 return None
-            to_left, right = False, middle
-            continue
+            to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
+        if to_left:
+            left = middle
+            lefts.append(middle)
         else:
-            to_left = abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
-        left, right = (middle, right) if to_left else (left, middle)
+            right = middle
+            rights.append(middle)
     if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < JUMP):
         return None
-    return left, right
+    border = 0.5 * (left.theta_m + right.theta_m)
+    return [each for each in lefts if not each.is_open], [each for each in rights if not each.is_open], border
 
 
 def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
@@ -304,9 +272,12 @@ def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
 
 
 def _filled(tracer: Tracer, run: Run) -> Run:
-    """Return a run with at least PIECE_POINTS samples."""
+    """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
-    if len(run.samples) >= PIECE_POINTS or last - first < FINEST:
+    margin = 0.1 * (last - first)
+    if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
+        return run
+    if last - first < FINEST:
         return run
     between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
     inner = [each for each in between if each.origin == OWN]

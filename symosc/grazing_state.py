@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from symosc.grazing_orbits import number_of, read_angle
+from symosc.errors import ParameterError
+from symosc.exact import read_exact
+from symosc.grazing_angles import number_of, read_angle, read_phase
 from symosc.kernels._generated import next_derivative
 from symosc.model import Parameters
 from symosc.numerics import mp_context
-from symosc.windows import place
+from symosc.windows import check_parameters, place
 
 # G-functions up to this part of the size of their terms count as 0.
 TOLERANCE = 1e-12
@@ -55,11 +57,21 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
     x, theta : number
         Position and phase; strings and sympy constants are exact.
     tolerance : float
-        Part of the size of its terms up to which a G-function counts as 0.
+        Part of the size of its terms up to which a G-function counts as 0; less than 1.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, and for values that are no numbers or out of range.
     """
     where = place(mapping)
+    check_parameters(p)
+    limit = read_exact("tolerance", tolerance)
+    if not 0 <= limit < 1:
+        raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
+    tolerance = float(limit)
     context = mp_context(50)
-    angle = number_of(read_angle("theta", theta), context)
+    angle = number_of(read_phase("theta", theta), context)
     position, v = number_of(read_angle("x", x), context), number_of(p.belt(where.boundary), context)
     cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
     Om = number_of(p.Omega, context)

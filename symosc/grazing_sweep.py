@@ -14,7 +14,7 @@ from symosc.binding import compiled
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.grazing import grazing_window
 from symosc.model import Parameters
-from symosc.windows import EMPTY, EVERYTHING, IN_DOUBT, check_order, place
+from symosc.windows import EMPTY, EVERYTHING, IN_DOUBT, check_order, check_parameters, place
 
 
 class WindowColumns(NamedTuple):
@@ -35,6 +35,14 @@ class WindowColumns(NamedTuple):
     low: np.ndarray
     high: np.ndarray
     theta_cr: np.ndarray
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, WindowColumns):
+            return False
+        return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in zip(self, other, strict=True))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
 
 
 def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
@@ -57,11 +65,12 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
         For another parameter, and for values that Parameters would refuse.
     """
     where, full = place(mapping), check_order(order) == "full"
+    check_parameters(p)
     names = ("k", f"v{where.boundary}", "B0", "Omega")
     for name in swept:
         if name not in names:
             raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
-    arrays = dict(zip(swept, np.broadcast_arrays(*map(_float_array, swept, swept.values())), strict=True))
+    arrays = _broadcast({name: _float_array(name, values) for name, values in swept.items()})
     _check_values(p, arrays)
     shape = next(iter(arrays.values())).shape if arrays else ()
     pairs = []
@@ -79,9 +88,23 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
     return WindowColumns(*(column.reshape(shape) for column in columns))
 
 
+def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return arrays of one shape."""
+    try:
+        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except ValueError:
+        shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
+        raise ParameterError(
+            "swept", shapes, "the shapes must be equal, or broadcast to one as numpy does it"
+        ) from None
+
+
 def _float_array(name: str, values: Any) -> np.ndarray:
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.asarray(values)
+        if array.dtype.kind not in "iufO":  # bytes, text, booleans and complex numbers would turn into floats silently
+            raise TypeError
+        array = array.astype(float)
     except (TypeError, ValueError):
         raise ParameterError(name, values, "must be numbers") from None
     if not np.all(np.isfinite(array)):

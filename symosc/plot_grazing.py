@@ -5,7 +5,7 @@ A full dot belongs to the window, an open dot does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import cos, pi, sin
 from typing import Any
@@ -21,7 +21,17 @@ from symosc.grazing import GrazingWindow, grazing_window
 from symosc.grazing_sweep import WindowColumns, grazing_windows
 from symosc.model import Parameters
 from symosc.plot import STYLE
-from symosc.windows import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, HALF_PI, THREE_HALVES_PI, WRAPPED_ARC, place
+from symosc.windows import (
+    ALL_BUT_ONE,
+    ARC,
+    EMPTY,
+    EVERYTHING,
+    HALF_PI,
+    THREE_HALVES_PI,
+    WRAPPED_ARC,
+    check_parameters,
+    place,
+)
 
 INSIDE, SHADE, OUTSIDE, CRITICAL = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 TURN = 2 * pi
@@ -50,6 +60,9 @@ def window_figure(
     -------
     matplotlib.figure.Figure
     """
+    windows = list(windows) if isinstance(windows, Iterable) else []
+    if not windows or not all(isinstance(window, GrazingWindow) for window in windows):
+        raise ParameterError("windows", "...", "must be a sequence of GrazingWindow, at least one")
     with rc_context(STYLE):
         columns = 2 if plane is None else 3
         drawing = Figure(figsize=(1.2 + 2.9 * columns, 2.5 * len(windows) + 0.2), layout="constrained")
@@ -89,7 +102,7 @@ def sweep_figure(
     ParameterError
         For a map without grazing, another parameter, or a range that is empty or not allowed.
     """
-    low, high = _sweep_range(p, mapping, name, low, high)
+    low, high = _sweep_range(check_parameters(p), mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     values = np.linspace(low, high, SWEEP_POINTS)
     # The window changes its kind at equality and at 0: sample them, and next to them.

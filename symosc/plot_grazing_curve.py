@@ -10,6 +10,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.errors import ParameterError
 from symosc.grazing_curves import CurvePiece, GrazingCurve
 from symosc.plot import STYLE
 from symosc.windows import place
@@ -34,6 +35,8 @@ def figure_grazing_curve(curve: GrazingCurve) -> Figure:
     -------
     matplotlib.figure.Figure
     """
+    if not isinstance(curve, GrazingCurve):
+        raise ParameterError("curve", type(curve).__name__, "must be a GrazingCurve; grazing_curve(...) makes one")
     with rc_context(STYLE):
         drawing = Figure(figsize=(7.0, 3.2), layout="constrained")
         plane, flight = drawing.subplots(1, 2)

@@ -11,9 +11,10 @@ Scalar arithmetic only: this source runs as CPython floats and compiled by numba
 from __future__ import annotations
 
 from math import frexp, ldexp, nan, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from symosc.errors import ParameterError
+from symosc.model import Parameters
 
 
 class Place(NamedTuple):
@@ -48,15 +49,31 @@ def place(mapping: str) -> Place:
     ParameterError
         If the map has no grazing (only P2, P3, P5 and P6 return to the boundary that they left).
     """
-    if mapping not in PLACES:
-        reason = f"it {_NO_GRAZING[mapping]}; " if mapping in _NO_GRAZING else ""
+    if not isinstance(mapping, str) or mapping not in PLACES:
+        reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
         raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
     return PLACES[mapping]
 
 
+def check_parameters(p: Any) -> Parameters:
+    """Return `p` if it is a set of parameters."""
+    if not isinstance(p, Parameters):
+        shown = p if isinstance(p, str | int | float | None) else type(p).__name__
+        raise ParameterError("p", shown, "must be Parameters; those of a scene are load_scene(name).parameters")
+    return p
+
+
+def check_count(name: str, value: Any, least: int, most: int) -> int:
+    """Return a whole number within limits; numpy's integers are such numbers, True is none."""
+    whole = hasattr(value, "__index__") and type(value).__name__ not in ("bool", "bool_", "ndarray")
+    if not whole or not least <= int(value) <= most:
+        raise ParameterError(name, value, f"must be a whole number from {least} to {most}")
+    return int(value)
+
+
 def check_order(order: str) -> str:
     """Return `order` if it is "full" or "paper", the two readings of Theorem 7."""
-    if order not in ORDERS:
+    if not isinstance(order, str) or order not in ORDERS:
         raise ParameterError("order", order, f"must be one of {', '.join(ORDERS)}")
     return order
 

@@ -62,8 +62,8 @@ class BasisMP:
         return 20 + sum(math.ceil(float(context.log(size / gap, 2))) for gap in gaps if gap)
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
-        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau, tau >= 0, for the constants `K`."""
-        values = self._series(tau) if K.rate * tau < SERIES_BELOW else self._divided_differences(tau)
+        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
+        values = self._series(tau) if K.rate * abs(tau) < SERIES_BELOW else self._divided_differences(tau)
         make = self.context.make_mpf
         return tuple(+make(value._mpf_) for value in values)
 

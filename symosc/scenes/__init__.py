@@ -76,7 +76,8 @@ class Scene:
         """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error."""
         errors = self.start_error
         if errors is not None:
-            errors = tuple(Fraction(0) if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
+            t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
+            errors = t0, x0, v0
         return replace(self, **(given | {"start_error": errors}))
 
 

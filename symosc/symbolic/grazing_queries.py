@@ -21,7 +21,7 @@ import sympy as sp
 from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.symbolic.theorem7 import rational, real, sign_of
-from symosc.windows import Place, check_order, place
+from symosc.windows import Place, check_order, check_parameters, place
 
 Expr = Any  # sympy ships no types
 
@@ -117,6 +117,8 @@ def values_everything(p: Parameters | None, mapping: str, name: str, order: str 
 
 def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
     where = place(mapping)
+    if p is not None:
+        check_parameters(p)
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
     name = belt if name == "v_lambda" else name
     if name not in ("Omega", "B0", "k", belt):
