@@ -98,6 +98,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     tau, dx, dv, a, s, c = zero, zero, zero, a0, s0, c0
     b, w, j = derivatives(v0, a0, s0, c0, K)
     E0, E1, E2 = 1.0 + zero, zero, zero
+    side = -1 if has_below else 1
     crossing, tau_deep = 0, zero  # the side on which the gap ahead is known to be negative, and where
     stalled = 0
     flat = (on_below or on_above) and a0 == 0.0 and abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
@@ -120,8 +121,10 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
         thin_above = has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above)
         if thin_below and hidden(tau, -1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+            side = -1
             break
         if thin_above and hidden(tau, 1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+            side = 1
             break
         if tau >= tau_max:
             return NOTHING, 0, tau, dx, dv, a, b, s, c, E0, E1, E2

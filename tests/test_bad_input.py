@@ -57,7 +57,7 @@ NO_NUMBERS += [
     Decimal("NaN"),
     Decimal("sNaN"),
     np.True_,
-    object(),
+    NotImplemented,
     str,
     mpmath.nan,
 ]
