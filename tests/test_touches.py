@@ -1,0 +1,179 @@
+"""Touches that come back for ever, exactly: none is missed, and a search that fails is never taken for an end."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from touches import SIDES, Touching, at_a_seam, free, ordinary, undriven, wild
+
+from symosc import Parameters, advance, events, simulate, sticks
+from symosc.path import Path
+from symosc.start import Start
+
+KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
+    "ordinary": ordinary,
+    "wild": wild,
+    "undriven": undriven,
+    "free": free,
+}
+OFFSETS = [0, 1e-17, -1e-17, 1e-15, -1e-15, 1e-13, -1e-11, 1e-9, -1e-7, 1e-5, -1e-3]
+
+
+def followed(scene: Touching, digits: int | None) -> Any:
+    return simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, digits=digits)
+
+
+def assert_touches(trajectory: Any, scene: Touching) -> None:
+    """The events are touches at the known times, from the first on, and nothing else."""
+    domain = f"Omega{scene.domain}"
+    for event, t in zip(trajectory.events, scene.times, strict=False):
+        assert (event.kind, event.boundary, event.source, event.target) == ("graze", scene.boundary, domain, domain)
+        assert abs(float(event.t) - t) < 1e-10 * t, scene
+    assert len(trajectory.events) <= len(scene.times), scene
+
+
+def assert_complete(trajectory: Any, scene: Touching) -> None:
+    assert_touches(trajectory, scene)
+    assert (trajectory.status, len(trajectory.events)) == ("t_end", len(scene.times)), scene
+
+
+# -- periodic touches of all kinds -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("digits", [None, 17])
+@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> None:
+    for seed in range(3 if kind == "ordinary" else 1):
+        scene = KINDS[kind](random.Random(f"{kind} {mapping} {seed}"), mapping)
+        assert_complete(followed(scene, digits), scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [None, 17])
+@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_touch_of_many_is_found(kind: str, mapping: str, digits: int | None) -> None:
+    for seed in range(100, 150):
+        scene = KINDS[kind](random.Random(f"{kind} {mapping} {seed}"), mapping)
+        assert_complete(followed(scene, digits), scene)
+
+
+@pytest.mark.parametrize(("t_end", "touches"), [(30, 4), (70, 11)])
+@pytest.mark.parametrize(("c", "digits"), [(2, None), (6, None), (6, 17)])
+def test_a_belt_that_is_touched_once_a_period(c: int, digits: int | None, t_end: int, touches: int) -> None:
+    """x = 2/5 + sin t: each touch lies where the search that began at the one before ends."""
+    p = Parameters(m=1, c=c, k=1, A0="1/5", B0=c, Omega=1, v1=-5, v2=1, mu1=0, mu2="1/5", FN=1)
+    trajectory = simulate(p, t0=0, x0="2/5", v0=1, t_end=t_end, digits=digits)
+    assert [event.kind for event in trajectory.events] == ["graze"] * touches
+    assert [float(event.t) for event in trajectory.events] == pytest.approx(
+        [6.283185307179586 * n for n in range(1, touches + 1)], rel=1e-13
+    )
+    assert trajectory.status == "t_end"
+
+
+@pytest.mark.parametrize("mapping", ["P3", "P5"])
+def test_both_belts_are_touched_in_turn(mapping: str) -> None:
+    """With v1 = -v2 the steady motion touches belt 2 and, half a period later, belt 1."""
+    scene = ordinary(random.Random(f"both {mapping}"), "P5")
+    p, (first, second, third) = scene.p.replace(v1=-scene.p.v2), scene.times
+    half = (second - first) / 2
+    expected = [t for t in (first - half, first, first + half, second, second + half, third) if t > 1e-9]
+    trajectory = simulate(p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end - Fraction(half / 2))
+    assert [float(event.t) for event in trajectory.events] == pytest.approx(expected, rel=1e-12)
+    turns = [event.boundary for event in trajectory.events]
+    assert {event.kind for event in trajectory.events} == {"graze"}
+    assert all(a != b for a, b in pairwise(turns))
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_a_touch_where_two_searches_meet(offset: float) -> None:
+    mapping = "P3" if offset >= 0 else "P5"
+    scene = at_a_seam(random.Random(f"seam {mapping} {offset}"), mapping, offset)
+    for digits in (None, 17):
+        assert_complete(followed(scene, digits), scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [None, 17])
+@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_many_touches_where_two_searches_meet(offset: float, mapping: str, digits: int | None) -> None:
+    for seed in range(100, 110):
+        scene = at_a_seam(random.Random(f"seam {mapping} {seed} {offset}"), mapping, offset)
+        assert_complete(followed(scene, digits), scene)
+
+
+# -- searches that fail ------------------------------------------------------------------------------------------------
+
+LIMITS = [
+    (events, "MOST_STEPS", 1),
+    (events, "MOST_STEPS", 3),
+    (events, "MOST_STALLS", 0),
+    (events, "MOST_DESCENTS", 1),
+    (events, "MOST_DESCENTS", 2),
+    (events, "MOST_HALVINGS", 1),
+    (events, "MOST_NEWTON", 0),
+    (sticks, "MOST_STEPS", 1),
+]
+ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
+
+
+def assert_part_of(found: Any, right: Any) -> None:
+    """A trajectory that could not go on shows the events before that; one that could shows them all."""
+    for event, expected in zip(found.events, right.events, strict=False):
+        assert (event.kind, event.source, event.target) == (expected.kind, expected.source, expected.target)
+        assert abs(event.t - expected.t) < 1e-12 * max(1, expected.t)
+    if found.status == "undecidable":
+        assert len(found.events) <= len(right.events)
+    else:
+        assert (found.status, len(found.events)) == (right.status, len(right.events))
+
+
+@pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
+@pytest.mark.parametrize("mapping", ["P2", "P5"])
+def test_a_search_that_fails_is_no_end(
+    mapping: str, module: Any, name: str, value: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenes = [make(random.Random(f"failing {mapping}"), mapping) for make in (ordinary, undriven)]
+    starts = [(scene.p, scene.x0, scene.v0, scene.t_end) for scene in scenes] + [(ORDINARY, 0, 0, 6)]
+    right = [simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end) for p, x0, v0, t_end in starts]
+    monkeypatch.setattr(module, name, value)
+    for (p, x0, v0, t_end), expected in zip(starts, right, strict=True):
+        for digits in (None, 17):
+            assert_part_of(simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits), expected)
+
+
+@pytest.mark.parametrize("mapping", SIDES)
+def test_a_minimum_that_is_not_found_is_no_end(mapping: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = ordinary(random.Random(f"no minimum {mapping}"), mapping)
+    monkeypatch.setattr(events, "closest_approach", lambda tau, *_: (events.LOST, tau))
+    for digits in (None, 17):
+        found = followed(scene, digits)
+        assert (found.status, len(found.events)) == ("undecidable", 0)
+
+
+@pytest.mark.parametrize("behind", [0.5, 1.5], ids=["before the end", "behind it"])
+def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search that gave up may have wandered anywhere: its time says nothing, and it is no end."""
+    scene = undriven(random.Random(3), "P3")
+    path = Path(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
+    gave_up = (events.STALLED, -1, behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    monkeypatch.setattr(advance, "first_exit", lambda *_: gave_up)
+    path.step()
+    assert (path.code, path.decided) == (advance.FAILED, False)
+
+
+@pytest.mark.parametrize("behind", [0.5, 1.5], ids=["before the end", "behind it"])
+def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
+    path = Path(start)
+    assert path.state.mode == 4
+    monkeypatch.setattr(advance, "belt_exit", lambda *_: (sticks.STALLED, -1, behind, 0.0, 0.0, 0.0))
+    path.step()
+    assert (path.code, path.decided) == (advance.FAILED, False)
