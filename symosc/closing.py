@@ -38,11 +38,15 @@ from symosc.numerics import Arithmetic, MpArithmetic
 from symosc.words import Word
 
 MOST_STEPS = 60
+MOST_POLISHING = 200
+# Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
+POLISHED = 0.8
 LEAST_DAMPING = 2.0**-16
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
+SINGULAR = "the Jacobian became singular"
 
 
 class ConvergenceError(SymoscError, ArithmeticError):
@@ -140,6 +144,17 @@ class ClosingEquations:
         maths = math if digits is None else self.arithmetic.context  # type: ignore[attr-defined]
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
         self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
+
+    @property
+    def coarse(self) -> ClosingEquations:
+        """The same equations in double precision."""
+        return self if self.exact is None else self._coarse
+
+    def with_digits(self, digits: int) -> ClosingEquations:
+        """Return the same equations with so many digits."""
+        finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
+        finer._coarse = self.coarse
+        return finer
 
     def ends(self, points: Any) -> list[Any]:
         """Return the points (x, theta) that the pieces end on."""
@@ -257,7 +272,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         try:
             step = np.linalg.solve(matrix, -values).reshape(-1, 2)
         except np.linalg.LinAlgError:
-            return Solution(best[1], best[0], steps, False, "the Jacobian became singular")
+            return Solution(best[1], best[0], steps, False, SINGULAR)
         size = np.abs(step / scale).max()
         if not np.isfinite(size):
             return Solution(best[1], best[0], steps, False, "the equations overflowed")
@@ -294,21 +309,31 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
 
 
 def polish(equations: ClosingEquations, points: Any) -> Solution:
-    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
+    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps.
+
+    Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
+    corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be inverted.
+    """
     context = equations.arithmetic.context  # type: ignore[attr-defined]
     points = [tuple(context.convert(value) for value in point) for point in points]
     n, last = len(points), context.inf
-    for steps in range(1, MOST_STEPS + 1):
+    for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
         matrix = context.zeros(2 * n)
         for i, block in enumerate(equations.blocks(points)):
             for row in range(2):
                 for column in range(4):
                     matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
-        step = context.lu_solve(matrix, context.matrix([-value for value in values]))
+        try:
+            step = context.lu_solve(matrix, context.matrix([-value for value in values]))
+        except ZeroDivisionError:
+            return Solution(points, max(map(abs, values)), steps, False, SINGULAR)
         size = max(abs(value) for value in step)
+        settled = max(1, max(abs(value) for point in points for value in point))
+        if not context.isfinite(size) or size > settled:
+            return Solution(points, max(map(abs, values)), steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps or (size >= last / 4 and size < CONVERGING):
+        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         last = size
-    return Solution(points, max(map(abs, values)), MOST_STEPS, False, "not converged in more digits")
+    return Solution(points, max(map(abs, values)), MOST_POLISHING, False, "not converged in more digits")

@@ -15,17 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from symosc.admissible import conditions, failures
+from symosc.admissible import conditions
 from symosc.branches import Branch, BranchEnd, BranchError, BranchPoint, times_of
 from symosc.closing import CONVERGING, ClosingEquations, newton
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
-from symosc.guesses import settled_word
+from symosc.guesses import SETTLING_EVENTS, follow, settled_word
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
 from symosc.stability import monodromy, multipliers
+from symosc.verification import failures
 
 FOLD, PERIOD_DOUBLING, NEIMARK_SACKER = "fold", "period doubling", "Neimark-Sacker"
 MULTIPLIER_MESSAGES = {
@@ -283,7 +284,7 @@ def _beyond(curve: Curve, point: BranchPoint) -> str | None:
     except ParameterError:
         return None
     x, theta = (float(value) for value in point.points[0])
-    found = settled_word(equations, x, theta % (2 * pi), equations.pieces[0].start)
+    found = settled_word(equations, follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS))
     return None if found is None else str(found)
 
 
