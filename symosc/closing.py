@@ -38,7 +38,9 @@ from symosc.numerics import Arithmetic, MpArithmetic
 from symosc.words import Word
 
 MOST_STEPS = 60
-MOST_POLISHING = 200
+MOST_POLISHING = 80
+# So many corrections in a row that shrink by a constant factor only are a sign of a multiple root.
+MOST_LINEAR = 16
 # Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
 POLISHED = 0.8
 LEAST_DAMPING = 2.0**-16
@@ -46,6 +48,10 @@ LEAST_DAMPING = 2.0**-16
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
+# Without damping, directions that the equations fix by less than this are left alone.
+SAME_ROW = 1e-9
+# A residual below this may be rounding errors: Newton's method then goes on with more digits.
+ROUNDED, MORE_DIGITS = 1e-9, 40
 SINGULAR = "the Jacobian became singular"
 
 
@@ -134,6 +140,7 @@ class ClosingEquations:
 
     def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
         self.parameters, self.word, self.periods = parameters, word, periods
+        self._coarse: ClosingEquations | None = None
         self.pieces = pieces_of(word)
         self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
         self.K = self.arithmetic.K
@@ -148,7 +155,10 @@ class ClosingEquations:
     @property
     def coarse(self) -> ClosingEquations:
         """The same equations in double precision."""
-        return self if self.exact is None else self._coarse
+        if self.exact is None:
+            return self
+        self._coarse = self._coarse or ClosingEquations(self.parameters, self.word, self.periods)
+        return self._coarse
 
     def with_digits(self, digits: int) -> ClosingEquations:
         """Return the same equations with so many digits."""
@@ -270,7 +280,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     for steps in range(1, MOST_STEPS + 1):
         matrix = equations.matrix(points)
         try:
-            step = np.linalg.solve(matrix, -values).reshape(-1, 2)
+            step = _step(equations, matrix, -values)
         except np.linalg.LinAlgError:
             return Solution(best[1], best[0], steps, False, SINGULAR)
         size = np.abs(step / scale).max()
@@ -283,7 +293,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
-            after = np.abs(np.linalg.solve(matrix, values).reshape(-1, 2) / scale).max()
+            after = np.abs(_step(equations, matrix, values) / scale).max()
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
@@ -292,6 +302,32 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         points = trial
         best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
     return Solution(best[1], best[0], MOST_STEPS, False, f"not converged after {MOST_STEPS} steps")
+
+
+def _step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the correction; without damping roots may be many, and the nearest one is wanted."""
+    if equations.K.cm == 0:
+        return np.linalg.lstsq(matrix, right, rcond=SAME_ROW)[0].reshape(-1, 2)
+    return np.linalg.solve(matrix, right).reshape(-1, 2)
+
+
+def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
+    """Solve the closing equations in double precision; where rounding errors stop Newton's method, with more digits.
+
+    Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
+    """
+    with np.errstate(all="ignore"):
+        solution = newton(equations, guess)
+    if solution.converged or not np.isfinite(solution.residual) or solution.residual > ROUNDED:
+        return solution
+    try:
+        finer = polish(equations.with_digits(MORE_DIGITS), solution.points)
+    except (ZeroDivisionError, ValueError):
+        return solution
+    if not finer.converged:
+        return solution
+    points = np.array([[float(value) for value in point] for point in finer.points])
+    return Solution(points, equations.largest_residual(points), solution.steps + finer.steps, True, "")
 
 
 def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
@@ -316,7 +352,7 @@ def polish(equations: ClosingEquations, points: Any) -> Solution:
     """
     context = equations.arithmetic.context  # type: ignore[attr-defined]
     points = [tuple(context.convert(value) for value in point) for point in points]
-    n, last = len(points), context.inf
+    n, last, linear = len(points), context.inf, 0
     for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
         matrix = context.zeros(2 * n)
@@ -335,5 +371,8 @@ def polish(equations: ClosingEquations, points: Any) -> Solution:
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
         if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
+        linear = linear + 1 if size > last / 16 else 0
+        if linear > MOST_LINEAR:
+            return Solution(points, max(map(abs, values)), steps, False, "a multiple root")
         last = size
     return Solution(points, max(map(abs, values)), MOST_POLISHING, False, "not converged in more digits")

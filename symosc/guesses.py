@@ -100,18 +100,27 @@ def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
 def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
     """Say in words what the motion from a start on a belt comes to; "" if it has not settled soon."""
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    word, mode = settled_word(equations, run), run.passages[-1].mode
+    word = settled_word(equations, run)
     if word is not None:
         return f"the motion settles to {word}"
-    if run.code != REST:
-        return ""
+    return without_word(equations, run) if run.code == REST else ""
+
+
+def without_word(equations: ClosingEquations, run: Run) -> str:
+    """Say in words where a motion without any further event ends up."""
+    mode = run.passages[-1].mode
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(equations.parameters, mode - 3)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
+    return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
+
+
+def between(positions: tuple[Any, Any]) -> str:
+    """Name an interval of positions of rest."""
     low, high = (f"{float(value):.6g}" for value in positions)
-    return f"the motion comes to rest on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
+    return f"where every x from {low} to {high} is a position of rest"
 
 
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from symosc.admissible import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
-from symosc.closing import ClosingEquations, ConvergenceError, Solution, newton, polish
+from symosc.closing import ClosingEquations, ConvergenceError, Solution, polish, solve
 from symosc.errors import ParameterError
 from symosc.guesses import (
     LEAST_EVENTS,
     Guess,
+    between,
     evenly_spaced,
     follow,
     from_simulations,
@@ -24,15 +25,19 @@ from symosc.guesses import (
 from symosc.model import Parameters
 from symosc.numerics import mp_context
 from symosc.periodic import Approach, PeriodicOrbit, SwitchingPoint
-from symosc.stability import inside, monodromy, multipliers
+from symosc.stability import inside, monodromy, multipliers, rest_positions
 from symosc.verification import failures
-from symosc.words import read_word
+from symosc.words import WordError, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
 GUARD_DIGITS = 15
 LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
+# All switchings are solved for at once: much longer words would take minutes.
+MOST_MAPPINGS = 40
+# Pieces of a guess that are shorter than this part of a period are taken to be about to vanish.
+SHORTEST_PIECE = 1e-8
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME = 1e-7
 
@@ -74,12 +79,15 @@ def find_orbit(
     -----
     With c > 0 an admissible orbit is the only periodic motion, it attracts every other one and has the period of the
     excitation; other words, and more periods, only have roots that are no orbits. There is none where the mass may rest
-    for ever on a belt with the speed 0: those motions have no word (`symosc.stability` has the proof). With c = 0 orbits
-    may be marginal, and many.
+    for ever on a belt with the speed 0: those motions have no word (`symosc.stability` has the proof). With c = 0
+    orbits may be marginal, and many.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.verification`).
     """
     structure = read_word(word)
+    if len(structure.labels) > MOST_MAPPINGS:
+        reason = f"has {len(structure.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        raise WordError(f"{str(structure)[:20]}...", reason)
     if not isinstance(parameters, Parameters):
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
@@ -106,14 +114,13 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
     for batch in batches:
         for guess in batch:
             tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
-            with np.errstate(all="ignore"):
-                solution = newton(tried, guess.points)
+            solution = solve(tried, guess.points)
             if not solution.converged:
                 best = solution if best is None or solution.residual < best.residual else best
                 continue
             failed = failures(tried, solution.points)
             repeats = repetitions(tried, solution.points) > 1
-            if not failed and not repeats:
+            if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
                 return tried, solution
             rank = (bool(failed), repeats, max((-c.value for c in failed), default=0.0))
             roots.append((rank, tried, solution))
@@ -187,7 +194,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         admissible=not failed,
         failures=failed,
         grazing_distance=near,
-        message=_message(equations, stable, gap, failed, near, repeated, double[0]),
+        message=_message(equations, stable, gap, failed, near, repeated),
         steps=steps,
         digits=digits,
     )
@@ -200,12 +207,11 @@ def _message(
     failed: tuple[Condition, ...],
     near: float,
     repeated: int,
-    start: Any,
 ) -> str:
     if failed:
         what = "; ".join(map(_failure, failed))
         zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
-        return f"a root that is no orbit ({what}){_instead(equations, start if zero else None)}"
+        return f"a root that is no orbit ({what}){_instead(equations, zero)}"
     periods = equations.periods
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
     text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
@@ -230,10 +236,13 @@ def _size(gap: float | None) -> str:
     return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
 
 
-def _instead(equations: ClosingEquations, start: Any = None) -> str:
-    """Say what the motion at these parameters comes to, from the first point (x, theta) of a root if there is one."""
-    x, theta = (largest_displacement(equations)[0], 0.0) if start is None else start
-    found = settles(equations, float(x), float(theta) % (2 * pi), equations.pieces[0].start)
+def _instead(equations: ClosingEquations, resting: bool = False) -> str:
+    """Say what the motion at these parameters comes to; `resting`: the root is a stick that may last for ever."""
+    for belt in {piece.start for piece in equations.pieces if piece.sticks and resting}:
+        positions = rest_positions(equations.parameters, belt)
+        if positions is not None:
+            return f"; the mass stays on belt {belt}, {between(positions)}"
+    found = settles(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
     return f"; {found}" if found else ""
 
 
@@ -263,6 +272,9 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
+    short = 2 * pi * count * SHORTEST_PIECE
+    if (np.diff(theta) > -short).all():  # a piece without length is one at whose birth the orbit is
+        theta = np.maximum.accumulate(theta + short * np.arange(n)) if (np.diff(theta) <= 0).any() else theta
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)

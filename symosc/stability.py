@@ -28,9 +28,9 @@ Being bounded they do so on a belt at rest. Hence, for c > 0 and k > 0:
   of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These motions are periodic, attract the others
   only as a set, and have the multiplier 1. They have no flight, so no word.
 
-For c = 0 the argument gives |multiplier| <= 1 only. One of exactly 1 in size is possible: the orbit is marginal, neither
-stable nor unstable. F^(target)/F^(source) is in [0, 1] on every orbit, so det M = exp(-(c/m) T) times those ratios is at
-most 1.
+For c = 0 the argument gives |multiplier| <= 1 only. One of exactly 1 in size is possible: the orbit is marginal,
+neither stable nor unstable. F^(target)/F^(source) is in [0, 1] on every orbit, so det M = exp(-(c/m) T) times those
+ratios is at most 1.
 """
 
 from __future__ import annotations

@@ -14,8 +14,21 @@ from __future__ import annotations
 from math import inf, pi
 from typing import Any
 
-from symosc.admissible import ENGINE, FLIGHT_LASTS, GRAZING, SLIP_BIRTH, STICK_LASTS, Condition, conditions, failing
+import numpy as np
+
+from symosc.admissible import (
+    ENGINE,
+    FLIGHT_LASTS,
+    GRAZING,
+    SLIP_BIRTH,
+    STICK_LASTS,
+    Condition,
+    conditions,
+    failing,
+    scales,
+)
 from symosc.closing import ClosingEquations, Solution, polish
+from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES
 from symosc.simulation import simulate
 
@@ -29,7 +42,7 @@ ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
 SAME = 1e-6
-VANISHING = 1e-3  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
+VANISHING = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 
 
@@ -43,7 +56,8 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
     points : (n, 2) array of (x, theta)
     """
     found = conditions(equations, points)
-    if not _doubtful(found):
+    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
+    if not small and not ill_conditioned(equations, points):
         failed = failing(found)
         if failed:
             return failed
@@ -51,7 +65,10 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
             return []
     fine, root = refined(equations, points)
     if not root.converged:
-        return _vanishing(equations, points, found, fine, root) or _undecided(found)
+        gone = _vanishing(equations, points, found, fine, root)
+        if gone or small or failing(found):
+            return gone or _undecided(found)
+        return [] if agrees(equations, points, None) else [_contradiction(equations, points)]
     failed = failing([_cleaned(condition) for condition in conditions(fine, root.points)])
     if failed:
         return failed
@@ -60,8 +77,19 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
     return [_contradiction(equations, points)]
 
 
-def _doubtful(found: list[Condition]) -> bool:
-    return any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
+def ill_conditioned(equations: ClosingEquations, points: Any) -> bool:
+    """Return whether rounding errors of the residuals move the phases of the root by more than MARGINAL."""
+    sizes, rows = scales(equations, points), []
+    x_size = max(abs(float(x)) for x, _ in points)
+    for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
+        rows += [x_size, sizes.a if piece.sticks else sizes.v]
+        if piece.zeros:
+            rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+    try:
+        inverse = np.linalg.inv(equations.matrix(points))
+    except np.linalg.LinAlgError:
+        return True
+    return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
 
 
 def _cleaned(condition: Condition) -> Condition:
@@ -82,8 +110,10 @@ def _vanishing(
     equations: ClosingEquations, points: Any, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
     """Return that a piece has no length where its duration goes to 0 under Newton's method: a multiple root."""
-    was, now = ([end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)] for of, each in
-                ((equations, points), (fine, root.points)))
+    was, now = (
+        [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
+        for of, each in ((equations, points), (fine, root.points))
+    )
     gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING * abs(was[i])}
     lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     return [c._replace(value=0.0) for c in lasts]

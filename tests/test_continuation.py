@@ -153,7 +153,7 @@ def point(trace: float, determinant: float, direction: float = 1.0) -> BranchPoi
 )
 def test_smooth_bifurcations_are_noticed(before, after, found):
     """Damping excludes them from real branches (symosc.stability), so the tests are fed by hand."""
-    assert _changes(before, after) == found
+    assert _changes(None, before, after) == found
 
 
 def test_bad_input():
