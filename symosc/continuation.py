@@ -147,8 +147,8 @@ def _scan(curve: Curve, a: BranchPoint, b: BranchPoint) -> Scanned | None:
         return None
     if not changed and not _changes(curve, a, m):
         if _proven(curve, a, m, b):
-            m, b = _verified(curve, m), _verified(curve, b)
-            if not (m.failures or b.failures):
+            b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
+            if not b.failures:
                 return Scanned([m, b], None)
         elif length < TOUCH:
             return Scanned([], _touching(m))

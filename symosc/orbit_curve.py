@@ -12,7 +12,7 @@ from symosc.kernels.entire import EPS
 from symosc.periodic import PeriodicOrbit
 from symosc.stability import monodromy, multipliers
 
-CORRECTIONS = 8
+CORRECTIONS = 12
 LARGEST_CORRECTION = 1.0  # in arclength; farther off another root is found
 SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
 DIFFERENCE = 1e-6  # of the range, for the derivative with respect to the parameter: Newton's method needs no more
@@ -45,17 +45,25 @@ class Curve:
             self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
         return self._equations[value]
 
-    def linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) with respect to the scaled unknowns."""
+    def linearised(self, z: np.ndarray, slope: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) with respect to the scaled unknowns.
+
+        Its last column, by the parameter, is taken from `slope` if that is given.
+        """
         points, value = self.split(z)
-        equations, change = self.equations(value), DIFFERENCE * (self.high - self.low)
-        values = np.array(equations.residuals(points))
+        equations = self.equations(value)
+        values, column = np.array(equations.residuals(points)), self.slope(z) if slope is None else slope
+        return values, np.column_stack([equations.matrix(points), column]) * self.scale
+
+    def slope(self, z: np.ndarray) -> np.ndarray:
+        """Return the derivative of the residuals with respect to the parameter, by differences."""
+        points, value = self.split(z)
+        change = DIFFERENCE * (self.high - self.low)
         # To one side at the ends of the range: there may be no such system beyond.
         above = change if value + change <= self.high else 0.0
         below = change if value - change >= self.low else 0.0
         sides = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
-        column = (sides[0] - sides[1]) / (above + below)
-        return values, np.column_stack([equations.matrix(points), column]) * self.scale
+        return (sides[0] - sides[1]) / (above + below)
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
         """Return points (n, 2) and parameter from the scaled unknowns."""
@@ -88,10 +96,11 @@ class Curve:
 
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
         """Return the point of the curve in the plane through `guess` with that normal, or None."""
-        z, before, row = guess, np.inf, self.level(normal)
+        z, before, row, slope = guess, np.inf, self.level(normal), None
         for _ in range(CORRECTIONS):
             try:
-                values, matrix = self.linearised(z)
+                slope = self.slope(z) if slope is None else slope  # good enough for all steps from a near guess
+                values, matrix = self.linearised(z, slope)
                 right = np.append(-values, -row @ (z - guess))
                 step = np.linalg.solve(np.vstack([matrix, row]), right)
             except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
