@@ -43,10 +43,10 @@ RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
 BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
-VANISHED = 1e-7  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
+VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
-NO_GAP = 1e-7
+NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 FAR = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
 TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
@@ -137,9 +137,13 @@ class Scanned(NamedTuple):
     failed: BranchPoint | None
 
 
-def _scan(curve: Curve, a: BranchPoint, b: BranchPoint) -> Scanned | None:
-    """Look at a piece of the branch from its point a on; None if its points do not lie on one smooth curve."""
+def _scan(curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf) -> Scanned | None:
+    """Look at a piece of the branch from its point a on; None if its points do not lie on one smooth curve.
+
+    `around` is the length of the shortest piece around it that is known to end in a change.
+    """
     length, changed = curve.distance(a, b), bool(_changes(curve, a, b))
+    around = min(around, length) if changed else around
     if changed and length < NO_GAP:
         return Scanned(*_located(curve, a, b))
     m = curve.middle(a, b)
@@ -150,12 +154,12 @@ def _scan(curve: Curve, a: BranchPoint, b: BranchPoint) -> Scanned | None:
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return Scanned([m, b], None)
-        elif length < TOUCH:
-            return Scanned([], _touching(m))
-    first = _scan(curve, a, m)
+        elif length < TOUCH:  # all is rounding noise here; next to a change it says nothing
+            return Scanned([], _touching(m)) if around > NEAR_CHANGE else Scanned([m], None)
+    first = _scan(curve, a, m, around)
     if first is None or first.failed is not None:
         return first
-    second = _scan(curve, first.points[-1], b)
+    second = _scan(curve, first.points[-1], b, around)
     return None if second is None else Scanned(first.points + second.points, second.failed)
 
 

@@ -118,6 +118,8 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
             if not solution.converged:
                 best = solution if best is None or solution.residual < best.residual else best
                 continue
+            if any(_same(solution, tried, other, at) for _, at, other in roots):
+                continue
             failed = failures(tried, solution.points)
             repeats = repetitions(tried, solution.points) > 1
             if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
@@ -131,6 +133,15 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_instead(tried)}")
     points = tuple(switching_points(tried, best.points))
     raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
+
+
+def _same(a: Solution, at: ClosingEquations, b: Solution, other: ClosingEquations) -> bool:
+    """Return whether two roots are one, but for whole turns."""
+    if at.periods != other.periods:
+        return False
+    away = np.asarray(a.points) - np.asarray(b.points)
+    away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
+    return bool((np.abs(away) < SAME * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:

@@ -61,7 +61,7 @@ def test_a_gap_narrower_than_the_steps_is_found():
 
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 9))])
 def test_gaps_of_any_width_are_found(seed):
-    """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before that maximum."""
+    """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
     rng = random.Random(seed)
     p, w0 = drawn(rng)
     low, high = 0.75 * w0, 1.5 * w0

@@ -84,27 +84,29 @@ def test_other_systems_with_a_belt_at_rest():
             except ConvergenceError:
                 continue
             assert not root.admissible, (p, word)
-            assert closes(root) is False
 
 
-@pytest.mark.parametrize("word", ["P32", "P132", "P45", "P4645", "P1312", "P7482", "P54"])
-def test_admissible_orbits_close(word):
-    rng, found = random.Random(f"closing {word}"), 0
-    for _ in range(12):
-        p = FIG9.replace(
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 7))])
+def test_admissible_orbits_close(seed):
+    """What random systems do, solved for: each is an orbit, stable, and closes."""
+    rng, found = random.Random(f"closing {seed}"), 0
+    while found < 4:
+        p = FIG10.replace(
             Omega=f"{rng.uniform(0.7, 4):.4g}", c=rng.choice(["0.2", "1.5", "4"]), v1=f"{rng.uniform(-5, 0.5):.3g}",
             v2=f"{rng.uniform(0.6, 8):.3g}", FN=f"{rng.uniform(0.5, 12):.3g}", m=f"{rng.uniform(0.1, 1):.3g}",
         )  # fmt: skip
+        T = 2 * np.pi / float(p.Omega)
+        path = simulate(p, t0=0, x0=0, v0=0, t_end=15 * T)
+        labels = [s.label for s in path.segments if s.label and float(s.t_end) > 14 * T]
         try:
-            orbit = find_orbit(p, word)
-        except ConvergenceError:
+            orbit = find_orbit(p, labels[::-1])
+        except (ConvergenceError, WordError):  # it has not settled yet
             continue
         assert orbit.admissible == (not orbit.failures)
         if orbit.admissible:
             found += 1
             assert orbit.stable is True
             assert closes(orbit), p
-    assert found > 0 or word in ("P7482", "P54")
 
 
 def test_the_engine_is_asked_whatever_the_margins(monkeypatch):
@@ -146,7 +148,7 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
 
 def test_a_multiplier_of_1_is_marginal():
     """Omega = w0/2 without damping: turning points x + 4/3 and x - 4/3 for every x of an interval."""
-    for mu in ("0.05", "0.1", "0.2", "0.3"):
+    for mu in ("0.05", "0.2"):
         orbit = find_orbit(UNDAMPED.replace(mu1=mu), "P32")
         assert orbit.admissible
         assert orbit.stable is None
