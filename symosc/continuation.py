@@ -29,7 +29,7 @@ from symosc.orbit_curve import Curve
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
 from symosc.simulation import whole_number
-from symosc.verification import failures
+from symosc.verification import MARGINAL, failures
 from symosc.words import read_word
 
 FOLD, PERIOD_DOUBLING, NEIMARK_SACKER = "fold", "period doubling", "Neimark-Sacker"
@@ -44,6 +44,7 @@ RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
 BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
 VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
+TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
 NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
@@ -238,7 +239,9 @@ def _ended(
     far = [point for point in path if curve.distance(point, failed) > FAR]
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
-    zero = [now for was, now in pairs if now.value < VANISHED * min(was.value, 1e300)]
+    touches = any(condition.value > 0 for condition in failed.failures)
+    part = TOUCHED if touches else VANISHED
+    zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
     zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
     kind = zero[0].event if failed.failures else _changes(curve, path[-1], failed)[0]
     reasons = tuple(condition for condition in zero if condition.event == kind)

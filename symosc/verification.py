@@ -34,6 +34,7 @@ from symosc.simulation import simulate
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...
 MARGINAL = 1e-9
+SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to tell if it is below this part
 FINE_DIGITS = 50
 # ... and is 0 if it is below this part of them even there.
 NOTHING_LEFT = 1e-25
@@ -68,7 +69,7 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
         gone = _vanishing(equations, points, found, fine, root)
         if gone or small or failing(found):
             return gone or _undecided(found)
-        return [] if agrees(equations, points, None) else [_contradiction(equations, points)]
+        return [] if agrees(equations, points, None) else _undecided(found) or [_contradiction(equations, points)]
     failed = failing([_cleaned(condition) for condition in conditions(fine, root.points)])
     if failed:
         return failed
@@ -124,7 +125,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
     failed = failing(found)
     if failed:
         return failed
-    nearest = [c for c in found if abs(c.value) < MARGINAL * c.scale]
+    nearest = [c for c in found if abs(c.value) < SUSPECT * c.scale]
     text = " (it cannot be decided: the equations are singular there)"
     return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
 
