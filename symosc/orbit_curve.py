@@ -8,10 +8,12 @@ from symosc.admissible import conditions, failing
 from symosc.branches import BranchPoint
 from symosc.closing import CONVERGING, ClosingEquations, solve
 from symosc.errors import ParameterError
+from symosc.guesses import largest_displacement
 from symosc.kernels.entire import EPS
 from symosc.periodic import PeriodicOrbit
 from symosc.stability import monodromy, multipliers
 
+LEAST_SIZE = 0.1  # of the largest displacement expected
 CORRECTIONS = 12
 LARGEST_CORRECTION = 1.0  # in arclength; farther off another root is found
 SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
@@ -31,7 +33,8 @@ class Curve:
         self.word = orbit.equations().word
         self.start, self.value = orbit.phases(), float(getattr(orbit.parameters, parameter))
         n = len(self.start)
-        size = max(np.ptp(self.start[:, 0]), 1e-9 * np.abs(self.start[:, 0]).max(), 1e-9)
+        # Switching points may lie close together on an orbit that moves far.
+        size = max(np.ptp(self.start[:, 0]), LEAST_SIZE * largest_displacement(orbit.equations())[1])
         # The points together weigh as much as the parameter.
         self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
         self._equations: dict[float, ClosingEquations] = {}
