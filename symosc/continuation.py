@@ -48,6 +48,7 @@ TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
 NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
+MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far it is left behind
 FAR = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
 TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
@@ -110,8 +111,8 @@ def continue_orbit(
 
 def _follow(curve: Curve, direction: float, most: int) -> tuple[list[BranchPoint], BranchEnd]:
     """Follow the curve one way; return its points and why they end."""
-    current = curve.first(direction)
-    path, length = [current], FIRST_STEP
+    path, length = _begun(curve, direction), FIRST_STEP
+    current = path[-1]
     while True:
         if current.value == (curve.high if direction > 0 else curve.low):
             return path, BranchEnd(RANGE, current.value, "the orbit goes on", _named(curve, current), ())
@@ -129,6 +130,21 @@ def _follow(curve: Curve, direction: float, most: int) -> tuple[list[BranchPoint
         if scanned.failed is not None:
             return _ended(curve, path, scanned.failed, direction)
         current, length = path[-1], min(1.5 * length, LONGEST_STEP)
+
+
+def _begun(curve: Curve, direction: float) -> list[BranchPoint]:
+    """Return the first point, and one a little further on if the first is at an end, where margins are rounding noise.
+
+    On the way between the two nothing is proven (as before an end, see NO_GAP).
+    """
+    first = curve.first(direction)
+    if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
+        return [first]
+    for length in AWAY:
+        point = curve.step(first, length)
+        if point is not None and not _changes(curve, first, point) and not _verified(curve, point).failures:
+            return [first, point]
+    return [first]
 
 
 class Scanned(NamedTuple):

@@ -155,24 +155,27 @@ def test_what_is_just_behind_an_end(seed):
             assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
 
 
-def test_orbits_at_the_ends_and_restarts_from_them():
-    for p, word, name, limits in (
+@pytest.mark.parametrize(
+    ("p", "word", "name", "limits"),
+    [
         (SHRINKS, "P54", "m", ("0.05", 8)),
-        (FIG9, "P32", "Omega", (3, 6)),
         (FIG10, "P4645", "B0", (3, 15)),
-        (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4)),
-    ):
-        branch = continue_orbit(p, word, name, limits)
-        for i in (0, -1):
-            orbit = branch.orbit(i)
-            assert orbit.admissible
-            away = np.array(orbit.points) - branch.points[i]
-            away[:, 0] -= np.round(away[0, 0] / orbit.period) * orbit.period
-            assert np.abs(away).max() < 2e-6
-            again = continue_orbit(branch.parameters(i), word, name, limits, branch.points[i])
-            assert [end.kind for end in again.ends] == [end.kind for end in branch.ends]
-            for first, second in zip(again.ends, branch.ends, strict=True):
-                assert first.value == pytest.approx(second.value, rel=1e-9)
+        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.slow),
+        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.slow),
+    ],
+)
+def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):
+    branch = continue_orbit(p, word, name, limits)
+    for i in (0, -1):
+        orbit = branch.orbit(i)
+        assert orbit.admissible
+        away = np.array(orbit.points) - branch.points[i]
+        away[:, 0] -= np.round(away[0, 0] / orbit.period) * orbit.period
+        assert np.abs(away).max() < 2e-6
+        again = continue_orbit(branch.parameters(i), word, name, limits, branch.points[i])
+        assert [end.kind for end in again.ends] == [end.kind for end in branch.ends]
+        for first, second in zip(again.ends, branch.ends, strict=True):
+            assert first.value == pytest.approx(second.value, rel=1e-9)
 
 
 def test_the_reason_of_an_end_is_0_there():
