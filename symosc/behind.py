@@ -9,9 +9,10 @@ import numpy as np
 
 from symosc.advance import REST
 from symosc.branches import BranchPoint
-from symosc.closing import ClosingEquations, solve
+from symosc.closing import ClosingEquations
 from symosc.errors import ParameterError
 from symosc.guesses import SETTLING_EVENTS, Run, follow, followed, rotated, settled_word, windows, without_word
+from symosc.newton import solve
 from symosc.orbit_curve import Curve
 from symosc.verification import failures
 from symosc.words import Word, WordError, read_word

@@ -21,10 +21,11 @@ from symosc.admissible import conditions
 from symosc.behind import look_behind
 from symosc.between import clear
 from symosc.branches import Branch, BranchEnd, BranchError, BranchPoint, times_of
-from symosc.closing import ClosingEquations, solve
+from symosc.closing import ClosingEquations
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.newton import solve
 from symosc.orbit_curve import Curve
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint

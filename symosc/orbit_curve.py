@@ -6,10 +6,11 @@ import numpy as np
 
 from symosc.admissible import conditions, failing
 from symosc.branches import BranchPoint
-from symosc.closing import CONVERGING, ClosingEquations, solve
+from symosc.closing import ClosingEquations
 from symosc.errors import ParameterError
 from symosc.guesses import largest_displacement
 from symosc.kernels.entire import EPS
+from symosc.newton import CONVERGING, solve
 from symosc.periodic import PeriodicOrbit
 from symosc.stability import monodromy, multipliers
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symosc.admissible import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
-from symosc.closing import ClosingEquations, ConvergenceError, Solution, polish, solve
+from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
 from symosc.guesses import (
     LEAST_EVENTS,
@@ -23,6 +23,7 @@ from symosc.guesses import (
     windows,
 )
 from symosc.model import Parameters
+from symosc.newton import Solution, polish, solve
 from symosc.numerics import mp_context
 from symosc.periodic import Approach, PeriodicOrbit, SwitchingPoint
 from symosc.stability import inside, monodromy, multipliers, rest_positions

@@ -38,9 +38,10 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from symosc.closing import ClosingEquations, polish
+from symosc.closing import ClosingEquations
 from symosc.kernels._generated import motion
 from symosc.model import SIDES, Parameters
+from symosc.newton import polish
 
 # A multiplier this near to the unit circle is computed once more with so many digits ...
 NEAR_ONE, DIGITS = 1e-9, 50

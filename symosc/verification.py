@@ -27,9 +27,10 @@ from symosc.admissible import (
     failing,
     scales,
 )
-from symosc.closing import ClosingEquations, Solution, polish
+from symosc.closing import ClosingEquations
 from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES
+from symosc.newton import Solution, polish
 from symosc.simulation import simulate
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...

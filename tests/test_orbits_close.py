@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from symosc import Parameters, find_orbit, load_scene, simulate
-from symosc.closing import ClosingEquations, ConvergenceError, Solution, newton, polish, solve
+from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
+from symosc.newton import Solution, newton, polish, solve
 from symosc.orbits import orbit_at
 from symosc.periodic import PeriodicOrbit
 from symosc.stability import rest_positions
