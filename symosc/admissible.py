@@ -3,26 +3,23 @@
 The equations say that each piece ends on its belt. That it gets there first, and that the motion goes on as the next
 mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds: the smallest
 values tell how far an orbit is from ceasing to exist, and one that passes 0 along a branch is the reason why it ends.
-The first exits are also verified by the engine's guaranteed search (`symosc.events`).
+
+The margins are computed in the arithmetic of the equations, so that more digits decide what doubles cannot. The
+engine's verdict on the whole orbit is `symosc.verification`.
 """
 
 from __future__ import annotations
 
-from math import acos, cos, inf, pi, sin
+from math import inf
 from typing import Any, NamedTuple
 
-from symosc.advance import CROSS, FAILED, REST, SLIP, STICK, advance
 from symosc.closing import ClosingEquations, Piece
 from symosc.events import state_at
 from symosc.flow import Constants
-from symosc.sticks import gain, wrapped
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
 MOST_SAMPLES = 4000
-# The engine's first exit may differ from the orbit's by this part of a period: near a graze both are ill-conditioned.
-SAME_TIME = 1e-6
-# Where an inequality holds by less than this the engine's answer would be about rounding errors. It is not asked.
-MARGINAL = 1e-9
+FINEST = 64.0  # an extremum is known to this many rounding errors of its time
 
 
 class Condition(NamedTuple):
@@ -42,6 +39,8 @@ class Condition(NamedTuple):
         What happens to the orbit where the value passes 0.
     rank : int
         Where several fail at once, the one with the lowest rank explains the others.
+    scale : float
+        The size of the terms that the value is a difference of: rounding errors are measured by it.
     """
 
     piece: int
@@ -50,6 +49,7 @@ class Condition(NamedTuple):
     t: float
     event: str
     rank: int
+    scale: float
 
 
 GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
@@ -62,52 +62,95 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, GAP, FLIGHT_LASTS, ENGINE = rang
 class Extremum(NamedTuple):
     """A zero of the acceleration in a flight: time since its start, velocity, v''."""
 
-    tau: float
+    tau: Any
+    v: Any
+    b: Any
+
+
+class Scales(NamedTuple):
+    """Sizes of times, velocities and accelerations on an orbit."""
+
+    t: float
     v: float
-    b: float
+    a: float
+
+
+def scales(equations: ClosingEquations, points: Any) -> Scales:
+    """Return the sizes of the terms in the margins of an orbit."""
+    K = equations.K
+    belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
+    a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
+    a += float(K.w0sq) * max(abs(float(x)) for x, _ in points)
+    return Scales(1 / float(K.rate), a / float(K.rate) + max(belts), a)
 
 
 def conditions(equations: ClosingEquations, points: Any) -> list[Condition]:
-    """Return every inequality of a root with its margin, in the order of the pieces (double precision)."""
+    """Return every inequality of a root with its margin, in the order of the pieces.
+
+    Parameters
+    ----------
+    equations : ClosingEquations
+        In any arithmetic; the margins are rounded to floats at the end.
+    points : sequence of (x, theta)
+    """
     found: list[Condition] = []
-    points = [(float(x), float(theta)) for x, theta in points]
+    number = equations.exact or float
+    points = [(number(x), number(theta)) for x, theta in points]
+    sizes = scales(equations, points)
     for i, (start, end) in enumerate(zip(points, equations.ends(points), strict=True)):
         piece, following = equations.pieces[i], equations.pieces[(i + 1) % len(points)]
-        found += _of_stick(i, piece, start, end, equations) if piece.sticks else []
-        found += [] if piece.sticks else _of_flight(i, piece, following, start, end, equations)
+        of_piece = _Margins(equations, i, sizes, found)
+        if piece.sticks:
+            _of_stick(of_piece, piece, start, end, equations)
+        else:
+            _of_flight(of_piece, piece, following, start, end, equations)
     return found
 
 
+class _Margins:
+    """The conditions of one piece, gathered in order."""
+
+    def __init__(self, equations: ClosingEquations, piece: int, sizes: Scales, found: list[Condition]) -> None:
+        self.Om, self.piece, self.sizes, self.found = equations.K.Om, piece, sizes, found
+
+    def add(self, text: str, value: Any, theta: Any, event: str, rank: int, size: float) -> None:
+        """Add one whose value is closest to 0 at the phase theta."""
+        self.found.append(Condition(self.piece, text, float(value), float(theta / self.Om), event, rank, size))
+
+
 def _of_flight(
-    i: int, piece: Piece, following: Piece, start: Any, end: Any, equations: ClosingEquations
-) -> list[Condition]:
-    K, v_end = equations.K, equations.belt(piece.end).v
-    tau, t_end = (end[1] - start[1]) / K.Om, end[1] / K.Om
-    found = [Condition(i, f"{piece.label} lasts", tau, t_end, FLIGHT_VANISHING, FLIGHT_LASTS)]
+    margins: _Margins, piece: Piece, following: Piece, start: Any, end: Any, equations: ClosingEquations
+) -> None:
+    K, v_end, sizes = equations.K, equations.belt(piece.end).v, margins.sizes
+    tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
+    margins.add(f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t)
     arrival = piece.side * equations.force(piece.mode, end[0], v_end, end[1])
-    rank = GAP if piece.zeros == 2 else ARRIVAL
+    rank, size = GAP if piece.zeros == 2 else ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = piece.side * state_at(*[tau, *equations.start_of_flight(piece, start), K])[2]
+        arrival = piece.side * _states(equations)(*[tau, *flight, K])[2]
+        size *= float(min(1, abs(tau) * K.rate))
     where, sign = f"F^({piece.mode})", ">" if piece.side > 0 else "<"
     text = f"{piece.label} meets v{piece.end} with {where} {sign} 0"
-    found.append(Condition(i, text, arrival, t_end, GRAZING, rank))
-    gap, t_gap = inf, t_end
+    margins.add(text, arrival, end[1], GRAZING, rank, size)
+    gap, nearest = inf, end[1]
     if tau > 0:
-        for extremum in extrema(0.0, tau, equations.start_of_flight(piece, start), piece.after_stick, K):
+        for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations):
             for clearance in _gaps(piece.mode, extremum, K):
                 if clearance < gap:
-                    gap, t_gap = clearance, start[1] / K.Om + extremum.tau
-    found.append(Condition(i, f"{piece.label} stays in Omega{piece.mode}", gap, t_gap, GRAZING, GAP))
+                    gap, nearest = clearance, start[1] + K.Om * extremum.tau
+    text = f"{piece.label} stays in Omega{piece.mode}"
+    margins.add(text, gap, nearest, GRAZING, GAP, sizes.v * float(min(1, abs(tau) * K.rate)))
     far = piece.mode + piece.side
     beyond = piece.side * equations.force(far, end[0], v_end, end[1])
     if following.sticks:
         text = f"F^({far}) {'<' if piece.side > 0 else '>'} 0 at the onset of {following.label} (Theorem 4)"
-        return [*found, Condition(i, text, -beyond, t_end, SLIP_BIRTH, HOLD)]
-    text = f"F^({far}) {sign} 0 where {piece.label} crosses v{piece.end} (Theorem 5)"
-    return [*found, Condition(i, text, beyond, t_end, BIRTH, PASSING)]
+        margins.add(text, -beyond, end[1], SLIP_BIRTH, HOLD, sizes.a)
+    else:
+        text = f"F^({far}) {sign} 0 where {piece.label} crosses v{piece.end} (Theorem 5)"
+        margins.add(text, beyond, end[1], BIRTH, PASSING, sizes.a)
 
 
-def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[float]:
+def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
     """Return how far the velocity stays from the walls of its domain at an extremum that is turned to them."""
     gaps = []
     if mode > 1 and extremum.b > 0:
@@ -117,50 +160,62 @@ def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[float]:
     return gaps
 
 
-def _of_stick(i: int, piece: Piece, start: Any, end: Any, equations: ClosingEquations) -> list[Condition]:
-    K, belt = equations.K, equations.belt(piece.start)
+def _of_stick(margins: _Margins, piece: Piece, start: Any, end: Any, equations: ClosingEquations) -> None:
+    K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
-    s0, c0, t_end = sin(start[1]), cos(start[1]), end[1] / K.Om
-    found = [Condition(i, f"{piece.label} lasts", tau, t_end, VANISHING, STICK_LASTS)]
+    s0, c0 = equations.sin(start[1]), equations.cos(start[1])
+    margins.add(f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, margins.sizes.t)
     below = equations.force(low, start[0], belt.v, start[1])
-    hold, t_hold = inf, t_end
+    hold, nearest = inf, end[1]
     if belt.turns:
-        for angle in (belt.angle, acos(-1.0) - belt.angle):
-            turn = wrapped(angle - wrapped(start[1])) / K.Om
+        for angle in (belt.angle, names["PI"] - belt.angle):
+            turn = names["wrapped"](angle - names["wrapped"](start[1])) / K.Om
             while 0 < turn < tau:
-                now = below + gain(turn, s0, c0, belt, K)[0]
+                now = below + names["gain"](turn, s0, c0, belt, K)[0]
                 if min(now, belt.J - now) < hold:
-                    hold, t_hold = min(now, belt.J - now), start[1] / K.Om + turn
+                    hold, nearest = min(now, belt.J - now), start[1] + K.Om * turn
                 turn += K.period
     text = f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)"
-    found.append(Condition(i, text, hold, t_hold, SLIP_BIRTH, HOLD))
-    slope = piece.side * (belt.drift - K.fB * sin(end[1]))
+    margins.add(text, hold, nearest, SLIP_BIRTH, HOLD, margins.sizes.a)
+    slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
     text = f"F^({low if piece.side < 0 else high}) {'falls' if piece.side < 0 else 'rises'} where {piece.label} ends"
-    return [*found, Condition(i, text, slope, t_end, SLIP_VANISHING, STICK_END)]
+    margins.add(text, slope, end[1], SLIP_VANISHING, STICK_END, float(abs(belt.drift) + abs(K.fB)))
 
 
-def extrema(begin: float, tau: float, flight: Any, at_rest: bool, K: Constants) -> list[Extremum]:
-    """Return the extrema of the velocity of a flight (v0, a0, s0, c0) between two times; `at_rest`: a0 = 0 is none."""
-    count = int(min(MOST_SAMPLES, max(8, (tau - begin) * K.rate / SAMPLE)))
-    times = [begin + (tau - begin) * j / count for j in range(at_rest, count + 1)]
-    slopes = [state_at(*[time, *flight, K])[2] for time in times]
+def _states(equations: ClosingEquations) -> Any:
+    return equations.arithmetic.namespace["state_at"]
+
+
+def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
+    """Return the extrema of the velocity of a flight (v0, a0, s0, c0) between two times; `at_rest`: a0 = 0 is none.
+
+    They are looked for in doubles, and then placed in the arithmetic of the equations.
+    """
+    coarse = equations.coarse.K
+    rough = [float(value) for value in flight]
+    span, count = float(tau - begin), int(min(MOST_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    times = [float(begin) + span * j / count for j in range(at_rest, count + 1)]
+    slopes = [state_at(*[time, *rough, coarse])[2] for time in times]
     found = []
     for j in range(len(times) - 1):
         if (slopes[j] > 0) != (slopes[j + 1] > 0) and slopes[j] != 0:
-            found.append(_extremum(times[j], times[j + 1], slopes[j] > 0, flight, K))
+            found.append(_extremum(times[j], times[j + 1], slopes[j] > 0, flight, equations))
     return found
 
 
-def _extremum(low: float, high: float, falls: bool, flight: Any, K: Constants) -> Extremum:
+def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
-    tau = 0.5 * (low + high)
+    states, K, number = _states(equations), equations.K, equations.exact or float
+    allowed = FINEST * equations.arithmetic.namespace["EPS"]
+    low, high = number(low), number(high)
+    tau = (low + high) / 2
     for _ in range(100):
-        _, dv, a, b, *_ = state_at(*[tau, *flight, K])
+        _, dv, a, b, *_ = states(*[tau, *flight, K])
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
         following = tau - a / b if b != 0 else low
         if not low < following < high:
-            following = 0.5 * (low + high)
-        if abs(following - tau) <= 1e-15 * high or following in (low, high):
+            following = (low + high) / 2
+        if abs(following - tau) <= allowed * high or following in (low, high):
             break
         tau = following
     return Extremum(tau, flight[0] + dv, b)
@@ -179,49 +234,12 @@ def grazing_distance(equations: ClosingEquations, points: Any) -> float:
         if piece.sticks:
             continue
         tau = (end[1] - start[1]) / K.Om
-        past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, K)
+        past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, equations)
         if past:
             nearest = min(nearest, abs(past[0].v - equations.belt(piece.end).v))
     return float(nearest)
 
 
-def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
-    """Return the conditions that do not hold, the one that explains the others first; empty for an orbit.
-
-    Where all hold, every piece is also followed by the engine, whose first exit is guaranteed to be the first.
-    """
-    all_of_them = conditions(equations, points)
-    failed = [condition for condition in all_of_them if not condition.value > 0]
-    if failed:
-        return sorted(failed, key=lambda condition: condition.rank)
-    if min(condition.value for condition in all_of_them) < MARGINAL:
-        return []
-    missed = (_first_exit(i, equations, points) for i in range(len(points)))
-    return [condition for condition in missed if condition is not None]
-
-
-def _first_exit(i: int, equations: ClosingEquations, points: Any) -> Condition | None:
-    """Return None if the engine agrees that piece i ends where and how the orbit says, the failure otherwise."""
-    K, piece, following = equations.K, equations.pieces[i], equations.pieces[(i + 1) % len(points)]
-    x, theta = (float(value) for value in points[i])
-    due = float(equations.ends(points)[i][1])
-    v = equations.belt(piece.start).v
-    if piece.sticks:
-        forces = [equations.force(piece.start + side, x, v, theta) for side in (0, 1)]
-    else:
-        forces = [equations.start_of_flight(piece, (x, theta))[1]] * 2
-    turns = int(theta // (2 * pi))
-    state: Any = (piece.mode, piece.start, turns, theta - 2 * pi * turns, x, v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
-    while True:
-        code, boundary, decided, _, *rest = advance(*[*state, (equations.periods + 2) * K.period, 0.0, K])
-        if not decided:  # rounding hides what happens: no contradiction
-            return None
-        state = rest
-        phase = 2 * pi * state[2] + state[3]
-        if code in (CROSS, STICK, SLIP, REST, FAILED) or phase > due + 2 * pi * SAME_TIME:
-            break
-    expected = code in (CROSS, STICK, SLIP) and (boundary, state[0]) == (piece.end, following.mode)
-    if expected and abs(phase - due) <= 2 * pi * SAME_TIME:
-        return None
-    event = SLIP_BIRTH if piece.sticks else GRAZING
-    return Condition(i, f"{piece.label} ends where it first can", -abs(due - phase) / K.Om, phase / K.Om, event, ENGINE)
+def failing(all_of_them: list[Condition]) -> list[Condition]:
+    """Return the conditions that do not hold, the one that explains the others first."""
+    return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)

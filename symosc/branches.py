@@ -12,6 +12,7 @@ from symosc.errors import SymoscError
 from symosc.model import Parameters
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
+from symosc.stability import NEAR_ONE
 
 
 class BranchError(SymoscError, ValueError):
@@ -45,8 +46,8 @@ class BranchPoint:
 
     @property
     def stable(self) -> bool:
-        """Whether both multipliers lie inside the unit circle."""
-        return max(abs(value) for value in self.multipliers) < 1
+        """Whether both multipliers lie inside the unit circle by more than rounding."""
+        return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
 
 
 class BranchEnd(NamedTuple):
@@ -59,15 +60,16 @@ class BranchEnd(NamedTuple):
         flight", "end of the range", "no convergence" or "max_points". For c = 0 also "fold", "period doubling" and
         "Neimark-Sacker", which damping excludes (`symosc.stability`).
     value : float
-        The parameter there.
+        The parameter there: the last value with an orbit, to the resolution of doubles.
     message : str
         Which inequality or multiplier it is, and when in the orbit.
     points : tuple of SwitchingPoint
         The orbit there.
     conditions : tuple of Condition
-        The inequalities that pass 0, the one that explains the others first.
+        The inequalities that pass 0, the one that explains the others first, where they do.
     beyond : str or None
-        The word of the orbit just behind the end, as simulated; None at the end of the range, or if it is not found.
+        The word of the orbit just behind the end: one was found and verified there, as near as 1e-9 of the range. None
+        at the end of the range, where the motion has no word (the message says what it does), or if none was found.
     """
 
     kind: str
@@ -93,6 +95,7 @@ class Branch:
         (t, x) of the n switching points.
     multipliers : (m, 2) complex array
     stable : (m,) bool array
+        True where damping proves it, or both multipliers are clearly inside the unit circle (`symosc.stability`).
     periods : int
         Number of forcing periods.
     ends : tuple of two BranchEnd
@@ -112,7 +115,7 @@ class Branch:
         self.values = np.array([point.value for point in path])
         self.points = np.array([times_of(orbit.parameters, parameter, point) for point in path])
         self.multipliers = np.array([point.multipliers for point in path])
-        self.stable = np.array([point.stable for point in path])
+        self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
 
     def parameters(self, i: int) -> Parameters:
         """Return the parameters of the branch's i-th point."""

@@ -1,4 +1,4 @@
-"""The closing equations of a periodic orbit, all switching points at once, and their damped Newton method.
+"""The closing equations of a periodic orbit, all switching points at once.
 
 An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its switching points
 (x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are f1 = f2 = 0 (eq. (54)) of each
@@ -32,17 +32,9 @@ from symosc.kernels._generated import (
     stick_jacobian,
     stick_residual,
 )
-from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.numerics import Arithmetic, MpArithmetic
 from symosc.words import Word
-
-MOST_STEPS = 60
-LEAST_DAMPING = 2.0**-16
-# A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
-SHORTEN = 0.8
-# Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
-CONVERGING = 1e-8
 
 
 class ConvergenceError(SymoscError, ArithmeticError):
@@ -130,6 +122,7 @@ class ClosingEquations:
 
     def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
         self.parameters, self.word, self.periods = parameters, word, periods
+        self._coarse: ClosingEquations | None = None
         self.pieces = pieces_of(word)
         self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
         self.K = self.arithmetic.K
@@ -140,6 +133,20 @@ class ClosingEquations:
         maths = math if digits is None else self.arithmetic.context  # type: ignore[attr-defined]
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
         self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
+
+    @property
+    def coarse(self) -> ClosingEquations:
+        """The same equations in double precision."""
+        if self.exact is None:
+            return self
+        self._coarse = self._coarse or ClosingEquations(self.parameters, self.word, self.periods)
+        return self._coarse
+
+    def with_digits(self, digits: int) -> ClosingEquations:
+        """Return the same equations with so many digits."""
+        finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
+        finer._coarse = self.coarse
+        return finer
 
     def ends(self, points: Any) -> list[Any]:
         """Return the points (x, theta) that the pieces end on."""
@@ -221,94 +228,3 @@ class ClosingEquations:
         """Return Omega times the duration of every piece."""
         theta = points[:, 1]
         return np.append(theta[1:], theta[0] + float(self.turn)) - theta
-
-
-@dataclass
-class Solution:
-    """What Newton's method ended with: points (n, 2) of (x, theta), largest |residual|, steps, and why it stopped."""
-
-    points: Any
-    residual: Any
-    steps: int
-    converged: bool
-    reason: str
-
-
-def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations by Newton's method, damped by the natural monotonicity test.
-
-    A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
-    Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
-    velocity or, at the end of a stick, an acceleration.
-
-    Parameters
-    ----------
-    equations : ClosingEquations
-        In double precision.
-    guess : (n, 2) array of (x, theta)
-        Phases must increase, and end less than N periods after the first.
-    """
-    points = np.array(guess, dtype=float)
-    scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
-    values = np.array(equations.residuals(points), dtype=float)
-    best, size_before, damping = (np.abs(values).max(), points), np.inf, 1.0
-    for steps in range(1, MOST_STEPS + 1):
-        matrix = equations.matrix(points)
-        try:
-            step = np.linalg.solve(matrix, -values).reshape(-1, 2)
-        except np.linalg.LinAlgError:
-            return Solution(best[1], best[0], steps, False, "the Jacobian became singular")
-        size = np.abs(step / scale).max()
-        if not np.isfinite(size):
-            return Solution(best[1], best[0], steps, False, "the equations overflowed")
-        if size <= 4 * EPS or (size < CONVERGING and size > size_before / 4):
-            return Solution(points, equations.largest_residual(points), steps, True, "")
-        size_before = size
-        damping = min(1.0, 4.0 * damping, _longest(equations, points, step))
-        while True:
-            trial = points + damping * step
-            values = np.array(equations.residuals(trial), dtype=float)
-            after = np.abs(np.linalg.solve(matrix, values).reshape(-1, 2) / scale).max()
-            if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
-                break
-            damping /= 2
-            if damping < LEAST_DAMPING:
-                return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
-        points = trial
-        best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
-    return Solution(best[1], best[0], MOST_STEPS, False, f"not converged after {MOST_STEPS} steps")
-
-
-def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the part of a step after which every flight has kept 1 - SHORTEN of its duration.
-
-    A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
-    """
-    durations = equations.durations(points)
-    changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
-    flights = np.array([not piece.sticks for piece in equations.pieces])
-    shrinking = flights & (changes < 0)
-    if not shrinking.any():
-        return 1.0
-    return float(min(1.0, (SHORTEN * durations[shrinking] / -changes[shrinking]).min()))
-
-
-def polish(equations: ClosingEquations, points: Any) -> Solution:
-    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
-    context = equations.arithmetic.context  # type: ignore[attr-defined]
-    points = [tuple(context.convert(value) for value in point) for point in points]
-    n, last = len(points), context.inf
-    for steps in range(1, MOST_STEPS + 1):
-        values = equations.residuals(points)
-        matrix = context.zeros(2 * n)
-        for i, block in enumerate(equations.blocks(points)):
-            for row in range(2):
-                for column in range(4):
-                    matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
-        step = context.lu_solve(matrix, context.matrix([-value for value in values]))
-        size = max(abs(value) for value in step)
-        points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps or (size >= last / 4 and size < CONVERGING):
-            return Solution(points, equations.largest_residual(points), steps, True, "")
-        last = size
-    return Solution(points, max(map(abs, values)), MOST_STEPS, False, "not converged in more digits")

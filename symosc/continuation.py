@@ -5,27 +5,33 @@ package is used: what makes these branches end are inequalities (a graze, the bi
 for smooth systems does not know, and the smooth part is a Newton method on a small block system that is there already.
 
 The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one). So every reason to
-end is a change of sign of a smooth function along the branch, and is located by bisection.
+end is a change of sign of a smooth function along the branch. A step is accepted when the point halfway is where the
+cubic of its two ends says, and when no margin can reach 0 between them (`symosc.between`); else it is halved. So a gap
+in a branch is found however narrow it is compared with the steps, and its end is located by the same halving.
 """
 
 from __future__ import annotations
 
-from math import pi
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.admissible import conditions, failures
+from symosc.admissible import conditions
+from symosc.behind import look_behind
+from symosc.between import clear
 from symosc.branches import Branch, BranchEnd, BranchError, BranchPoint, times_of
-from symosc.closing import CONVERGING, ClosingEquations, newton
+from symosc.closing import ClosingEquations
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
-from symosc.guesses import settled_word
-from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.newton import solve
+from symosc.orbit_curve import Curve
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
-from symosc.stability import monodromy, multipliers
+from symosc.simulation import whole_number
+from symosc.verification import MARGINAL, failures
+from symosc.words import read_word
 
 FOLD, PERIOD_DOUBLING, NEIMARK_SACKER = "fold", "period doubling", "Neimark-Sacker"
 MULTIPLIER_MESSAGES = {
@@ -36,13 +42,17 @@ MULTIPLIER_MESSAGES = {
 RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
 
 # Steps in the arclength of (x/size, phase, parameter/range).
-FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.01, 0.02, 1e-10
-CORRECTIONS = 8
-VANISHED = 1e-7  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
-BEYOND = 1e-3  # of the range: how far behind an end the next word is looked for
-SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
+BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
+VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
+TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
-DIFFERENCE = 1e-6  # of the range, for the derivative with respect to the parameter: Newton's method needs no more
+# So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
+NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
+MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far it is left behind
+FAR = 1e-3  # arclength before an end at which margins are what they are compared with there
+MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
+TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 def continue_orbit(
@@ -69,7 +79,7 @@ def continue_orbit(
     guess, periods : optional
         As for `find_orbit`.
     max_points : int
-        Of each of the two directions.
+        Of each of the two directions, at least 2.
 
     Returns
     -------
@@ -84,150 +94,145 @@ def continue_orbit(
     BranchError
         If the first root is no orbit.
     """
+    if isinstance(parameters, PeriodicOrbit):
+        found = f"continue_orbit(orbit.parameters, {parameters.word!r}, 'Omega', (low, high), orbit)"
+        raise ParameterError("parameters", parameters, f"must be Parameters; to follow an orbit write {found}")
+    if not isinstance(parameters, Parameters):
+        raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
+    read_word(word)
     low, high = _read_range(parameters, parameter, range)
     orbit = find_orbit(parameters, word, guess, periods=periods)
     if not orbit.admissible:
         raise BranchError(orbit)
+    most = whole_number("max_points", max_points, 2)
     curve = Curve(orbit, parameter, low, high)
-    (down, first), (up, last) = (_follow(curve, direction, max_points) for direction in (-1.0, 1.0))
+    (down, first), (up, last) = (_follow(curve, direction, most) for direction in (-1.0, 1.0))
     return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
-
-
-class Curve:
-    """The closing equations with one parameter free: a curve of roots in (x/size, phase, parameter/range)."""
-
-    def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
-        self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
-        self.word = orbit.equations().word
-        self.start, self.value = orbit.phases(), float(getattr(orbit.parameters, parameter))
-        n = len(self.start)
-        size = max(np.ptp(self.start[:, 0]), 1e-3 * np.abs(self.start[:, 0]).max(), 1e-9)
-        # The points together weigh as much as the parameter.
-        self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
-
-    def equations(self, value: float) -> ClosingEquations:
-        """Return the closing equations for a value of the parameter."""
-        return ClosingEquations(self.orbit.parameters.replace(**{self.parameter: value}), self.word, self.orbit.periods)
-
-    def linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) with respect to the scaled unknowns."""
-        points, value = self.split(z)
-        equations, change = self.equations(value), DIFFERENCE * (self.high - self.low)
-        values = np.array(equations.residuals(points))
-        # To one side at the ends of the range: there may be no such system beyond.
-        above = change if value + change <= self.high else 0.0
-        below = change if value - change >= self.low else 0.0
-        sides = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
-        column = (sides[0] - sides[1]) / (above + below)
-        return values, np.column_stack([equations.matrix(points), column]) * self.scale
-
-    def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return points (n, 2) and parameter from the scaled unknowns."""
-        unscaled = z * self.scale
-        return unscaled[:-1].reshape(-1, 2), float(unscaled[-1])
-
-    def joined(self, points: np.ndarray, value: float) -> np.ndarray:
-        """Return the scaled unknowns."""
-        return np.append(np.ravel(points), value) / self.scale
-
-    def ahead(self, point: BranchPoint, length: float) -> tuple[np.ndarray, float]:
-        """Return points and parameter on the tangent."""
-        return self.split(self.joined(point.points, point.value) + length * point.tangent)
-
-    def correct(self, guess: np.ndarray, base: np.ndarray, tangent: np.ndarray, length: float) -> np.ndarray | None:
-        """Return the point of the curve at arclength `length` from `base` along `tangent`, or None."""
-        z, before = guess, np.inf
-        for _ in range(CORRECTIONS):
-            try:
-                values, matrix = self.linearised(z)
-                right = np.append(-values, length - tangent @ (z - base))
-                step = np.linalg.solve(np.vstack([matrix, tangent]), right)
-            except (np.linalg.LinAlgError, ParameterError):
-                return None
-            size = np.abs(step).max()
-            if not np.isfinite(size) or size > 1:
-                return None
-            z = z + step
-            if size <= 4 * EPS or (size < CONVERGING and size > before / 4):
-                return z
-            before = size
-        return z if size < CONVERGING else None
-
-    def point(self, z: np.ndarray, along: np.ndarray) -> BranchPoint:
-        """Return what is known about a point of the curve; its tangent points as `along` does."""
-        points, value = self.split(z)
-        equations = self.equations(value)
-        _, matrix = self.linearised(z)
-        tangent = np.linalg.solve(np.vstack([matrix, along]), np.append(np.zeros(len(z) - 1), 1.0))
-        flow = monodromy(equations, points)
-        both = multipliers(flow.trace, flow.determinant, equations.complex_root)
-        return BranchPoint(
-            value,
-            points,
-            tangent / np.linalg.norm(tangent),
-            float(flow.trace),
-            float(flow.determinant),
-            (complex(both[0]), complex(both[1])),
-            tuple(conditions(equations, points)),
-            tuple(failures(equations, points)),
-        )
 
 
 def _follow(curve: Curve, direction: float, most: int) -> tuple[list[BranchPoint], BranchEnd]:
     """Follow the curve one way; return its points and why they end."""
-    along = np.append(np.zeros(len(curve.scale) - 1), direction)
-    current = curve.point(curve.joined(curve.start, curve.value), along)
-    path, length = [current], FIRST_STEP
-    if current.value == (curve.high if direction > 0 else curve.low):
-        return path, _end_of_range(curve, current)
-    while len(path) < most:
-        ahead = curve.ahead(current, length)
-        if not curve.low < ahead[1] < curve.high:
-            last = _at_bound(curve, current, *ahead)
-            if last is not None and not _changes(current, last):
-                return [*path, last], _end_of_range(curve, last)
-        following = _step(curve, current, length)
-        if following is None:
+    path, length = _begun(curve, direction), FIRST_STEP
+    current = path[-1]
+    while True:
+        if current.value == (curve.high if direction > 0 else curve.low):
+            return path, BranchEnd(RANGE, current.value, "the orbit goes on", _named(curve, current), ())
+        following = curve.step(current, length)
+        scanned = None if following is None else _scan(curve, current, following)
+        if scanned is None:
             length /= 2
             if length < SHORTEST_STEP:
                 return path, _stalled(curve, current)
             continue
-        if _changes(current, following):
-            following = _locate(curve, current, following, length)
-            return [*path, following], _end(curve, current, following)
-        path.append(following)
-        current, length = following, min(1.5 * length, LONGEST_STEP)
-    return path, BranchEnd(MOST, current.value, f"stopped after {most} points", _named(curve, current), ())
+        path += scanned.points
+        if len(path) > most:
+            path = path[:most]
+            return path, BranchEnd(MOST, path[-1].value, f"stopped after {most} points", _named(curve, path[-1]), ())
+        if scanned.failed is not None:
+            return _ended(curve, path, scanned.failed, direction)
+        current, length = path[-1], min(1.5 * length, LONGEST_STEP)
 
 
-def _end_of_range(curve: Curve, point: BranchPoint) -> BranchEnd:
-    return BranchEnd(RANGE, point.value, "the orbit goes on", _named(curve, point), ())
+def _begun(curve: Curve, direction: float) -> list[BranchPoint]:
+    """Return the first point, and one a little further on if the first is at an end, where margins are rounding noise.
+
+    On the way between the two nothing is proven (as before an end, see NO_GAP).
+    """
+    first = curve.first(direction)
+    if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
+        return [first]
+    for length in AWAY:
+        point = curve.step(first, length)
+        if point is not None and not _changes(curve, first, point) and not _verified(curve, point).failures:
+            return [first, point]
+    return [first]
 
 
-def _step(curve: Curve, current: BranchPoint, length: float) -> BranchPoint | None:
-    base = curve.joined(current.points, current.value)
-    z = curve.correct(base + length * current.tangent, base, current.tangent, length)
-    return None if z is None else _accepted(curve, z, current)
+class Scanned(NamedTuple):
+    """The points of a step that are orbits, in order, and the first one behind them that is not (None: all are)."""
+
+    points: list[BranchPoint]
+    failed: BranchPoint | None
 
 
-def _at_bound(curve: Curve, current: BranchPoint, points: np.ndarray, value: float) -> BranchPoint | None:
-    """Return the point at the end of the range that a step to `points` and `value` goes past, or None."""
-    value = curve.high if value >= curve.high else curve.low
-    solution = newton(curve.equations(value), points)
-    return _accepted(curve, curve.joined(solution.points, value), current) if solution.converged else None
+def _scan(curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf) -> Scanned | None:
+    """Look at a piece of the branch from its point a on; None if its points do not lie on one smooth curve.
 
-
-def _accepted(curve: Curve, z: np.ndarray, before: BranchPoint) -> BranchPoint | None:
-    try:
-        point = curve.point(z, before.tangent)
-    except (np.linalg.LinAlgError, ParameterError):
+    `around` is the length of the shortest piece around it that is known to end in a change.
+    """
+    length, changed = curve.distance(a, b), bool(_changes(curve, a, b))
+    around = min(around, length) if changed else around
+    if changed and length < NO_GAP:
+        return Scanned(*_located(curve, a, b))
+    m = curve.middle(a, b)
+    if m is None or not _smooth(curve, a, m, b):
         return None
-    return point if point.tangent @ before.tangent > SHARPEST_TURN else None
+    if not changed and not _changes(curve, a, m):
+        if _proven(curve, a, m, b):
+            b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
+            if not b.failures:
+                return Scanned([m, b], None)
+        elif length < TOUCH:  # all is rounding noise here; next to a change it says nothing
+            return Scanned([], _touching(m)) if around > NEAR_CHANGE else Scanned([m], None)
+    first = _scan(curve, a, m, around)
+    if first is None or first.failed is not None:
+        return first
+    second = _scan(curve, first.points[-1], b, around)
+    return None if second is None else Scanned(first.points + second.points, second.failed)
 
 
-def _changes(a: BranchPoint, b: BranchPoint) -> list[str]:
-    """Return what happens between a point and one behind it, what explains the rest first; empty if nothing does."""
+def _smooth(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
+    """Return whether the point in the middle is where the cubic of the other two says, but for the way along it."""
+    away = curve.level(curve.of(m) - curve.halfway(a, b))
+    along = curve.level(m.tangent)
+    away = away - (away @ along) * along
+    return bool(np.linalg.norm(away) <= BENT * curve.distance(a, b) + RESOLUTION)
+
+
+def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
+    """Return whether no margin can reach 0 between a and b."""
+    nodes, margins = [], []
+    for point in (a, curve.halfway(a, m), m, curve.halfway(m, b), b):
+        if isinstance(point, BranchPoint):
+            nodes.append((curve.equations(point.value), point.points))
+            margins.append(point.conditions)
+        else:
+            points, value = curve.split(point)
+            nodes.append((curve.equations(value), points))
+            margins.append(tuple(conditions(*nodes[-1])))
+    return clear(nodes, margins)
+
+
+def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
+    """Return the point with what the engine objects to."""
+    return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
+
+
+def _touching(point: BranchPoint) -> BranchPoint:
+    """Return a point as failing where a margin is so small that doubles cannot tell whether it passes 0."""
+    nearest = min(point.conditions, key=lambda condition: condition.value / condition.scale)
+    return replace(point, failures=(nearest,))
+
+
+def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
+    """Return the last point before a change, if it is not the given one, and the first one behind it, by halving."""
+    begin = good
+    while curve.distance(good, bad) > RESOLUTION:
+        m = curve.middle(good, bad)
+        if m is None:
+            break
+        good, bad = (good, m) if _changes(curve, good, m) else (m, bad)
+    return ([] if good is begin else [good]), bad
+
+
+def _changes(curve: Curve | None, a: BranchPoint, b: BranchPoint) -> list[str]:
+    """Return what happens between a point and one behind it, what explains the rest first; empty if nothing does.
+
+    Multipliers leave the unit circle only without damping (`symosc.stability`).
+    """
     found = [condition.event for condition in b.failures]
+    if curve is not None and curve.equations(b.value).parameters.c > 0:
+        return found
     plus, minus, one = zip(_multiplier_tests(a), _multiplier_tests(b), strict=True)
     if (a.tangent[-1] > 0) != (b.tangent[-1] > 0) or (plus[0] > 0) != (plus[1] > 0):
         found.append(FOLD)
@@ -244,47 +249,43 @@ def _multiplier_tests(point: BranchPoint) -> tuple[float, float, float]:
     return 1 - trace + determinant, 1 + trace + determinant, 1 - determinant
 
 
-def _locate(curve: Curve, a: BranchPoint, b: BranchPoint, length: float) -> BranchPoint:
-    """Return the first point behind `a` where something has happened; bisects the arclength."""
-    base, far = curve.joined(a.points, a.value), curve.joined(b.points, b.value)
-    low, high, near, found = 0.0, 1.0, base, b
-    while (high - low) * length > RESOLUTION:
-        middle = 0.5 * (low + high)
-        guess = near + (far - near) * (middle - low) / (high - low)
-        z = curve.correct(guess, base, a.tangent, middle * length)
-        point = None if z is None else _accepted(curve, z, a)
-        if z is None or point is None:
-            break
-        if _changes(a, point):
-            high, far, found = middle, z, point
-        else:
-            low, near = middle, z
-    return found
-
-
-def _end(curve: Curve, before: BranchPoint, point: BranchPoint) -> BranchEnd:
-    """Return why the branch ends at `point`: what fails there, and what is as good as 0 next to the point before."""
-    pairs = zip(before.conditions, point.conditions, strict=True)
-    zero = [now for was, now in pairs if now.value < VANISHED * min(was.value, 1e300)]
-    zero = sorted(zero, key=lambda condition: condition.rank) or list(point.failures)
-    kind = zero[0].event if point.failures else _changes(before, point)[0]
+def _ended(
+    curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
+) -> tuple[list[BranchPoint], BranchEnd]:
+    """Return the points and why they end: what fails behind the last one, and what is as good as 0 there."""
+    far = [point for point in path if curve.distance(point, failed) > FAR]
+    before = far[-1] if far else path[0]
+    pairs = zip(before.conditions, failed.conditions, strict=True)
+    touches = any(condition.value > 0 for condition in failed.failures)
+    part = TOUCHED if touches else VANISHED
+    zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
+    zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
+    kind = zero[0].event if failed.failures else _changes(curve, path[-1], failed)[0]
     reasons = tuple(condition for condition in zero if condition.event == kind)
     message = MULTIPLIER_MESSAGES.get(kind, "")
     if kind not in MULTIPLIER_MESSAGES:
         message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
-    return BranchEnd(kind, point.value, message, _named(curve, point), reasons, _beyond(curve, point))
+    path[-1] = last = _inside(curve, path[-1])
+    outward = float(np.sign(failed.value - before.value)) or direction
+    word, instead = look_behind(curve, last, outward)
+    message += f"; behind it {instead}" if instead else ""
+    return path, BranchEnd(kind, last.value, message, _named(curve, last), reasons, word)
 
 
-def _beyond(curve: Curve, point: BranchPoint) -> str | None:
-    """Return the word that the motion settles to a little further on."""
-    direction = 1 if point.value > curve.value else -1
-    try:
-        equations = curve.equations(point.value + direction * BEYOND * (curve.high - curve.low))
-    except ParameterError:
-        return None
-    x, theta = (float(value) for value in point.points[0])
-    found = settled_word(equations, x, theta % (2 * pi), equations.pieces[0].start)
-    return None if found is None else str(found)
+def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
+    """Return the last point that is an orbit with all digits, a few roundings before one that is in doubles."""
+    for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
+        z = curve.of(last) - back * last.tangent
+        point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)
+        if point is not None and _is_found(curve.equations(point.value), point):
+            return point
+    return last
+
+
+def _is_found(equations: ClosingEquations, point: BranchPoint) -> bool:
+    """Return whether Newton's method finds a point again, and it is an orbit."""
+    again = solve(equations, point.points)
+    return again.converged and not failures(equations, again.points)
 
 
 def _stalled(curve: Curve, point: BranchPoint) -> BranchEnd:
@@ -299,12 +300,14 @@ def _named(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
 
 
 def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
-    if parameter not in PARAMETER_NAMES:
+    if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
         raise ParameterError("parameter", parameter, f"must be one of {', '.join(PARAMETER_NAMES)}")
     try:
-        low, high = limits
+        low, high = (None, None) if isinstance(limits, str) else limits
     except (TypeError, ValueError):
-        raise ParameterError("range", limits, "must be a pair (low, high)") from None
+        low = None
+    if low is None or high is None:
+        raise ParameterError("range", limits, "must be a pair (low, high)")
     low, high = read_exact("range", low), read_exact("range", high)
     value = getattr(parameters, parameter)
     if not low < high or not low <= value <= high:

@@ -12,6 +12,7 @@ import numpy as np
 from symosc.advance import CROSS, END, FAILED, REST, SLIP, STICK, advance
 from symosc.closing import ClosingEquations
 from symosc.model import MODE_NAMES
+from symosc.stability import rest_positions
 from symosc.switching import BELT, DOMAIN_ABOVE, resolve
 from symosc.trajectory import MAP_LABELS
 from symosc.words import Word
@@ -41,15 +42,22 @@ class Guess(NamedTuple):
     defect: float
 
 
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> list[Passage]:
-    """Return the start on a belt and the events after it, at most `most` of them, in double precision."""
+class Run(NamedTuple):
+    """A simulation from a start on a belt: the start and the events after it, and what the last step ended with."""
+
+    passages: list[Passage]
+    code: int
+
+
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
+    """Follow the motion from a start on a belt for at most `most` events, in double precision."""
     K, belt, turns = equations.K, equations.belt(boundary), int(theta // (2 * pi))
     below, above = (equations.force(boundary + side, x, belt.v, theta) for side in (0, 1))
     where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
     mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
     state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
-    passages = [Passage(x, theta, boundary, mode)]
+    passages, code = [Passage(x, theta, boundary, mode)], END
     for _ in range(20 * most):
         code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS * K.period, 0.0, K])
         state = rest
@@ -57,7 +65,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
             passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
-    return passages
+    return Run(passages, code)
 
 
 def followed(passages: list[Passage]) -> list[str | None]:
@@ -65,24 +73,54 @@ def followed(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def settled_word(equations: ClosingEquations, x: float, theta: float, boundary: int) -> Word | None:
-    """Return the word of the periodic motion that a start on a belt tends to; None if it has not settled soon.
+def settled_word(equations: ClosingEquations, run: Run) -> Word | None:
+    """Return the word of the periodic motion that a simulation has settled to; None if it has not settled soon.
 
     It begins with the first mapping of the equations' word if it has that.
     """
-    passages = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    labels, last = followed(passages), passages[-1]
+    labels, last = followed(run.passages), run.passages[-1]
     for n in range(1, len(labels) // 2):
-        before = passages[-1 - n]
+        before = run.passages[-1 - n]
         turn = last.theta - before.theta
         if turn > 2 * pi + SETTLED:
             break
         if abs(turn - 2 * pi) < SETTLED and labels[-n:] == labels[-2 * n : -n] and last.mode == before.mode:
             found = tuple(label for label in labels[-n:] if label)
-            first = equations.word.labels[0]
-            at = found.index(first) if first in found else 0
-            return Word(found[at:] + found[:at]) if len(found) == n else None
+            return rotated(found, equations) if len(found) == n else None
     return None
+
+
+def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
+    """Return the word that repeats `labels`, begun with the first mapping of the equations' word if it has that."""
+    first = equations.word.labels[0]
+    at = labels.index(first) if first in labels else 0
+    return Word(labels[at:] + labels[:at])
+
+
+def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
+    """Say in words what the motion from a start on a belt comes to; "" if it has not settled soon."""
+    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
+    word = settled_word(equations, run)
+    if word is not None:
+        return f"the motion settles to {word}"
+    return without_word(equations, run) if run.code == REST else ""
+
+
+def without_word(equations: ClosingEquations, run: Run) -> str:
+    """Say in words where a motion without any further event ends up."""
+    mode = run.passages[-1].mode
+    if mode <= 3:
+        return f"the motion ends up in Omega{mode} and meets no belt any more"
+    positions = rest_positions(equations.parameters, mode - 3)
+    if positions is None:
+        return f"the motion ends up on belt {mode - 3} for ever"
+    return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
+
+
+def between(positions: tuple[Any, Any]) -> str:
+    """Name an interval of positions of rest."""
+    low, high = (f"{float(value):.6g}" for value in positions)
+    return f"where every x from {low} to {high} is a position of rest"
 
 
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
@@ -124,7 +162,7 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     for k in range(0, len(starts), BATCH):
         found: list[Guess] = []
         for x, theta, belt in starts[k : k + BATCH]:
-            found += windows(follow(equations, x, theta, belt, most), equations.word.labels, periods, size)
+            found += windows(follow(equations, x, theta, belt, most).passages, equations.word.labels, periods, size)
         yield sorted(found, key=lambda guess: guess.defect)
 
 

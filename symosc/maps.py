@@ -16,7 +16,6 @@ Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
@@ -28,6 +27,7 @@ from symosc import binding
 from symosc.errors import ParameterError
 from symosc.flow import BeltConstants, Constants, constants
 from symosc.kernels import entire_array, mapping, repeated
+from symosc.map_arguments import POINTS, columns_of, four_numbers, is_array, is_mp, scalar
 from symosc.model import PARAMETER_NAMES, SIDES, Parameters
 from symosc.numerics import compiled
 from symosc.words import MAPS, Map
@@ -112,6 +112,7 @@ def compiled_residual(p: Parameters, label: str) -> Callable[..., tuple[np.ndarr
         For a stick, whose residual is no work.
     """
     row = _row(label)
+    _check_parameters(p)
     if row.sticks:
         raise ParameterError("map", label, "is a stick; only flights are compiled, `residual` takes arrays")
     loop, K = _compiled_loop(), _floats(p).K
@@ -244,37 +245,35 @@ def _row(label: Any) -> Map:
     return MAPS[label]
 
 
+def _check_parameters(p: Any) -> None:
+    if not isinstance(p, Parameters):
+        raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
+
+
 def read_points(
     p: Parameters, label: Any, start: Any, end: Any, exit: str | None = None
 ) -> tuple[Map, Numbers, list[Any], Any]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
     row = _row(label)
-    if not isinstance(p, Parameters):
-        raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
+    _check_parameters(p)
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    try:
-        given = [*start, *end]
-    except TypeError:
-        given = []
-    if len(given) != 4:
-        raise ParameterError("points", (start, end), "must be two pairs (x_i, theta_i), (x_j, theta_j)")
-    context = next((value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")), None)
+    given = four_numbers(start, end)
+    context = next((value.context for value in given if is_mp(value)), None)
     shape = None
     if context is not None:
         numbers: Numbers = _mp_numbers(p, context, context.prec)
-        points = [context.convert(value) for value in given]
+        points = [scalar(name, value, context.convert) for name, value in zip(POINTS, given, strict=True)]
         backward = points[3] < points[1]
-    elif any(np.ndim(value) for value in given):
+    elif any(is_array(value) for value in given):
         numbers = _arrays(p)
-        columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in given))
+        columns = columns_of(given)
         shape, points = columns[0].shape, [column.ravel() for column in columns]
         backward = bool(np.any(points[3] < points[1]))
     else:
-        numbers, points = _floats(p), [float(value) for value in given]
-        if not all(map(math.isfinite, points)):
-            raise ParameterError("points", (start, end), "must be finite")
+        numbers = _floats(p)
+        points = [scalar(name, value, float) for name, value in zip(POINTS, given, strict=True)]
         backward = points[3] < points[1]
     if backward and not row.sticks:
         raise ParameterError("theta_j", end[1], UNWRAPPED)

@@ -8,30 +8,37 @@ from typing import Any
 
 import numpy as np
 
-from symosc.admissible import Condition, failures, grazing_distance
-from symosc.closing import ClosingEquations, ConvergenceError, Solution, newton, polish
+from symosc.admissible import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
+from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
 from symosc.guesses import (
     LEAST_EVENTS,
     Guess,
+    between,
     evenly_spaced,
     follow,
     from_simulations,
     largest_displacement,
-    settled_word,
+    settles,
     windows,
 )
 from symosc.model import Parameters
+from symosc.newton import Solution, polish, solve
 from symosc.numerics import mp_context
 from symosc.periodic import Approach, PeriodicOrbit, SwitchingPoint
-from symosc.stability import monodromy, multipliers
-from symosc.words import read_word
+from symosc.stability import inside, monodromy, multipliers, rest_positions
+from symosc.verification import failures
+from symosc.words import WordError, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
 GUARD_DIGITS = 15
 LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
+# All switchings are solved for at once: much longer words would take minutes.
+MOST_MAPPINGS = 40
+# Pieces of a guess that are shorter than this part of a period are taken to be about to vanish.
+SHORTEST_PIECE = 1e-8
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME = 1e-7
 
@@ -71,10 +78,17 @@ def find_orbit(
 
     Notes
     -----
-    With c > 0 there is exactly one periodic motion, it attracts every other one and has the period of the excitation
-    (`symosc.stability`). Other words, and more periods, only have roots that are no orbits.
+    With c > 0 an admissible orbit is the only periodic motion, it attracts every other one and has the period of the
+    excitation; other words, and more periods, only have roots that are no orbits. There is none where the mass may rest
+    for ever on a belt with the speed 0: those motions have no word (`symosc.stability` has the proof). With c = 0
+    orbits may be marginal, and many.
+
+    Every orbit that is called admissible was simulated over its period by the engine (`symosc.verification`).
     """
     structure = read_word(word)
+    if len(structure.labels) > MOST_MAPPINGS:
+        reason = f"has {len(structure.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        raise WordError(f"{str(structure)[:20]}...", reason)
     if not isinstance(parameters, Parameters):
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
@@ -101,14 +115,15 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
     for batch in batches:
         for guess in batch:
             tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
-            with np.errstate(all="ignore"):
-                solution = newton(tried, guess.points)
+            solution = solve(tried, guess.points)
             if not solution.converged:
                 best = solution if best is None or solution.residual < best.residual else best
                 continue
+            if any(_same(solution, tried, other, at) for _, at, other in roots):
+                continue
             failed = failures(tried, solution.points)
             repeats = repetitions(tried, solution.points) > 1
-            if not failed and not repeats:
+            if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
                 return tried, solution
             rank = (bool(failed), repeats, max((-c.value for c in failed), default=0.0))
             roots.append((rank, tried, solution))
@@ -119,6 +134,15 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_instead(tried)}")
     points = tuple(switching_points(tried, best.points))
     raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
+
+
+def _same(a: Solution, at: ClosingEquations, b: Solution, other: ClosingEquations) -> bool:
+    """Return whether two roots are one, but for whole turns."""
+    if at.periods != other.periods:
+        return False
+    away = np.asarray(a.points) - np.asarray(b.points)
+    away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
+    return bool((np.abs(away) < SAME * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
@@ -142,7 +166,8 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
     turns = 2 * pi * floor(solution.points[0][1] / (2 * pi))
     solution.points = np.array(solution.points, dtype=float) - [0.0, turns]
     failed = tuple(failures(equations, solution.points))
-    near = grazing_distance(equations, solution.points)
+    double = solution.points
+    near = grazing_distance(equations, double)
     repeated = repetitions(equations, solution.points)
     final, steps = equations, solution.steps
     if digits is not None:
@@ -165,7 +190,8 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         values = (+context.convert(values[0]), +context.convert(values[1]))
     else:
         values = (complex(values[0]), complex(values[1]))
-    stable = bool(max(abs(value) for value in values) < 1)
+    gap = inside(equations, double, values)
+    stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
     word = str(equations.word)
     return PeriodicOrbit(
         parameters=equations.parameters,
@@ -180,31 +206,56 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         admissible=not failed,
         failures=failed,
         grazing_distance=near,
-        message=_message(equations, stable, values, failed, near, repeated),
+        message=_message(equations, stable, gap, failed, near, repeated),
         steps=steps,
         digits=digits,
     )
 
 
 def _message(
-    equations: ClosingEquations, stable: bool, values: Any, failed: tuple[Condition, ...], near: float, repeated: int
+    equations: ClosingEquations,
+    stable: bool | None,
+    gap: float | None,
+    failed: tuple[Condition, ...],
+    near: float,
+    repeated: int,
 ) -> str:
     if failed:
-        what = "; ".join(f"{c.text}: fails by {-c.value:.3g} at t = {c.t:.6g}" for c in failed)
-        return f"a root that is no orbit ({what}){_instead(equations)}"
+        what = "; ".join(map(_failure, failed))
+        zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
+        return f"a root that is no orbit ({what}){_instead(equations, zero)}"
     periods = equations.periods
-    text = f"a {'stable' if stable else 'unstable'} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
-    text += f", largest |multiplier| {float(abs(values[0])):.6g}"
+    kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
+    text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
+    text += f", largest |multiplier| {_size(gap)}"
+    text += " (no neighbour need come nearer)" if stable is None else ""
     if near < inf:
         text += f", {near:.3g} in velocity away from grazing"
     return text + (f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else "")
 
 
-def _instead(equations: ClosingEquations) -> str:
-    """Say what the motion at these parameters settles to."""
-    centre, _ = largest_displacement(equations)
-    found = settled_word(equations, centre, 0.0, equations.pieces[0].start)
-    return f"; the motion settles to {found}" if found else ""
+def _failure(condition: Condition) -> str:
+    if condition.value == 0:
+        lasts = condition.rank in (STICK_LASTS, FLIGHT_LASTS)
+        return f"{condition.text}: {'it has no length' if lasts else 'just fails'} at t = {condition.t:.6g}"
+    return f"{condition.text}: fails by {-condition.value:.3g} at t = {condition.t:.6g}"
+
+
+def _size(gap: float | None) -> str:
+    """Return 1 - gap so that it can be told from 1."""
+    if gap is None:
+        return "1"
+    return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
+
+
+def _instead(equations: ClosingEquations, resting: bool = False) -> str:
+    """Say what the motion at these parameters comes to; `resting`: the root is a stick that may last for ever."""
+    for belt in {piece.start for piece in equations.pieces if piece.sticks and resting}:
+        positions = rest_positions(equations.parameters, belt)
+        if positions is not None:
+            return f"; the mass stays on belt {belt}, {between(positions)}"
+    found = settles(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
+    return f"; {found}" if found else ""
 
 
 def switching_points(equations: ClosingEquations, points: Any) -> list[SwitchingPoint]:
@@ -227,12 +278,15 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        passages = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_EVENTS + n)
-        found = windows(passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_EVENTS + n)
+        found = windows(run.passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
+    short = 2 * pi * count * SHORTEST_PIECE
+    if (np.diff(theta) > -short).all():  # a piece without length is one at whose birth the orbit is
+        theta = np.maximum.accumulate(theta + short * np.arange(n)) if (np.diff(theta) <= 0).any() else theta
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)

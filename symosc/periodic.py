@@ -71,12 +71,14 @@ class PeriodicOrbit:
         Number of forcing periods.
     multipliers : tuple of two complex numbers
         Floquet multipliers, the larger one first; 0 is one of them if the orbit sticks.
-    stable : bool
-        Whether both lie inside the unit circle.
+    stable : bool or None
+        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it as far as 50 digits tell.
+        An admissible orbit with c > 0 is stable by proof (`symosc.stability`).
     residual : float
         Largest |f1|, |f2| of eq. (54).
     admissible : bool
         Whether each piece stays in its domain, each event is the first, and Theorems 4 and 5 hold at every switching.
+        The engine has followed every such orbit over its period and found it closed (`symosc.verification`).
     failures : tuple of Condition
         What does not hold, where and by how much; empty for an orbit.
     grazing_distance : float
@@ -95,7 +97,7 @@ class PeriodicOrbit:
     period: Any
     periods: int
     multipliers: tuple[Any, Any]
-    stable: bool
+    stable: bool | None
     residual: float
     admissible: bool
     failures: tuple[Condition, ...]

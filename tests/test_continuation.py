@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +16,7 @@ from symosc.branches import BranchError, BranchPoint
 from symosc.cli_orbit import orbit as command
 from symosc.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
 from symosc.errors import ParameterError
+from symosc.orbit_curve import Curve
 from symosc.orbits import find_orbit
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
@@ -153,7 +155,55 @@ def point(trace: float, determinant: float, direction: float = 1.0) -> BranchPoi
 )
 def test_smooth_bifurcations_are_noticed(before, after, found):
     """Damping excludes them from real branches (symosc.stability), so the tests are fed by hand."""
-    assert _changes(before, after) == found
+    assert _changes(None, before, after) == found
+
+
+def test_as_dict_holds_everything():
+    branch = continue_orbit(FIG9, "P32", "Omega", ("3.2", "4.3"))
+    data = json.loads(json.dumps(branch.as_dict()))
+    assert (data["word"], data["parameter"], data["periods"]) == ("P32", "Omega", 1)
+    assert Parameters(**data["parameters"]) == FIG9
+    np.testing.assert_array_equal(data["values"], branch.values)
+    np.testing.assert_array_equal(data["points"], branch.points)
+    np.testing.assert_array_equal(np.array(data["multipliers"]) @ [1, 1j], branch.multipliers)
+    assert data["stable"] == branch.stable.tolist()
+    for end, shown in zip(branch.ends, data["ends"], strict=True):
+        assert (shown["kind"], shown["value"], shown["message"]) == (end.kind, end.value, end.message)
+        assert shown["beyond"] == end.beyond
+        np.testing.assert_array_equal(shown["points"], end.points)
+        assert [c["value"] for c in shown["conditions"]] == [c.value for c in end.conditions]
+    assert data["ends"][0]["conditions"][0]["event"] == "birth of a stick"
+
+
+def test_steps_that_never_succeed_end_a_branch_with_what_is_nearest_to_failing(monkeypatch):
+    monkeypatch.setattr(Curve, "step", lambda *_: None)
+    branch = continue_orbit(FIG9, "P32", "Omega", (3, 5))
+    for end in branch.ends:
+        nearest = min(find_orbit(FIG9, "P32").conditions(), key=lambda condition: condition.value)
+        assert end.kind == "no convergence"
+        assert end.value == 4
+        assert nearest.text in end.message
+        assert f"{nearest.value:.3g}" in end.message
+        assert end.conditions[0].text == nearest.text
+
+
+def test_a_curve_gives_no_point_where_it_cannot(monkeypatch):
+    curve = Curve(find_orbit(FIG9, "P32"), "Omega", 3.0, 5.0)
+    first = curve.first(1.0)
+    assert curve.step(first, 0.01) is not None
+    assert curve.correct(curve.of(first) + 100.0, first.tangent) is None  # far from any root
+    assert curve.accepted(curve.of(first), replace(first, tangent=-first.tangent)) is not None
+    sideways = np.zeros_like(first.tangent)
+    sideways[1] = 1.0
+    assert curve.accepted(curve.of(first), replace(first, tangent=sideways)) is None  # too sharp a turn
+    assert curve.accepted(None, first) is None
+    with monkeypatch.context() as patch:
+        patch.setattr(curve, "linearised", lambda z, slope=None: (np.zeros(4), np.zeros((4, 5))))
+        assert curve.correct(curve.of(first), first.tangent) is None  # singular
+        assert curve.accepted(curve.of(first), first) is None
+    with monkeypatch.context() as patch:
+        patch.setattr(curve, "linearised", lambda z, slope=None: (np.full(4, np.nan), np.eye(4, 5)))
+        assert curve.correct(curve.of(first), first.tangent) is None  # overflow
 
 
 def test_bad_input():

@@ -393,6 +393,69 @@ def test_bad_arguments(p: Parameters, arguments: Any, words: str) -> None:
             function(p, *arguments)
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "words"),
+    [
+        ("ab", (1, 1), "two pairs"),
+        (None, (1, 1), "two pairs"),
+        ({1: 2, 3: 4}, (1, 1), "two pairs"),
+        ((1, 0, 2), (1,), "two pairs"),
+        (("1", 0), (1, 1), "x_i = '1': must be a finite real number"),
+        ((1, "x"), (1, 1), "theta_i = 'x': must be a finite real number"),
+        ((1, None), (1, 1), "theta_i = None"),
+        ((1, 0), (1j, 1), "x_j = 1j"),
+        ((True, 0), (1, 1), "x_i = True"),
+        ((10**400, 0), (1, 1), "must be a finite real number"),
+        ((1, 0), (1, float("inf")), "theta_j = inf: must be finite"),
+        ((mpmath.mpf("nan"), 0), (1, 1), "must be finite"),
+        ((mpmath.mpc(1, 1), 0), (mpmath.mpf(1), 1), "x_i = mpc"),
+        ((mpmath.mpf(1), 0), ("a", 3), "x_j = 'a'"),
+        ((mpmath.mpf(1), np.ones(2)), (1, 3), "theta_i = array"),
+        ((np.array([1, np.nan]), 0), (1, 1), "x_i = 'an array': must be finite everywhere"),
+        ((1, np.array([0.0, -np.inf])), (1, 1), "theta_i = 'an array'"),
+        ((np.array([1j, 2]), 0), (1, 1), "must be an array of real numbers"),
+        ((np.array(["1"]), 0), (1, 1), "must be an array of real numbers"),
+        ((np.array([None, 1]), 0), (1, 1), "x_i"),
+        (([1, [2, 3]], 0), (1, 1), "must be an array of real numbers"),
+        ((np.ones(3), 0), (np.ones(4), 1), r"\(\(3,\), \(\), \(4,\), \(\)\): must be arrays whose shapes fit"),
+    ],
+)
+def test_what_is_no_switching_point_is_named(p: Parameters, start: Any, end: Any, words: str) -> None:
+    for function in (m.residual, m.jacobian, m.parameter_jacobian):
+        with pytest.raises(ParameterError, match=words):
+            function(p, "P3", start, end)
+
+
+@pytest.mark.parametrize(
+    "start", [("a", 0), (None, 0), (1, None), (1j, 0), (1, "0"), (float("nan"), 0), (np.ones(2), 0)]
+)
+def test_solve_map_names_what_is_no_number(p: Parameters, start: Any) -> None:
+    with pytest.raises(ParameterError, match=r"x_i|theta_i"):
+        solve_map(p, "P5", *start)
+
+
+def test_compiled_residual_takes_parameters_only() -> None:
+    with pytest.raises(ParameterError, match="must be Parameters"):
+        m.compiled_residual(None, "P3")  # type: ignore[arg-type]
+
+
+def test_the_compiled_kernel_is_told_of_changes_in_what_it_calls(monkeypatch: Any) -> None:
+    """numba's disk cache watches one file for each function: it must be the newest of those that take part."""
+    numba = pytest.importorskip("numba")
+    seen: list[str] = []
+
+    def njit(**_: Any) -> Any:
+        return lambda function: seen.append(function.__code__.co_filename) or function
+
+    monkeypatch.setattr(numba, "njit", njit)
+    monkeypatch.setattr(m, "compiled", dict)
+    for newest in (m._generated, entire, mapping):
+        ages = {str(module.__file__): float(module is newest) for module in (m._generated, entire, mapping)}
+        monkeypatch.setattr(m.os.path, "getmtime", ages.__getitem__)
+        m._compiled_loop.__wrapped__()
+        assert seen[-2:] == [str(newest.__file__)] * 2
+
+
 def test_a_scene_is_no_parameter_set() -> None:
     with pytest.raises(ParameterError, match=r"scene\.parameters"):
         m.residual("fig9", "P3", (1, 0), (1, 1))  # type: ignore[arg-type]

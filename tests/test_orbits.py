@@ -12,9 +12,10 @@ from oracle import simulate_oracle
 
 from symosc import Parameters, load_scene
 from symosc.admissible import conditions
-from symosc.closing import ClosingEquations, ConvergenceError, newton
+from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
 from symosc.maps import residual
+from symosc.newton import newton
 from symosc.orbits import find_orbit
 from symosc.words import WordError, read_word
 

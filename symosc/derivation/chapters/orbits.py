@@ -36,6 +36,7 @@ DECIMALS = 20
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
+    yield from _uniqueness()
     if scope.scene is None:
         yield from _orbit(Scope(load_scene("fig9")), "P32", "Fig.~9")
         yield from _orbit(Scope(load_scene("fig10")), "P4645", "Fig.~10")
@@ -43,6 +44,27 @@ def items(scope: Scope) -> Iterator[Any]:
         yield from _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
     else:
         yield Prose(r"This scene has no mapping structure of a periodic motion.")
+
+
+UNIQUENESS = (
+    r"Let $y$ be the difference of two motions with the same parameters, and "
+    r"$E = \frac{1}{2} m \dot y^2 + \frac{1}{2} k y^2$. The friction force never grows with the velocity, so "
+    r"$\dot E \le -c\, \dot y^2 \le 0$: no difference grows. For $c > 0$ and $k > 0$ all motions are bounded, and "
+    r"by Brouwer's theorem the map over one period of the excitation has a fixed point: a periodic motion.",
+    r"Where $E$ stays constant, $\dot y = 0$ and $y = d$ for all times. If $d \ne 0$, the two equations of motion "
+    r"differ by $k d$, which only set-valued friction can take up: both motions ride the same belt for ever, and "
+    r"being bounded they ride one at rest. So for $c > 0$ and $k > 0$ a periodic motion that is not a rest on a belt "
+    r"is the only one, and attracts all others.",
+    r"The exception: $v_\lambda = 0$ and $|B_0| \le \mu_\lambda F_N$. Then the mass may rest on it for ever, at "
+    r"every $x$ of an interval of length $2 (\mu_\lambda F_N - |B_0|)/k$; each of these motions is periodic, and a "
+    r"multiplier of each is 1. For $c = 0$ the argument shows only that no multiplier is larger than 1 in size; one "
+    r"may be exactly 1, and then the orbit is marginal.",
+)
+
+
+def _uniqueness() -> Iterator[Any]:
+    yield Heading("What holds about uniqueness and stability")
+    yield from map(Prose, UNIQUENESS)
 
 
 @cache

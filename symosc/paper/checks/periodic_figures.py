@@ -87,7 +87,7 @@ def orbit_exists(scene: Scene) -> Evidence:
         "distance from grazing, as a velocity": f"{found.grazing_distance:.6g}",
         "|multipliers|": ", ".join(f"{float(abs(value)):.8g}" for value in found.multipliers),
     }
-    return Evidence(verdict(found.periods == 1 and found.stable), finding, numbers)
+    return Evidence(verdict(found.periods == 1 and found.stable is True), finding, numbers)
 
 
 def start_on_orbit(scene: Scene) -> Evidence:

@@ -1,0 +1,80 @@
+"""Reading the switching points that the mappings are given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from symosc.errors import ParameterError
+
+POINTS = ("x_i", "theta_i", "x_j", "theta_j")
+NUMBERS = "must be a finite real number: a float, an int or an mpmath number"
+ARRAYS = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
+
+
+def four_numbers(start: Any, end: Any) -> list[Any]:
+    """Return x_i, theta_i, x_j, theta_j as they were given."""
+    allowed = "must be two pairs (x_i, theta_i), (x_j, theta_j)"
+    if any(isinstance(pair, str | bytes | dict | set) for pair in (start, end)):
+        raise ParameterError("points", (start, end), allowed)
+    try:
+        given = [*start, *end]
+    except TypeError:
+        given = []
+    if len(given) != 4 or len(list(start)) != 2:
+        raise ParameterError("points", (start, end), allowed)
+    return given
+
+
+def is_mp(value: Any) -> bool:
+    """Return whether a value is an mpmath number."""
+    return hasattr(value, "_mpf_") and hasattr(value, "context")
+
+
+def is_array(value: Any) -> bool:
+    """Return whether a value is an array or a sequence of numbers."""
+    try:
+        return np.ndim(value) > 0
+    except ValueError:  # lists of different lengths
+        return True
+
+
+def scalar(name: str, value: Any, convert: Callable[[Any], Any]) -> Any:
+    """Return a number in the arithmetic of `convert`."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_ | str | bytes) or value is None or is_array(value):
+        raise ParameterError(name, value, NUMBERS)
+    try:
+        number = convert(value)
+        finite = not hasattr(number, "_mpc_") and abs(number) < math.inf
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(name, value, NUMBERS) from None
+    if not finite:
+        raise ParameterError(name, value, NUMBERS if hasattr(number, "_mpc_") else "must be finite")
+    return number
+
+
+def columns_of(given: list[Any]) -> list[np.ndarray]:
+    """Return the four arrays in one shape."""
+    columns = []
+    for name, value in zip(POINTS, given, strict=True):
+        try:
+            column = np.asarray(value)
+            if column.dtype.kind == "O":
+                column = column.astype(float)
+        except (TypeError, ValueError):
+            raise ParameterError(name, value, ARRAYS) from None
+        if column.dtype.kind not in "iuf":
+            raise ParameterError(name, value, ARRAYS)
+        if not np.isfinite(column).all():
+            raise ParameterError(name, "an array", "must be finite everywhere")
+        columns.append(column.astype(float))
+    try:
+        return [np.array(column) for column in np.broadcast_arrays(*columns)]
+    except ValueError:
+        shapes = tuple(column.shape for column in columns)
+        raise ParameterError("points", shapes, "must be arrays whose shapes fit together (broadcast)") from None

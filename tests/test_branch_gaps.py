@@ -1,0 +1,201 @@
+"""Branches: nothing fails unseen between their points, and their ends say what is just behind them."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from symosc import Parameters, continue_orbit, find_orbit, load_scene, simulate
+from symosc.branches import Branch
+from symosc.closing import ConvergenceError
+from symosc.errors import ParameterError
+
+FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
+# v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
+NARROW = Parameters(
+    m=1, c="1/5", k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2="14.3633605", mu1="1/10", mu2="1/10", FN=1
+)
+SHRINKS = Parameters(
+    m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
+    mu2="0.247", FN="5.058",
+)  # fmt: skip
+
+
+def drawn(rng: random.Random) -> tuple[Parameters, float]:
+    """Return parameters on whose branch in Omega P32 goes through a resonance, and the free frequency."""
+
+    def q(low: float, high: float) -> str:
+        return f"{rng.uniform(low, high):.3g}"
+
+    k = q(2, 8)
+    w0 = float(k) ** 0.5
+    p = Parameters(
+        m=1, c=q(0.3, 0.5), k=k, A0=q(-3, 3), B0=q(2, 6), Omega=f"{0.8 * w0:.3g}", v1=q(-0.2, 0.2), v2=1000,
+        mu1=q(0.03, 0.1), mu2="0.1", FN=1,
+    )  # fmt: skip
+    return p, w0
+
+
+def peak(p: Parameters, Omega: float) -> float:
+    """Return the greatest velocity of P32 at a frequency."""
+    orbit = find_orbit(p.replace(Omega=float(Omega)), "P32")
+    times = np.linspace(*[float(t) for t in (orbit.points[1].t, orbit.points[0].t + orbit.period)], 200)
+    best = times[np.argmax(orbit(times)[1])]
+    h = times[1] - times[0]
+    return -minimize_scalar(lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}).fun
+
+
+def test_a_gap_narrower_than_the_steps_is_found():
+    branch = continue_orbit(NARROW, "P32", "Omega", ("1.2", 4))
+    end = branch.ends[1]
+    assert end.kind == "grazing"
+    assert end.value == pytest.approx(1.9993345, abs=2e-7)
+    assert end.beyond == "P7482"
+    other = continue_orbit(NARROW.replace(Omega="2.5"), "P32", "Omega", ("1.2", 4)).ends[0]
+    assert other.value == pytest.approx(2.0006555, abs=2e-7)
+    assert other.beyond == "P7482"
+
+
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 9))])
+def test_gaps_of_any_width_are_found(seed):
+    """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
+    rng = random.Random(seed)
+    p, w0 = drawn(rng)
+    low, high = 0.75 * w0, 1.5 * w0
+    top = minimize_scalar(lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9})
+    for depth in (1e-2, 1e-5, 1e-8):
+        q = p.replace(v2=float(-top.fun) - depth)
+        end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
+        assert end.kind == "grazing", depth
+        assert end.value < top.x
+        assert peak(p, end.value) == pytest.approx(float(q.v2), abs=1e-10)
+        assert all(abs(condition.value) < 1e-9 for condition in end.conditions)
+        assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
+
+
+@pytest.mark.parametrize(
+    ("p", "word", "low", "high"),
+    [(FIG9, "P32", -100, 100), (FIG9, "P32", -(10**5), 10**5), (FIG10, "P4645", -500, 500)],
+)
+def test_a_shift_of_the_whole_orbit_takes_no_steps(p, word, low, high):
+    branch = continue_orbit(p, word, "A0", (low, high))
+    assert [end.kind for end in branch.ends] == ["end of the range"] * 2
+    assert (branch.values[0], branch.values[-1]) == (low, high)
+    assert len(branch.values) < 120
+    middle = branch.points[len(branch.values) // 2]
+    np.testing.assert_allclose(np.diff(branch.points[0, :, 1]), np.diff(middle[:, 1]), atol=1e-9 * abs(low))
+
+
+def test_a_range_ends_where_it_was_asked_to_end():
+    rng = random.Random(3)
+    for _ in range(4):
+        low, high = f"{rng.uniform(0.1, 6):.4g}", f"{rng.uniform(10.1, 13):.4g}"
+        branch = continue_orbit(FIG9, "P32", "FN", (low, high))
+        assert (branch.values[0], branch.values[-1]) == (float(low), float(high))
+
+
+def word_just_behind(branch: Branch, which: int, distance: float) -> str | None:
+    """Return the word of one period, as a simulation from the orbit at the end says; None if it does not settle."""
+    i, outward = (-1, 1) if which else (0, -1)
+    value = float(branch.values[i]) + outward * distance
+    p = branch.parameters(i).replace(**{branch.parameter: value})
+    orbit, T = branch.orbit(i), 2 * np.pi / float(p.Omega)
+    n = max(range(len(orbit.points)), key=lambda j: not orbit.equations().pieces[j - 1].sticks)
+    t0, x0 = orbit.points[n]
+    path = simulate(p, t0=t0, x0=x0, v0=p.belt(orbit.equations().pieces[n].start), t_end=t0 + 60.3 * T, max_events=2000)
+    if path.status != "t_end":
+        return None
+    words = []
+    for k in (56, 57, 58):
+        first, last = t0 + (k + 0.15) * T, t0 + (k + 1.15) * T
+        words.append([s.label for s in path.segments if first < float(s.t_end) <= last])
+    if words[0] != words[1] or words[1] != words[2] or None in words[0]:
+        return None
+    return "".join(sorted(label[1] for label in words[0]))
+
+
+def random_branch(rng: random.Random) -> Branch | None:
+    """Return a branch of what a random system does, over a random parameter."""
+
+    def q(low: float, high: float) -> str:
+        return f"{rng.uniform(low, high):.4g}"
+
+    p = Parameters(
+        m=q(0.5, 2), c=q(0.3, 2), k=q(1, 5), A0=q(-3, 3), B0=q(4, 12), Omega=q(0.7, 3), v1=q(-3, 0), v2=q(0.5, 4),
+        mu1=q(0.1, 0.6), mu2=q(0.1, 0.6), FN=q(2, 8),
+    )  # fmt: skip
+    path = simulate(p, t0=0, x0=0, v0=0, t_end=60 / float(p.Omega))
+    since = (60 - 2 * np.pi) / float(p.Omega)
+    labels = [s.label for s in path.segments if s.label and float(s.t_end) > since]
+    name = rng.choice(["Omega", "B0", "FN", "v2", "k", "mu1", "c"])
+    value = float(getattr(p, name))
+    try:
+        return continue_orbit(p, list(reversed(labels)), name, (0.6 * value, 1.6 * value))
+    except (ValueError, ConvergenceError):
+        return None
+
+
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 13))])
+def test_what_is_just_behind_an_end(seed):
+    rng, judged = random.Random(100 + seed), 0
+    while judged < 2:
+        branch = random_branch(rng)
+        for which in (0, 1) if branch else ():
+            end = branch.ends[which]
+            if end.kind == "end of the range":
+                continue
+            assert all(abs(c.value) < 1e-8 * c.scale for c in end.conditions), end
+            found = word_just_behind(branch, which, 1e-7 * abs(branch.values).max())
+            if end.beyond is None or found is None:
+                continue
+            judged += 1
+            assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
+
+
+@pytest.mark.parametrize(
+    ("p", "word", "name", "limits"),
+    [
+        (SHRINKS, "P54", "m", ("0.05", 8)),
+        (FIG10, "P4645", "B0", (3, 15)),
+        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.slow),
+        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.slow),
+    ],
+)
+def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):
+    branch = continue_orbit(p, word, name, limits)
+    for i in (0, -1):
+        orbit = branch.orbit(i)
+        assert orbit.admissible
+        away = np.array(orbit.points) - branch.points[i]
+        away[:, 0] -= np.round(away[0, 0] / orbit.period) * orbit.period
+        assert np.abs(away).max() < 2e-6
+        again = continue_orbit(branch.parameters(i), word, name, limits, branch.points[i])
+        assert [end.kind for end in again.ends] == [end.kind for end in branch.ends]
+        for first, second in zip(again.ends, branch.ends, strict=True):
+            assert first.value == pytest.approx(second.value, rel=1e-9)
+
+
+def test_the_reason_of_an_end_is_0_there():
+    end = continue_orbit(SHRINKS, "P54", "m", ("0.05", 8)).ends[1]
+    assert end.kind == "vanishing of a stick"
+    assert end.conditions
+    assert all(abs(condition.value) < 1e-10 for condition in end.conditions)
+    assert end.beyond is None
+    assert "ends up in Omega2 and meets no belt" in end.message
+    p = SHRINKS.replace(m=end.value + 1e-6)
+    assert len(simulate(p, t0=0, x0=0, v0=0, t_end=60).events) == len(simulate(p, t0=0, x0=0, v0=0, t_end=600).events)
+
+
+def test_arguments_in_the_wrong_place_are_named():
+    orbit = find_orbit(FIG9, "P32")
+    with pytest.raises(ParameterError, match=r"continue_orbit\(orbit\.parameters, 'P32'"):
+        continue_orbit(orbit, "Omega", 3, 5)  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="give Parameters"):
+        continue_orbit("fig9", "P32", "Omega", (3, 5))  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="pair"):
+        continue_orbit(FIG9, "P32", "Omega", "35")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="max_points"):
+        continue_orbit(FIG9, "P32", "Omega", (3, 5), max_points=0)
