@@ -37,6 +37,10 @@ OUTLINED = {
 }
 
 
+#: The fast paths' names as they are: for floats.
+IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).items() if not name.startswith("__")}
+
+
 class Arithmetic:
     """Numbers of one kind, with the fast paths bound to them.
 
@@ -57,13 +61,7 @@ class Arithmetic:
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
-        self.namespace: dict[str, Any] = {
-            **vars(events),
-            **vars(sticks),
-            **vars(switching),
-            **vars(advance),
-            **vars(loop),
-        }
+        self.namespace: dict[str, Any] = IN_DOUBLES
         self.advance = advance.advance
 
     number: Callable[[Fraction], Any] = staticmethod(float)
