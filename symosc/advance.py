@@ -85,7 +85,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
     speed = abs(v) + velocity_scale(tau, v, a0, K)
     reach = tau if tau < K.swing else K.swing
     x_noise = 2.0 * EPS * (abs(x) + speed * reach + abs(v) * tau)
-    v_noise = 2.0 * EPS * (2.0 * speed + abs(a0) * tau + (abs(A) + abs(K.f0)) * reach)
+    v_noise = 2.0 * EPS * ((2.0 + 0.5 * K.w0 * tau) * speed + abs(a0) * tau + (abs(A) + abs(K.f0)) * reach)
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:
@@ -93,7 +93,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
             n, theta = later(n, theta, tau, K)
             t, t_low = added(t, t_low, tau)
             return END, 0, True, 0.0, mode, 0, n, theta, x, v + dv, a, a, S11, S12, S22, t, t_low
-        if never_leaves(v + dv, a, s, c, lower.v, upper.v, has_below, has_above, mode, K):
+        if never_leaves(v + dv, a, s, c, S11, S22, lower.v, upper.v, has_below, has_above, mode, K):
             # The end is reached from the last start, in one piece.
             return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, t, t_low
         n, theta = later(n, theta, tau, K)

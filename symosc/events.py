@@ -39,6 +39,7 @@ from __future__ import annotations
 from math import sqrt
 
 from symosc.bounds import (
+    CLEAR_DEPTH,
     ISOLATED,
     NEAR,
     fourth_derivative_bound,
@@ -73,6 +74,8 @@ SOON = 1e-2
 MARCH_SLACK = 1e-10
 # A gap smaller than this part of the velocities in question is compared with its error.
 THIN = 1e-9
+# An error of the start that is smaller than THIN times the root of this part of the velocities is rounding.
+FAINT = 1e-8
 FAR = 1e300
 
 
@@ -111,12 +114,15 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
             tau = tau_max
         dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
     M4 = fourth_derivative_bound(w, j, s, c, K)
+    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) * K.moment)
+    variance = K.sigmas * K.sigmas * (S22 + K.w0sq * S11)
+    thin = 4.0 * variance + speed * speed
+    # What the error of the start can do to a gap; where that is less than rounding `tolerance` sees to it.
+    margin = sqrt(variance) if variance > FAINT * speed * speed else zero
     if K.apart and not flat:
         tau, dv, a, b, w, j, s, c, M4 = march(
-            tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, K
+            tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, margin, K
         )
-    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) * K.moment)
-    thin = 4.0 * K.sigmas * K.sigmas * (S22 + K.w0sq * S11) + speed * speed
     for _ in range(MOST_STEPS):
         thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
         thin_above = has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above)
@@ -135,11 +141,14 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         start_gap = below if side < 0 else above
         on_wall = tau == 0.0 and (on_below if side < 0 else on_above)
         gap = below + dv if side < 0 else above - dv
+        gap = gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
         p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * a, -side * b, -side * w, M4, on_wall)
         step, root = safe_step(cap, p0, p1, p2, p3, p4)
         if has_below and has_above:  # the upper wall counts only if the lower one's step is too long for it
             on_wall = tau == 0.0 and on_above
-            q0, q1, q2, q3, q4, q_degree = gap_polynomial(above - dv, -a, -b, -w, M4, on_wall)
+            gap = above - dv
+            gap = gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
+            q0, q1, q2, q3, q4, q_degree = gap_polynomial(gap, -a, -b, -w, M4, on_wall)
             if not positive_on(root if root < cap else step, q0, q1, q2, q3, q4):
                 q_step, q_root = safe_step(cap, q0, q1, q2, q3, q4)
                 if q_step < step:
@@ -150,7 +159,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     root = cap
         near, close, clear = False, False, True
         if root < cap:
-            size = start_gap + abs(dv) + abs(a) * root
+            size = start_gap + abs(dv) + abs(a) * root + margin / CLEAR_DEPTH
             near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
         known = crossing == side
         if near and (clear or known):
@@ -160,7 +169,8 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                 root = sharpened(root, below + dv if side < 0 else dv - above, a, b, w, j, c, K)
             return polish(tau + root, low, high, side, v0, a0, s0, c0, below, above, K)
         short = step < cap and step * K.rate < SHORT_STEP
-        if (short or not clear) and not known and (start_gap > 0.0 or tau > 0.0):
+        near_by = margin > 0.0 and side * a > 0.0 and (below + dv if side < 0 else above - dv) < 2.0 * margin
+        if (short or near_by or not clear) and not known and (start_gap > 0.0 or tau > 0.0):
             verdict, tau_min = closest_approach(tau, tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
             reach = tau_min - tau
             if has_below and has_above and verdict != STALLED and reach > step:  # the other wall may come before
@@ -202,7 +212,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
 
 
-def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above, on_below, on_above, K):
+def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above, on_below, on_above, margin, K):
     """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
@@ -218,7 +228,7 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
     Om2 = K.Om * K.Om
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
     v_free, a_free = v0 - v_steady, a - K.Om * u_steady
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) * K.swing)
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) * K.swing) + margin
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
     energy = a_free * a_free + K.w0sq * v_free * v_free
     room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack

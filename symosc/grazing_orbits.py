@@ -56,7 +56,8 @@ class GrazingStart:
     undecided : bool
         Whether the search ended before it was known where the flow came from; the reason tells how.
     start : dict
-        t0, x0 and v0 of the point as exact numbers that `simulate` takes: ``simulate(p, **found.start, t_end=...)``.
+        t0, x0 and v0 of the point, and as start_error a unit of their last digits, as `simulate` takes them:
+        ``simulate(p, **found.start, t_end=...)``.
     """
 
     mapping: str
@@ -225,6 +226,7 @@ def _result(
     velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
     texts = {"t0": _text(t, keep, shown), "x0": _text(x, keep, shown)}
     texts["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, keep, shown)
+    errors = tuple(_unit(texts[name]) for name in ("t0", "x0", "v0"))
     v = flights.number(velocity)
     return GrazingStart(
         mapping=mapping,
@@ -239,9 +241,15 @@ def _result(
         t_m=out(when),
         x_m=out(x_m),
         theta_m=out(theta_m),
-        start={} if nowhere else texts,
+        start={} if nowhere else texts | {"start_error": errors},
         undecided=nowhere and arrival.kind != NEVER,
     )
+
+
+def _unit(text: str) -> Fraction:
+    """Return a unit of the last decimal of a number, 0 for one without decimals."""
+    decimals = len(text.partition(".")[2])
+    return Fraction(1, 10**decimals) if decimals else Fraction(0)
 
 
 def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | None:

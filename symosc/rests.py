@@ -23,7 +23,7 @@ from symosc.kernels.entire import EPS
 BESIDE = 1e-6
 
 
-def never_leaves(v, a, s, c, lower, upper, has_below, has_above, mode, K):
+def never_leaves(v, a, s, c, S11, S22, lower, upper, has_below, has_above, mode, K):
     """Return whether v stays between the walls for ever, from the steady amplitude and the transient's size."""
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
         return False
@@ -36,7 +36,8 @@ def never_leaves(v, a, s, c, lower, upper, has_below, has_above, mode, K):
         a_free = a - K.Om * (K.Ss * c - K.Sc * s)
         highest = K.V0 + sqrt(a_free * a_free + K.w0sq * free * free) / K.w0
         lowest = -highest
-    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v))  # a swing that just touches a belt is an event
+    # A swing that just touches a belt is an event.
+    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S22 + K.w0sq * S11)
     return not (has_below and lowest - slack <= lower) and not (has_above and highest + slack >= upper)
 
 

@@ -148,8 +148,10 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State) -> State:
-    """Return a state in double precision, with the rounding as its error."""
+    """Return a state in double precision, with the rounding as a part of its error."""
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
     eps, t_low = 2.0**-53, float(state.t - t + state.t_low)
     v_error = 0.0 if state.at else eps * v
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, (eps * x) ** 2, 0.0, v_error**2, t, t_low)
+    S11, S12, S22 = (float(value) for value in (state.S11, state.S12, state.S22))
+    S11, S22 = S11 + (eps * x) ** 2, S22 + v_error**2
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low)

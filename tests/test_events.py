@@ -80,7 +80,7 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
         b, w, j = derivatives(v0, a0, s0, c0, K)
         M4 = fourth_derivative_bound(w, j, s0, c0, K)
         walls = (v0 + 1, 1 - v0, True, True, False, False)
-        tau, dv, a, b, w, j, s, c, _ = march(K.chunk, v0, a0, b, w, j, M4, s0, c0, *walls, K)
+        tau, dv, a, b, w, j, s, c, _ = march(K.chunk, v0, a0, b, w, j, M4, s0, c0, *walls, 0.0, K)
         exact = state_at(tau, v0, a0, s0, c0, K)
         scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
         assert dv == pytest.approx(exact[1], abs=1e-12 * scale)

@@ -95,12 +95,13 @@ def fig7(printed: str) -> grazing_figures.Graze:
     return replace(grazing_figures.fig7(), printed=scene, scene=scene)
 
 
-def fig8(**start: str) -> grazing_figures.Graze:
-    scene = changed("fig8", t_end=9, **start)
+def fig8(start_error: Any = None, **start: str) -> grazing_figures.Graze:
+    scene = replace(changed("fig8", t_end=9, **start), start_error=start_error)
     return replace(grazing_figures.fig8(), printed=scene, scene=scene)
 
 
-EXACT8 = {name: str(getattr(load_scene("fig8-exact"), name)) for name in ("x0", "v0")}
+EXACT8: dict[str, Any] = {name: str(getattr(load_scene("fig8-exact"), name)) for name in ("x0", "v0")}
+EXACT8["start_error"] = load_scene("fig8-exact").start_error
 ROUNDED8 = {"x0": "5.8979", "v0": "2.2582"}
 
 OTHER: list[tuple[str, Callable[[], Evidence], str]] = [

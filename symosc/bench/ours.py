@@ -15,10 +15,10 @@ TOLERANCES = (1e-9, ACCURACY)
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
     """Prepare `simulate_many`; the tolerance is its `accuracy`, the estimated error that asks for a closer look."""
-    start = [scene.t0, scene.x0, scene.v0]
+    start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
     def run() -> Late:
-        table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance)
+        table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
 
         def rows() -> list[Found]:
             columns = (table.t, table.x, table.kind, table.boundary)

@@ -80,7 +80,7 @@ class Graze:
 def exact(figure: Graze, t_end: Any = None) -> Scene:
     """Return the scene of a figure from the start that grazes, to 40 decimals."""
     start = figure.source().start
-    return replace(figure.scene, x0=start["x0"], v0=start["v0"], t_end=t_end or figure.scene.t_end)
+    return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
 
 
 def fig7() -> Graze:
@@ -151,7 +151,7 @@ def clear_since(path: Trajectory, belt: int) -> float:
     K, level = constants(p), float(p.belt(belt))
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         v, a, phase = float(path(t)[1]), float(path.force(SIDES[belt][0], t)), float(p.Omega) * t
-        if never_leaves(v, a, sin(phase), cos(phase), -np.inf, level, False, True, SIDES[belt][0], K):
+        if never_leaves(v, a, sin(phase), cos(phase), 0.0, 0.0, -np.inf, level, False, True, SIDES[belt][0], K):
             return float(t)
     return float("inf")
 
