@@ -226,7 +226,7 @@ def _result(
     velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
     texts = {"t0": _text(t, keep, shown), "x0": _text(x, keep, shown)}
     texts["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, keep, shown)
-    errors = tuple(_unit(texts[name]) for name in ("t0", "x0", "v0"))
+    errors = _unit(texts["t0"]), _unit(texts["x0"]), Fraction(0) if arrival.boundary else _unit(texts["v0"])
     v = flights.number(velocity)
     return GrazingStart(
         mapping=mapping,

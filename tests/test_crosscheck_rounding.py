@@ -169,7 +169,7 @@ def test_results_are_compared_copied_and_pickled() -> None:
 
 
 def test_a_result_with_nan_equals_its_copy() -> None:
-    exact = simulate("fig8", t_end=60)
+    exact = simulate("fig8", t_end=70)
     t = np.linspace(2.5, float(exact.t_end), 200)
     t = np.append(t, t[-1] + 0.01)
     one = crosscheck("fig8", t, *np.column_stack([exact(t[:-1]), [0.0, 0.0]]))

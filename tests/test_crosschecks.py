@@ -203,7 +203,7 @@ def test_errors_that_add_up_fail_in_the_end() -> None:
 
 
 def test_the_end_of_the_exact_motion_is_the_end_of_the_comparison() -> None:
-    exact = simulate("fig8", t_end=60)
+    exact = simulate("fig8", t_end=70)
     assert exact.status == "undecidable"
     t = np.linspace(2.5, float(exact.t_end), 500)
     x, v = exact(t)

@@ -63,6 +63,7 @@ class BasisMP:
 
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
+        tau = self.context.convert(tau)
         values = self._series(tau) if K.rate * abs(tau) < SERIES_BELOW else self._divided_differences(tau)
         make = self.context.make_mpf
         return tuple(+make(value._mpf_) for value in values)
