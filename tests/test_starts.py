@@ -132,7 +132,7 @@ ERRORS = {"t0": (1, 0, 0), "x0": (0, 1, 0), "v0": (0, 0, 1), "all": (1, 1, 1)}
 LARGE = pytest.mark.xfail(strict=True, reason="an error of the start far above rounding is not looked at in full")
 
 
-@pytest.mark.parametrize("exponent", [pytest.param(5, marks=LARGE), pytest.param(8, marks=LARGE), 12, 20, 40])
+@pytest.mark.parametrize("exponent", [pytest.param(5, marks=LARGE), 12, 20, 40])
 @pytest.mark.parametrize("which", ERRORS)
 def test_a_contact_within_reach_of_the_error_is_a_graze(which: str, exponent: int) -> None:
     """A peak beyond the belt by 0.9 of what the error can do touches; by twice that it sticks; short of it likewise."""
