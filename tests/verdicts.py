@@ -25,6 +25,9 @@ SLOW = 1.0  # seconds in all, and
 SLOW_EVENT = 0.02  # seconds per event
 COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "kind", "boundary", "source", "target")
 
+# Faults that depend on what the oracle says happens.
+DOUBTFUL = {"missed", "invented", "wrong kind", "undecidable", "status", "end", "digits"}
+
 Oracle = Callable[..., OracleRun]
 
 
