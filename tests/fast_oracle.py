@@ -42,7 +42,9 @@ def _process() -> Any:
     return subprocess.Popen([str(program())], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
-def simulate_fast(p: Any, t0: Any, x0: Any, v0: Any, t_end: Any, dps: int = DIGITS, max_events: int = 10_000) -> OracleRun:
+def simulate_fast(
+    p: Any, t0: Any, x0: Any, v0: Any, t_end: Any, dps: int = DIGITS, max_events: int = 10_000
+) -> OracleRun:
     """Return what `simulate_oracle` returns; it is called for more digits, and without a compiler."""
     t0, x0, v0, t_end = map(exact, (t0, x0, v0, t_end))
     fastest = float(p.c / p.m) + float(p.k / p.m) ** 0.5 + float(p.Omega)

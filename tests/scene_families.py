@@ -100,7 +100,9 @@ def wide_parameters(rng: Random) -> Parameters:
     m, Omega = size(rng, -1, 1), size(rng, -1, 1)
     k, zeta = size(rng, -1.5, 1.5), size(rng, -2, 0.7)
     c = Fraction(f"{2 * float(zeta) * sqrt(float(k * m)):.3g}")
-    kind = rng.choice(["plain"] * 8 + ["c=0", "k=0", "free", "critical", "resonance", "near resonance", "near critical"])
+    kind = rng.choice(
+        ["plain"] * 8 + ["c=0", "k=0", "free", "critical", "resonance", "near resonance", "near critical"]
+    )
     if kind in ("c=0", "free"):
         c = Fraction(0)
     if kind in ("k=0", "free"):
@@ -174,11 +176,10 @@ def digits(rng: Random, number: int) -> FuzzScene:
 def coincide(rng: Random, number: int) -> FuzzScene:
     """Two belts of nearly the same speed, weak friction: events that follow each other within an ulp."""
     p = wide_parameters(rng)
-    if rng.random() < 0.5:
-        p = p.replace(v1=Fraction(f"{float(p.v1):.2g}"))
+    v1 = rng.choice([p.v1, Fraction(f"{float(p.v1):.2g}")])
     gap = size(rng, -15, -6, rng.choice([1, 3]))
     weak = rng.choice([Fraction(1), Fraction(1, 10), Fraction(0)])
-    p = p.replace(v2=p.v1 + gap, mu1=p.mu1 * weak, mu2=p.mu2 * rng.choice([weak, 1]))
+    p = p.replace(v1=v1, v2=v1 + gap, mu1=p.mu1 * weak, mu2=p.mu2 * rng.choice([weak, 1]))
     t0, x0, v0 = wide_start(rng, p)
     t0 = rng.choice([t0, t0 + 10 ** rng.randint(3, 6)])
     v0 = rng.choice([v0, p.v1, p.v2, p.v1 + (p.v2 - p.v1) / 3, tenth(rng, -3, 3)])

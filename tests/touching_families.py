@@ -144,7 +144,15 @@ def near(rng: Random, number: int) -> FuzzScene:
     t_end = min(scene.t_end, span(rng, p, 3, 15, 800))
     v0 = getattr(p, name) if scene.v0 == getattr(scene.p, name) and rng.random() < 0.5 else scene.v0
     return FuzzScene(
-        "near", number, p, scene.t0, scene.x0, v0, t_end, touch=exponent > 13, dps=33 if exponent < 14 else 2 * exponent + 30
+        "near",
+        number,
+        p,
+        scene.t0,
+        scene.x0,
+        v0,
+        t_end,
+        touch=exponent > 13,
+        dps=33 if exponent < 14 else 2 * exponent + 30,
     )
 
 
@@ -157,7 +165,13 @@ def approach(rng: Random, number: int) -> FuzzScene:
     c1, c2 = size(rng, -1, 1, 2), size(rng, -1, 1, 2)
     if kind == "two" and rng.random() < 0.5:
         c2 = -c1 * Fraction(rng.randint(1, 99), 100)
-    c1, c2 = (c1, Fraction(0)) if kind in ("slow only", "no spring") else (Fraction(0), c2) if kind == "fast only" else (c1, c2)
+    c1, c2 = (
+        (c1, Fraction(0))
+        if kind in ("slow only", "no spring")
+        else (Fraction(0), c2)
+        if kind == "fast only"
+        else (c1, c2)
+    )
     belt = rng.choice([Fraction(0), tenth(rng, -3, 3)]) if kind == "no spring" else Fraction(0)
     fast = slow if kind == "critical" else Fraction(0) if kind == "no spring" else fast
     X = tenth(rng, -3, 3)
@@ -166,7 +180,17 @@ def approach(rng: Random, number: int) -> FuzzScene:
     mu1, mu2 = (rng.choice([Fraction(0), Fraction(rng.randint(1, 99), 100)]) for _ in "12")
     Omega = rng.choice([size(rng, -3, 1, 2), Fraction(1, 1000)])
     p = Parameters(
-        m=m, c=m * (slow + fast), k=m * slow * fast, A0=0, B0=0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=size(rng, -1, 1)
+        m=m,
+        c=m * (slow + fast),
+        k=m * slow * fast,
+        A0=0,
+        B0=0,
+        Omega=Omega,
+        v1=v1,
+        v2=v2,
+        mu1=mu1,
+        mu2=mu2,
+        FN=size(rng, -1, 1),
     )
     p = p.replace(A0=p.k * X + p.c * belt - p.A(alpha))
     if kind == "critical":  # (c1 + c2 t) e^(-slow t)
@@ -176,7 +200,9 @@ def approach(rng: Random, number: int) -> FuzzScene:
     rate = fast if kind == "fast only" else slow
     t_end = Fraction(f"{float(rng.choice([5, 40, 100, 500]) / rate):.4g}")
     truth = partial(approach_truth, f"Omega{alpha}")
-    return FuzzScene("approach", number, p, Fraction(0), X + side * offset, belt - side * v0, t_end, dps=300, truth=truth)
+    return FuzzScene(
+        "approach", number, p, Fraction(0), X + side * offset, belt - side * v0, t_end, dps=300, truth=truth
+    )
 
 
 def approach_truth(mode: str) -> OracleRun:
