@@ -27,7 +27,8 @@ FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     "graze": touching.graze,
     "near": touching.near,
     "approach": touching.approach,
-    "limit": touching.missed_limit,
+    "limit": touching.limit,
+    "creep": touching.creep,
     "settle": touching.settle,
     "digits": plain.digits,
     "late": plain.late,
@@ -35,6 +36,7 @@ FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     "coincide": plain.coincide,
     "onbelt": plain.onbelt,
     "rest": plain.rest,
+    "undriven": plain.undriven,
     "extreme": plain.extreme,
 }
 FAULTS = (
@@ -52,12 +54,12 @@ def scene_of(family: str, seed: int, number: int) -> FuzzScene:
 def verdict_of(task: tuple[str, int, int]) -> Verdict:
     family, seed, number = task
     scene = scene_of(family, seed, number)
-    digits = (20,) if number % DIGITS_EVERY == 0 else ()
+    digits, numba = (20,) if number % DIGITS_EVERY == 0 else (), (number % 2 == 0,)
     try:
-        verdict = judge(scene, simulate_fast, digits, numba=(False, True))
+        verdict = judge(scene, simulate_fast, digits, numba)
         if scene.truth is None and any(fault in DOUBTFUL for fault, _ in verdict.faults):
             # Before the engine is blamed, the oracle is asked for more digits.
-            verdict = judge(plain.with_digits(scene, dps=scene.dps + 30), digits=digits, numba=(False, True))
+            verdict = judge(plain.with_digits(scene, dps=scene.dps + 30), digits=digits, numba=numba)
     except Exception as error:  # the oracle's or the judge's own
         verdict = Verdict(scene)
         verdict.add("unjudged", f"{type(error).__name__}: {error}")

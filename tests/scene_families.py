@@ -13,8 +13,7 @@ from math import pi, sqrt
 from random import Random
 from typing import Any
 
-import mpmath
-from oracle import OracleEvent, OracleRun
+from oracle import OracleRun
 
 from symosc import Parameters
 
@@ -251,3 +250,17 @@ def rest(rng: Random, number: int) -> FuzzScene:
         p = p.replace(B0=0)
         _, x0, v0 = wide_start(rng, p)
     return FuzzScene("rest", number, p, Fraction(0), x0, v0, span(rng, p, 2, 60, 1500), dps=60)
+
+
+def undriven(rng: Random, number: int) -> FuzzScene:
+    """No drive. Without damping a mass that slips off a belt comes back to it in exact grazes, period after period."""
+    p = wide_parameters(rng)
+    k = p.k or size(rng, -1, 1)
+    p = p.replace(
+        B0=0, k=k, c=rng.choice([Fraction(0), Fraction(0), p.c]), Omega=rng.choice([p.Omega, Fraction(1, 1000)])
+    )
+    if rng.random() < 0.3:
+        p = p.replace(**rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}]))
+    _, x0, v0 = wide_start(rng, p)
+    t_end = Fraction(f"{rng.uniform(2, 40) * 2 * pi * sqrt(p.m / p.k):.4g}")
+    return FuzzScene("undriven", number, p, Fraction(0), x0, v0, t_end, touch=p.c == 0, dps=40)

@@ -126,7 +126,7 @@ def test_the_judge_names_each_fault() -> None:
     assert faults(events[:-1]) == {"missed"}
     assert faults(events[:2] + events[3:]) == {"missed"}
     assert faults([*events, replace(events[-1], t=events[-1].t + 0.1)]) == {"invented"}
-    assert faults(events[:2] + [events[1]] + events[2:]) == {"invented"}
+    assert faults([*events[:2], events[1], *events[2:]]) == {"invented"}
     assert faults([*events[:2], replace(events[2], kind="graze"), *events[3:]]) == {"wrong kind"}
     assert faults([*events[:2], late, *events[3:]]) != set()
     assert faults(events[:3], "undecidable") == {"undecidable"}

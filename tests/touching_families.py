@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from math import atan2
 from random import Random
 from typing import Any
 
@@ -143,17 +142,8 @@ def near(rng: Random, number: int) -> FuzzScene:
     p = scene.p.replace(**{name: getattr(scene.p, name) + shift})
     t_end = min(scene.t_end, span(rng, p, 3, 15, 800))
     v0 = getattr(p, name) if scene.v0 == getattr(scene.p, name) and rng.random() < 0.5 else scene.v0
-    return FuzzScene(
-        "near",
-        number,
-        p,
-        scene.t0,
-        scene.x0,
-        v0,
-        t_end,
-        touch=exponent > 13,
-        dps=33 if exponent < 14 else 2 * exponent + 30,
-    )
+    dps = 33 if exponent < 14 else 2 * exponent + 30
+    return FuzzScene("near", number, p, scene.t0, scene.x0, v0, t_end, touch=exponent > 13, dps=dps)
 
 
 def approach(rng: Random, number: int) -> FuzzScene:
@@ -164,14 +154,11 @@ def approach(rng: Random, number: int) -> FuzzScene:
     fast = slow * (1 + size(rng, -2, 1.5, 2))
     c1, c2 = size(rng, -1, 1, 2), size(rng, -1, 1, 2)
     if kind == "two" and rng.random() < 0.5:
-        c2 = -c1 * Fraction(rng.randint(1, 99), 100)
-    c1, c2 = (
-        (c1, Fraction(0))
-        if kind in ("slow only", "no spring")
-        else (Fraction(0), c2)
-        if kind == "fast only"
-        else (c1, c2)
-    )
+        c2 = -c1 * Fraction(rng.choice([100, rng.randint(1, 99)]), 100)  # -c1: a start on the belt
+    if kind in ("slow only", "no spring"):
+        c2 = Fraction(0)
+    elif kind == "fast only":
+        c1 = Fraction(0)
     belt = rng.choice([Fraction(0), tenth(rng, -3, 3)]) if kind == "no spring" else Fraction(0)
     fast = slow if kind == "critical" else Fraction(0) if kind == "no spring" else fast
     X = tenth(rng, -3, 3)
@@ -179,7 +166,7 @@ def approach(rng: Random, number: int) -> FuzzScene:
     v1, v2 = (belt, belt + room) if boundary == 1 else (belt - room, belt)
     mu1, mu2 = (rng.choice([Fraction(0), Fraction(rng.randint(1, 99), 100)]) for _ in "12")
     Omega = rng.choice([size(rng, -3, 1, 2), Fraction(1, 1000)])
-    p = Parameters(
+    p = Parameters(  # friction is balanced below
         m=m,
         c=m * (slow + fast),
         k=m * slow * fast,
@@ -234,17 +221,33 @@ def settle(rng: Random, number: int) -> FuzzScene:
     )  # fmt: skip
 
 
-def missed_limit(rng: Random, number: int) -> FuzzScene:
+def limit(rng: Random, number: int) -> FuzzScene:
     """Without a spring the velocity tends to a limit just beyond or just before a belt's speed."""
     alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
-    scene = approach(Random(rng.random()), number)
     exponent = rng.choice([6, 9, 12, 14, 16, 20])
     p = wide_parameters(rng).replace(k=0, B0=0)
     rate = size(rng, -1, 0.5, 2)
     p = p.replace(c=p.m * rate)
     belt = p.belt(boundary)
-    limit = belt + Fraction(rng.choice([1, -1]) * rng.randint(1, 9), 10**exponent)
-    p = p.replace(A0=p.A0 + p.c * limit - p.A(alpha))
+    speed = belt + Fraction(rng.choice([1, -1]) * rng.randint(1, 9), 10**exponent)
+    p = p.replace(A0=p.A0 + p.c * speed - p.A(alpha))
     v0 = belt - side * min((p.v2 - p.v1) / 2, size(rng, -1, 1, 2))
-    t_end = Fraction(f"{rng.choice([10, 60]) / float(rate):.4g}")
-    return FuzzScene("limit", number, p, Fraction(0), scene.x0, v0, t_end, dps=100)
+    t_end = Fraction(f"{rng.choice([20, 60]) / float(rate):.4g}")
+    return FuzzScene("limit", number, p, Fraction(0), tenth(rng, -3, 3), v0, t_end, dps=100)
+
+
+def creep(rng: Random, number: int) -> FuzzScene:
+    """An overdamped mass creeps beside a belt at rest while a weak or slow drive moves it less and less visibly."""
+    p = wide_parameters(rng)
+    slow, ratio = size(rng, -1, 0.3, 2), 1 + size(rng, -1, 1, 2)
+    p = p.replace(
+        c=p.m * slow * (1 + ratio), k=p.m * slow**2 * ratio, B0=signed(rng, -20, 0, 2), Omega=size(rng, -4, 0, 2)
+    )
+    p = p.replace(**rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}]))
+    boundary = 1 if p.v1 == 0 else 2
+    alpha = boundary + rng.choice([0, 1])
+    side = 1 if alpha == boundary else -1
+    start = size(rng, -1, 0, 2)
+    x0 = p.A(alpha) / p.k + side * start / slow
+    t_end = Fraction(f"{rng.choice([20, 60, 200]) / float(slow):.4g}")
+    return FuzzScene("creep", number, p, Fraction(0), x0, -side * start, t_end, dps=150)

@@ -191,8 +191,7 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
         verdict.add("status", f"equilibrium, but B0 = {p.B0} in {truth.mode}")
     if truth.x is None:
         return
-    end = trajectory.t_end
-    x, v = trajectory(end)
+    x = trajectory(trajectory.t_end)[0]
     with mpmath.workdps(60):
         worst = max((event.x_error / max(1, abs(event.x)) for event in trajectory.events), default=0.0)
         late = float(np.spacing(float(scene.t_end))) * max(1.0, abs(float(truth.v)))
