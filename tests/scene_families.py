@@ -190,7 +190,8 @@ def extreme(rng: Random, number: int) -> FuzzScene:
     p = wide_parameters(rng)
     kind = rng.randrange(7)
     if kind == 0:
-        p = p.replace(m=size(rng, -7, -4), k=rng.choice([0, p.k]), Omega=size(rng, -7, -1), c=size(rng, -8, -4))
+        p = p.replace(m=size(rng, -7, -4), k=rng.choice([0, p.k]), Omega=size(rng, -7, -1))
+        p = p.replace(c=rng.choice([Fraction(0), size(rng, -9, -4)]))
     elif kind == 1:
         p = p.replace(m=size(rng, -5, -2), Omega=size(rng, 0, 1.5), c=size(rng, -3, -1))
     elif kind == 2:
@@ -205,7 +206,7 @@ def extreme(rng: Random, number: int) -> FuzzScene:
         scale = size(rng, -6, 6, 1)
         p = p.replace(v1=p.v1 * scale, v2=p.v2 * scale, A0=p.A0 * scale, B0=p.B0 * scale, FN=p.FN * scale)
     t0, x0, v0 = wide_start(rng, p)
-    return FuzzScene("extreme", number, p, t0, x0, v0, t0 + span(rng, p, 1, 20, 2000), dps=40)
+    return FuzzScene("extreme", number, p, t0, x0, v0, t0 + span(rng, p, 1, 20, 2000))
 
 
 # -- starts on a belt --------------------------------------------------------------------------------------------------

@@ -11,14 +11,15 @@ from random import Random
 
 import fuzz
 import mpmath
+import numpy as np
 import pytest
 import scene_families as plain
 import touching_families as touching
 from fast_oracle import program, simulate_fast
 from oracle import OracleRun, flow_oracle, simulate_oracle
-from verdicts import Verdict, compare, label, truth_of
+from verdicts import COLUMNS, Verdict, compare, label, truth_of
 
-from symosc import simulate
+from symosc import simulate, simulate_many
 
 QUICK = 4  # scenes of each family
 SLOW = 60
@@ -38,6 +39,18 @@ def test_many_random_scenes_of_every_family(family: str) -> None:
 def assert_no_faults(family: str, numbers: range, seed: int = 1000) -> None:
     failed = [verdict for number in numbers if (verdict := fuzz.verdict_of((family, seed, number))).faults]
     assert not failed, "\n".join(fuzz.report(verdict, seed) for verdict in failed)
+
+
+def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
+    scenes = [fuzz.scene_of(family, 1001, number) for family in fuzz.FAMILIES for number in range(2)]
+    starts, ends = [(scene.t0, scene.x0, scene.v0) for scene in scenes], [scene.t_end for scene in scenes]
+    table = simulate_many([scene.p for scene in scenes], starts, ends)
+    for number, scene in enumerate(scenes):
+        single = simulate_many(scene.p, starts[number], ends[number])
+        rows = table.trajectory == number
+        assert table.status[number] == single.status[0], scene.snippet()
+        for column in COLUMNS:
+            assert np.array_equal(getattr(table, column)[rows], getattr(single, column)), (column, scene.snippet())
 
 
 # -- the truth of the constructed families ----------------------------------------------------------------------------

@@ -193,6 +193,9 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
         verdict.add("status", f"equilibrium, but B0 = {p.B0} in {truth.mode}")
     if truth.x is None:
         return
+    for event in trajectory.events[:5]:
+        if abs(trajectory(event.t)[0] - event.x) > 1e-9 * max(1.0, abs(event.x)) + abs(event.v) * np.spacing(event.t):
+            verdict.add("end", f"the trajectory at {event.t!r} is not where its event is")
     x = trajectory(trajectory.t_end)[0]
     with mpmath.workdps(60):
         worst = max((event.x_error / max(1, abs(event.x)) for event in trajectory.events), default=0.0)
