@@ -30,6 +30,7 @@ FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     "limit": touching.limit,
     "creep": touching.creep,
     "settle": touching.settle,
+    "aimed": touching.aimed,
     "digits": plain.digits,
     "late": plain.late,
     "long": plain.long,

@@ -10,12 +10,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
+from math import sin
 from random import Random
 from typing import Any
 
 import mpmath
-from oracle import OracleEvent, OracleRun
-from scene_families import TOUCHES, TRIPLES, FuzzScene, periods, signed, size, span, tenth, wide_parameters, with_digits
+from oracle import OracleEvent, OracleRun, flow_oracle
+from scene_families import (
+    TOUCHES,
+    TRIPLES,
+    FuzzScene,
+    fastest,
+    periods,
+    signed,
+    size,
+    span,
+    tenth,
+    wide_parameters,
+    with_digits,
+)
 
 from symosc import Parameters
 
@@ -251,3 +264,39 @@ def creep(rng: Random, number: int) -> FuzzScene:
     x0 = p.A(alpha) / p.k + side * start / slow
     t_end = Fraction(f"{rng.choice([20, 60, 200]) / float(slow):.4g}")
     return FuzzScene("creep", number, p, Fraction(0), x0, -side * start, t_end, dps=150)
+
+
+def aimed(rng: Random, index: int) -> FuzzScene:
+    """A start that a motion with a touch at t_m has passed, known to 10 to 40 digits: it misses by as little as that.
+
+    Some touches are of fourth order, where k v_belt = -B0 Omega sin(Omega t_m) as far as the digits go.
+    """
+    places = rng.choice([10, 14, 16, 18, 20, 25, 30, 40])
+    while True:
+        p = wide_parameters(rng)
+        alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
+        if not p.k or not p.B0:
+            continue
+        t_m, flat = Fraction(f"{rng.uniform(0.2, 9) / float(p.Omega):.3g}"), rng.random() < 0.25
+        if flat:
+            t_m = cut((mpmath.pi / 2) * (4 + side * (1 if p.B0 < 0 else -1)) / number(p.Omega), places)
+            speed = side * abs(p.B0) * p.Omega / p.k
+            v1, v2 = (speed, speed + p.v2 - p.v1) if boundary == 1 else (speed - p.v2 + p.v1, speed)
+            p = p.replace(v1=v1, v2=v2)
+        speed = p.belt(boundary)
+        bend = -float(p.k * speed) - float(p.B0 * p.Omega) * sin(float(p.Omega * t_m))
+        if flat or side * bend < -0.05 * float(abs(p.B0) * p.Omega):
+            break
+    tau = Fraction(f"{rng.uniform(0.1, 1) / fastest(p):.3g}")
+    with mpmath.workdps(90):
+        cosine = mpmath.cos(number(p.Omega * t_m))
+        x_m = (number(p.A(alpha) - p.c * speed) + number(p.B0) * cosine) / number(p.k)
+        x, v = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, -tau, 90)[:2]
+        x0, v0 = cut(x, places), cut(v, places)
+    t0 = t_m - tau
+    scene = FuzzScene("aimed", index, p, t0, x0, v0, t_m + span(rng, p, 1, 4, 100))
+    return with_digits(scene, touch=places >= 14, dps=2 * places + 40)
+
+
+def cut(value: Any, places: int) -> Fraction:
+    return Fraction(mpmath.nstr(value, places, min_fixed=-1000, max_fixed=1000))
