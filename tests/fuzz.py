@@ -114,15 +114,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--ignore", choices=FAULTS, action="append", default=[], help="faults that are not listed")
+    parser.add_argument("--show", type=int, default=20, help="snippets to print per family")
     options = parser.parse_args(arguments)
     families = options.family or list(FAMILIES)
     turns = islice(cycle(families), options.scenes)
     tasks = [(family, options.seed, options.first + i // len(families)) for i, family in enumerate(turns)]
-    found, begin = [], time.perf_counter()
+    found, begin, shown = [], time.perf_counter(), Counter[str]()
     for verdict in verdicts(tasks, options.jobs):
         found.append(verdict)
         verdict.faults = [fault for fault in verdict.faults if fault[0] not in options.ignore]
-        if verdict.faults:
+        shown[verdict.scene.family] += bool(verdict.faults)
+        if verdict.faults and shown[verdict.scene.family] <= options.show:
             print(report(verdict, options.seed), flush=True)
     failed = sum(bool(verdict.faults) for verdict in found)
     print(f"\n{table(found)}\n{failed} of {len(found)} scenes failed, {time.perf_counter() - begin:.0f} s")
