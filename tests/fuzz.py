@@ -20,7 +20,7 @@ import touching_families as touching
 from fast_oracle import simulate_fast
 from scene_families import FuzzScene
 from tabulate import tabulate
-from verdicts import DOUBTFUL, Verdict, judge
+from verdicts import DOUBTFUL, Verdict, judge, settled
 
 FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     "wide": plain.wide,
@@ -60,7 +60,7 @@ def verdict_of(task: tuple[str, int, int]) -> Verdict:
         verdict = judge(scene, simulate_fast, digits, numba)
         if scene.truth is None and any(fault in DOUBTFUL for fault, _ in verdict.faults):
             # Before the engine is blamed, the oracle is asked for more digits.
-            verdict = judge(plain.with_digits(scene, dps=scene.dps + 30), digits=digits, numba=numba)
+            verdict = judge(settled(scene), digits=digits, numba=numba)
     except Exception as error:  # the oracle's or the judge's own
         verdict = Verdict(scene)
         verdict.add("unjudged", f"{type(error).__name__}: {error}")
