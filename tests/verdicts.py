@@ -65,7 +65,7 @@ def settled(scene: FuzzScene) -> FuzzScene:
     digits, before = scene.dps + 20, None
     while digits < MOST_DIGITS:
         scene = with_digits(scene, dps=digits)
-        events = [label(event) for event in truth_of(scene).events]
+        events = [(*label(event), mpmath.nstr(event.t, 8)) for event in truth_of(scene).events]
         if events == before:
             return scene
         digits, before = digits + digits // 2, events
