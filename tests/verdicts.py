@@ -229,7 +229,8 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
     if truth.x is None:
         return
     for event in trajectory.events[:5]:
-        if abs(trajectory(event.t)[0] - event.x) > 1e-9 * max(1.0, abs(event.x)) + abs(event.v) * np.spacing(event.t):
+        clear = np.spacing(event.t) < 1e-10  # later than that a double does not tell where the mass is
+        if clear and abs(trajectory(event.t)[0] - event.x) > 1e-9 * max(1.0, abs(event.x), abs(event.v)):
             verdict.add("end", f"the trajectory at {event.t!r} is not where its event is")
     x = trajectory(trajectory.t_end)[0]
     with mpmath.workdps(60):
