@@ -86,6 +86,9 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
     reach = tau if tau < K.swing else K.swing
     x_noise = 2.0 * EPS * (abs(x) + speed * reach + abs(v) * tau)
     v_noise = 2.0 * EPS * ((2.0 + 0.5 * K.w0 * tau) * speed + abs(a0) * tau + (abs(A) + abs(K.f0)) * reach)
+    if K.lasting:  # then the errors of the constants, the same in every flight, add up: not as independent ones
+        x_noise = sqrt(x_noise * (x_noise + 2.0 * sqrt(S11)))
+        v_noise = sqrt(v_noise * (v_noise + 2.0 * sqrt(S22)))
     S11, S12, S22 = carried_error(S11, S12, S22, E0, E1, E2, x_noise, v_noise, K)
     x = x + dx
     if code == NOTHING:

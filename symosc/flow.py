@@ -21,6 +21,8 @@ from symosc.model import Parameters
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
 LONGEST_SWING = 10**9
+# A free oscillation that loses less than 1 % of its velocity per radian.
+LASTING = 10**4
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
 SIGMAS = Fraction(8)
@@ -82,6 +84,7 @@ class Constants(NamedTuple):
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
+    lasting: bool  # so little damping that errors of many flights add up
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Any  # A_alpha/m
@@ -154,6 +157,7 @@ def constants(
         under=under,
         apart=under and steady,
         creeps=not under and parameters.B0 == 0,
+        lasting=under and LASTING * h * h < w0sq,
         stiff=steady and not under and -fast > STIFF * max(-slow, number(Om)),
         steady=steady,
         A1=number(parameters.A(1) / m),
