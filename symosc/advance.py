@@ -94,18 +94,18 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
     if code == NOTHING:
         if tau >= left:
             n, theta = later(n, theta, tau, K)
-            t, t_low = added(t, t_low, tau)
+            t, t_low = added(t, t_low, tau, K)
             return END, 0, True, 0.0, mode, 0, n, theta, x, v + dv, a, a, S11, S12, S22, t, t_low
         if never_leaves(v + dv, a, s, c, S11, S22, lower.v, upper.v, has_below, has_above, mode, K):
             # The end is reached from the last start, in one piece.
             return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, t, t_low
         n, theta = later(n, theta, tau, K)
-        t, t_low = added(t, t_low, tau)
+        t, t_low = added(t, t_low, tau, K)
         v = v + dv
         a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
         return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22, t, t_low
     n, theta = later(n, theta, tau, K)
-    t, t_low = added(t, t_low, tau)
+    t, t_low = added(t, t_low, tau, K)
     boundary = mode - 1 if side < 0 else mode
     belt = K.belt1 if boundary == 1 else K.belt2
     v = belt.v
@@ -188,22 +188,22 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, left, t
         if tau >= left:
             Fb, Fa = Fb + Delta, Fa + Delta
             n, theta = later(n, theta, tau, K)
-            t, t_low = added(t, t_low, tau)
+            t, t_low = added(t, t_low, tau, K)
             return END, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
         if belt.drift == 0.0 and tau >= K.period:  # the forces repeat: no exit in one period means none ever
             return REST, 0, True, 0.0, mode, boundary, n, theta, x - v * tau, v, Fb, Fa, S11, zero, zero, t, t_low
         n, theta = later(n, theta, tau, K)
-        t, t_low = added(t, t_low, tau)
+        t, t_low = added(t, t_low, tau, K)
         return MOVED, 0, True, 0.0, mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S11, zero, zero, t, t_low
     n, theta = later(n, theta, tau, K)
-    t, t_low = added(t, t_low, tau)
+    t, t_low = added(t, t_low, tau, K)
     Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
     if code == STALLED:
         return FAILED, boundary, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
     if code == TANGENCY:
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
     A = K.A1 if side < 0 and boundary == 1 else K.A3 if side > 0 and boundary == 2 else K.A2
-    terms = abs(A) + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
+    terms = abs(A) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S11) + 2.0 * EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
@@ -223,8 +223,10 @@ def later(n, theta, tau, K):
     return n, theta
 
 
-def added(t, t_low, tau):
+def added(t, t_low, tau, K):
     """Return t + t_low + tau in two parts (Knuth's sum)."""
+    if tau == K.period:
+        t_low = t_low + K.period_low
     total = t + tau
     part = total - t
     low = t_low + ((t - (total - part)) + (tau - part))

@@ -15,7 +15,7 @@ from typing import Any
 from symosc.advance import FAILED
 from symosc.flow import Constants, constants
 from symosc.path import Path
-from symosc.start import Start
+from symosc.start import Start, is_steady
 
 BACKUP_DIGITS = 36
 # A contact that is open with this many times the digits may be a touch.
@@ -26,16 +26,19 @@ MOST_FAST = 600
 MOST_TOUCH = 2500
 
 
-def touch_digits(start: Start, elapsed: Any, digits: int) -> int | None:
+def touch_digits(path: Path, elapsed: Any, digits: int) -> int | None:
     """Return with how many digits a contact after the time `elapsed` must be open to be a touch; None for too many.
 
     The influence of the start may have shrunk by exp(-rate elapsed), with the larger rate of decay of the free motion,
     or, where that takes too many digits, with the smaller one: only starts without any share of the slow decay are
-    fooled by that.
+    fooled by that. A start that is on the steady motion has none of it, until something else than a graze happens.
     """
+    start = path.start
     K: Constants = constants(start.parameters)
     fast, slow = (K.h, K.h) if K.under else (-K.l2, -K.l1)
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
+    if is_steady(start) and all(event.kind == "graze" for event in path.events):
+        fast_digits = 0
     decay = fast_digits if fast_digits <= MOST_FAST else max(MOST_FAST, slow_digits)
     needed = max(TOUCH_TIMES * digits, digits + TOUCH_SPARE + decay)
     return needed if needed <= max(MOST_TOUCH, TOUCH_TIMES * digits) else None
@@ -71,11 +74,11 @@ class Backup:
     def _is_touch(self, before: int) -> bool:
         """Tell whether the contact after `before` events is open with many more digits too; if so, take that one."""
         base = 2 * self.digits // TOUCH_TIMES  # at least twice the digits
-        needed = touch_digits(self.start, self.path.elapsed, base)
+        needed = touch_digits(self.path, self.path.elapsed, base)
         if needed is None:
             return False
         if self._finer is None or self._finer.arithmetic.digits < needed:
-            whole = touch_digits(self.start, self.start.t_end - self.start.t0, base)
+            whole = touch_digits(self.path, self.start.t_end - self.start.t0, base)
             self._finer = Path(self.start, min(whole or MOST_TOUCH, 3 * needed))
         finer = self._finer
         while len(finer.events) <= before and not finer.ended:

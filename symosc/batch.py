@@ -244,7 +244,8 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
 
 def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
     """Return a row of `symosc.loop`'s states."""
-    return [*first_state(start, arithmetic).as_tuple(), *last_time(start, arithmetic)]
+    state = first_state(start, arithmetic)
+    return [*state.as_tuple(), *last_time(start, arithmetic), state.t]
 
 
 def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str], sort: bool) -> EventTable:

@@ -159,7 +159,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     root = cap
         near, close, clear = False, False, True
         if root < cap:
-            size = start_gap + abs(dv) + abs(a) * root + margin / CLEAR_DEPTH
+            size = start_gap + abs(dv) + abs(a) * root + margin * (1.0 / CLEAR_DEPTH)
             near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
         known = crossing == side
         if near and (clear or known):

@@ -95,6 +95,8 @@ class Constants(NamedTuple):
     Sc: Any
     period: Any  # 2 pi/Omega
     Om_inverse: Any
+    Om_gain: Any  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small
+    period_low: Any  # what the rounding of 2 pi/Om took from `period`
     chunk: Any  # longest time that is evaluated from one starting point
     sigmas: Any  # how many standard errors of the state a decision must exceed
     belt1: BeltConstants
@@ -168,6 +170,8 @@ def constants(
         Sc=number(f0 * Om * q) / response,
         period=period,
         Om_inverse=1 / number(Om),
+        Om_gain=number(Fraction(float(Om)) / Om - 1 if number is float else Fraction(0)),
+        period_low=number(_period_rest(period, float(Om)) if number is float else Fraction(0)),
         # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
         chunk=min(period, LONGEST_PHASE / rate0) if under else period,
         sigmas=number(SIGMAS),
@@ -186,6 +190,12 @@ def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constant
         return MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c)
 
     return K._replace(march=constants_of(MARCH_STEP / K.rate), stride=constants_of(STRIDE * MARCH_STEP / K.rate))
+
+
+def _period_rest(period: float, Om: float) -> Fraction:
+    """Return 2 pi/Om - period for two doubles."""
+    two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
+    return two_pi / Fraction(Om) - Fraction(period)
 
 
 def _belt_constants(

@@ -8,16 +8,22 @@ from symosc.advance import FAILED, GRAZE, MOVED, advance
 from symosc.kernels.entire import EPS
 
 # Columns of a row of STATE, OUT_FLOAT and OUT_INT.
-# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low
-STATE_WIDTH = 15
+# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0
+STATE_WIDTH = 16
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 # What a trajectory ended with, beside the codes of `advance`.
 RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
 
 
-def handed_out(t, x, v, t_error, S11):
-    """Return the standard errors of an event's t and x, the rounding of these two numbers included."""
-    return t_error + 2.0 * EPS * abs(t), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+def handed_out(t, t_low, t0, x, v, t_error, S11, K):
+    """Return an event's time, and standard errors of t and x that cover the rounding of these two numbers.
+
+    What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
+    """
+    since = t - t0
+    out = t + (t_low + since * K.Om_gain)
+    t_error, x_error = t_error + EPS * (2.0 * abs(out) + 0.5 * since), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    return out, t_error, x_error
 
 
 def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int, K):
@@ -51,6 +57,7 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
             float(states[i, 13]),
             float(states[i, 14]),
         )
+        t0 = float(states[i, 15])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
@@ -65,10 +72,10 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                t_error, x_error = handed_out(t, x, v, t_error, S11)
-                if t_error > accuracy * max(1.0, abs(t)) or x_error > accuracy * max(1.0, abs(x)):
+                out, t_error, x_error = handed_out(t, t_low, t0, x, v, t_error, S11, K)
+                if t_error > accuracy * max(1.0, abs(out)) or x_error > accuracy * max(1.0, abs(x)):
                     code = INEXACT
-                out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = t, x, v, theta
+                out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = out, x, v, theta
                 out_float[rows, 4], out_float[rows, 5] = t_error, x_error
                 out_int[rows, 0], out_int[rows, 1], out_int[rows, 2] = i, step, boundary
                 out_int[rows, 3], out_int[rows, 4] = source, mode

@@ -93,8 +93,8 @@ class Path:
         s = self.state
         self._record()
         if self.code in EVENT_KINDS:
-            t = self.time
-            t_error, x_error = self.arithmetic.namespace["handed_out"](t, s.x, s.v, t_error, s.S11)
+            handed_out = self.arithmetic.namespace["handed_out"]
+            t, t_error, x_error = handed_out(s.t, s.t_low, self.t0, s.x, s.v, t_error, s.S11, self.K)
             kind, names = EVENT_KINDS[self.code], (MODE_NAMES[source], MODE_NAMES[s.mode])
             self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(s.x)))
             self.events.append(Event(t, s.x, s.v, s.theta, kind, boundary, *names, float(t_error), float(x_error)))

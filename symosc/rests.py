@@ -48,10 +48,12 @@ def creeps_for_ever(v, a, x, S11, S22, lower, upper, has_below, has_above, mode,
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S11) + (K.cm - K.l2) * sqrt(S22))
     if has_below:
         kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else a - K.l2 * (v - lower.v) > noise
+        kept = kept or (v == lower.v and a == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
         if not kept or lower.drift < 0.0:
             return False
     if has_above:
         kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -a - K.l2 * (upper.v - v) > noise
+        kept = kept or (v == upper.v and a == 0.0 and upper.drift < 0.0)
         if not kept or upper.drift > 0.0:
             return False
     return True

@@ -164,7 +164,7 @@ def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
             before = len(path.events)
             path.step()
             if not path.decided and path.code != FAILED and not start.start_error:
-                needed = touch_digits(start, path.elapsed, digits)
+                needed = touch_digits(path, path.elapsed, digits)
                 open_contact = needed is None or working < needed
                 limit = max(limit, needed or 0)
         in_doubt = open_contact or path.code == FAILED

@@ -125,6 +125,19 @@ def _decided(start: Start) -> tuple[int, list[Any]]:
     return arithmetic.namespace["resolve"](v, *forces, s, c, K), forces
 
 
+def is_steady(start: Start) -> bool:
+    """Return whether a start at t0 = 0 is on the steady motion of its domain: a decision in rational numbers."""
+    p = start.parameters
+    pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
+    size = pull * pull + drag * drag
+    if start.t0 != 0 or size == 0 or start.start_error:
+        return False
+    x, v = p.B0 * pull / size, p.B0 * drag * p.Omega / size
+    if p.k == 0:
+        return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in (1, 2, 3))
+    return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in (1, 2, 3))
+
+
 def settles(start: Start) -> bool:
     """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
 
