@@ -211,7 +211,6 @@ RESONANT = Parameters(
 )
 
 
-@pytest.mark.xfail(strict=True, reason="at resonance errors of the constants add up, the estimate takes them as chance")
 def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
     exact, found = simulate(RESONANT, digits=40, **start), simulate(RESONANT, accuracy=math.inf, **start)
