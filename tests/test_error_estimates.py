@@ -157,33 +157,37 @@ def test_a_late_clock_says_how_coarse_it_is() -> None:
         assert all(event.x_error < 1e-13 for event in found.events)
 
 
-def long_run(events: int, use_numba: bool | None) -> None:
-    """On the stable orbit P32 errors of the start die out: event n is that of the orbit, n/2 periods later, exactly."""
-    scene = load_scene("fig9-orbit")
-    orbit = find_orbit(scene.parameters, "P32", digits=30)
-    context = orbit.points[0][0].context
-    start = [scene.t0, scene.x0, scene.v0]
-    known = {"start_error": scene.start_error, "max_events": events}
-    table = simulate_many(scene.parameters, start, 10**6, use_numba=use_numba, **known)
-    period = 2 * context.pi / context.mpf(scene.parameters.Omega.numerator) * scene.parameters.Omega.denominator
-    first = round(float((table.t[0] - orbit.points[1][0]) / period))
-    assert len(table) == events
-    for i in [*range(0, events, max(1, events // 500)), events - 1]:
-        t, x = orbit.points[(i + 1) % 2]
-        exact = t + (first + (i + (i % 2 == 1)) // 2) * period
+def assert_on_the_orbit(Omega: str, t0: Any, t_end: Any, use_numba: bool | None, most: int | None = None) -> None:
+    """On the stable orbit P32 errors of the start die out: later events are its points plus whole periods, exactly."""
+    p = load_scene("fig9-orbit").parameters.replace(Omega=Omega)
+    orbit = find_orbit(p, "P32", digits=30)
+    period = orbit.period
+    table = simulate_many(p, [t0, "4.15", 1], t_end, max_events=most, use_numba=use_numba)
+    assert len(table) > 100
+    for i in [*range(100, len(table), max(1, len(table) // 500)), *range(len(table) - 4, len(table))]:
+        t, x = next(point for point in orbit.points if (point[1] > 0) == (table.x[i] > 0))
+        exact = t + round(float((table.t[i] - t) / period)) * period
         assert abs(float(exact - table.t[i])) <= 5 * table.t_error[i]
         assert abs(float(x - table.x[i])) <= 5 * table.x_error[i]
-        assert table.t_error[i] <= 4e-15 + 1e-15 * table.t[i]
+        assert table.t_error[i] <= 4e-15 + 1e-15 * abs(table.t[i] - t0)
         assert table.x_error[i] < 2e-14
 
 
-def test_a_long_run_keeps_the_time() -> None:
-    long_run(2000, False)
+@pytest.mark.parametrize("Omega", ["4", "4.1"])
+def test_a_long_run_keeps_the_time(Omega: str) -> None:
+    assert_on_the_orbit(Omega, 0, 10**6, False, 2000)
 
 
 @pytest.mark.slow
 def test_a_very_long_run_keeps_the_time() -> None:
-    long_run(100_000, None)
+    assert_on_the_orbit("4.1", 0, 10**6, None, 100_000)
+
+
+@pytest.mark.xfail(strict=True, reason="what the clock has lost since the start is not in the error of a small t")
+@pytest.mark.parametrize("Omega", ["4", "4.1"])
+def test_a_run_that_began_long_before_zero_keeps_the_time(Omega: str) -> None:
+    """At t = 3 a double shows 16 digits, but the way there was 1000 long."""
+    assert_on_the_orbit(Omega, -1000, 5, False)
 
 
 @pytest.mark.parametrize("kind", ["undamped", "free", "weakly damped"])
@@ -207,7 +211,6 @@ RESONANT = Parameters(
 )
 
 
-@pytest.mark.xfail(strict=True, reason="at resonance errors of the constants add up, the estimate takes them as chance")
 def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
     exact, found = simulate(RESONANT, digits=40, **start), simulate(RESONANT, accuracy=math.inf, **start)

@@ -177,7 +177,6 @@ def test_the_errors_of_events_cover_that_of_the_start(mapping: str, digits: int 
         assert moved_x <= 1.001 * event.x_error <= 10 * (moved_x + abs(float(event.v)) * moved_t) + 1e-14
 
 
-@pytest.mark.xfail(strict=True, reason="the error of the start is forgotten after a closer look")
 def test_a_closer_look_does_not_forget_the_error_of_the_start() -> None:
     """Behind a graze in doubles, which takes more digits, events are known no better than the start is."""
     a = aimed("closer look", "P2")

@@ -177,3 +177,25 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
     monkeypatch.setattr(advance, "belt_exit", lambda *_: (sticks.STALLED, -1, behind, 0.0, 0.0, 0.0))
     path.step()
     assert (path.code, path.decided) == (advance.FAILED, False)
+
+
+# -- contacts at the very end ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.xfail(strict=True, reason="a contact exactly where the search ends is approached in ever shorter steps")
+@pytest.mark.parametrize("digits", [None, 20])
+def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> None:
+    """v = v0 + A t meets belt 2 at a rational time, which is t_end: it counts or not, but nothing is undecided."""
+    rng = random.Random(1)
+    for _ in range(40):
+        p = Parameters(
+            m=Fraction(rng.randint(1, 30), 10), c=0, k=0, A0=Fraction(rng.randint(1, 30), 10), B0=0, Omega=1, v1=-100,
+            v2=0, mu1=0, mu2="0.5", FN=10,
+        )  # fmt: skip
+        v0 = Fraction(rng.randint(-40, -1), 10)
+        t = -v0 * p.m / p.A(2)
+        found = simulate(p, t0=0, x0=0, v0=v0, t_end=t, digits=digits)
+        assert found.status == "t_end"
+        assert len(found.events) <= 1
+        later = simulate(p, t0=0, x0=0, v0=v0, t_end=t + Fraction(1, 10**6), digits=digits)
+        assert [float(event.t) for event in later.events] == pytest.approx([float(t)], rel=1e-14)

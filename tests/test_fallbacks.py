@@ -1,0 +1,258 @@
+"""What simulate does where doubles, or the digits asked for, are not enough; and that all this stays bounded work."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from agreement import BASE, assert_agrees
+from oracle import simulate_oracle
+from test_starts import aimed, text
+from touches import ordinary, tenths
+
+from symosc import Parameters, backup, events, flow, load_scene, simulate, simulation, start
+from symosc.advance import MOVED
+from symosc.backup import Backup, touch_digits
+from symosc.path import Path
+from symosc.start import Start
+
+# -- more digits -------------------------------------------------------------------------------------------------------
+
+
+def fig8_start(t_end: Any) -> Start:
+    scene = load_scene("fig8")
+    return Start(scene.parameters, scene.t0, scene.x0, scene.v0, Fraction(t_end))
+
+
+def test_a_closer_look_takes_over_and_goes_on() -> None:
+    """Events that doubles know to less than the accuracy asked for come from more digits, right to half a unit."""
+    scene = load_scene("fig8")
+    plain, looked = simulate(scene, accuracy=math.inf), simulate(scene)
+    exact = simulate(scene, digits=30)
+    assert any(simulation._inexact(event, 1e-13) for event in plain.events)
+    assert not any(simulation._inexact(event, 1e-13) for event in looked.events)
+    for event, right in zip(looked.events, exact.events, strict=True):
+        assert abs(float(event.t - right.t)) <= 2.0**-52 * event.t
+        assert abs(float(event.x - right.x)) <= 2.0**-52 * abs(event.x)
+    coarse = simulate(scene, accuracy=1e-6)
+    assert coarse.events == plain.events
+
+
+@pytest.mark.parametrize("value", ["t", "x"])
+def test_an_event_is_inexact_by_its_time_or_its_position(value: str) -> None:
+    event = simulate(load_scene("fig5")).events[0]
+    size = max(1.0, abs(getattr(event, value)))
+    name = f"{value}_error"
+    assert not simulation._inexact(_with(event, **{name: 0.9e-13 * size}), 1e-13)
+    assert simulation._inexact(_with(event, **{name: 1.1e-13 * size}), 1e-13)
+    large = {value: -1e6, name: 0.9e-7}
+    assert not simulation._inexact(_with(event, **large), 1e-13)
+    assert simulation._inexact(_with(event, **(large | {name: 1.1e-7})), 1e-13)
+
+
+def _with(event: Any, **changes: Any) -> Any:
+    from dataclasses import replace
+
+    return replace(event, **({"t_error": 0.0, "x_error": 0.0} | changes))
+
+
+def test_more_digits_do_not_help_where_the_start_is_vague() -> None:
+    exact, vague = fig8_start(9), Start(**{**vars(fig8_start(9)), "start_error": (Fraction(1, 10**10),) * 3})
+    assert simulation.attainable(1e-13, exact) == 1e-13
+    assert simulation.attainable(1e-13, vague) == math.inf
+    assert simulation.attainable(1e-9, vague) == 1e-9
+
+
+def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() -> None:
+    """fig8 beyond t = 62.83: the message names the time, the digits that were not enough, and more of them."""
+    scene = load_scene("fig8")
+    found = simulate(scene, t_end=160)
+    assert found.status == "undecidable"
+    near, digits, advice = re.findall(
+        r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", found.message
+    )[0]
+    assert float(near) == pytest.approx(62.83, abs=0.01)
+    assert found.t_end == float(near)
+    assert int(digits) >= backup.BACKUP_DIGITS
+    assert int(advice) == 2 * int(digits)
+    decided = simulate(scene, t_end=70, digits=40)
+    assert decided.status == "t_end"
+    assert len(decided.events) > len(found.events)
+    for event, right in zip(found.events, decided.events, strict=False):
+        assert (event.kind, event.target) == (right.kind, right.target)
+
+
+def test_digits_that_are_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The working precision is raised up to a limit; then the motion ends there, with the events before it."""
+    monkeypatch.setattr(simulation, "MOST_WORKING", 4)
+    monkeypatch.setattr(simulation, "touch_digits", lambda *_: None)
+    scene = load_scene("fig8")
+    found = simulate(scene, t_end=160, digits=10)
+    assert found.status == "undecidable"
+    assert 10 < len(found.events) < 196
+    assert re.search(r"cannot be decided with \d+ digits; ask for more digits, such as digits=20", found.message)
+    right = simulate(scene, t_end=found.t_end, digits=60)
+    assert len(right.events) >= len(found.events)
+    for event, other in zip(found.events, right.events, strict=False):
+        assert (event.kind, event.target) == (other.kind, other.target)
+
+
+def test_digits_are_raised_until_events_are_known_to_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    used = []
+    make = Path.__init__
+
+    def spy(self: Path, problem: Start, digits: int | None = None) -> None:
+        used.append(digits)
+        make(self, problem, digits)
+
+    monkeypatch.setattr(Path, "__init__", spy)
+    scene = load_scene("fig8")
+    found = simulate(scene, t_end=50, digits=20)
+    assert used == sorted(set(used))
+    assert used[0] == 30
+    assert used[-1] > 35
+    run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, 50, 70)
+    assert_agrees(found, run, 1e-19)
+    assert max(event.t_error / event.t for event in found.events) < 1e-19
+
+
+@pytest.mark.parametrize("code", ["open", "lost"])
+def test_a_backup_that_cannot_decide_either(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = ordinary(random.Random("backup"), "P3")
+    if code == "open":
+        monkeypatch.setattr(backup, "touch_digits", lambda *_: None)
+    else:
+        monkeypatch.setattr(events, "closest_approach", lambda tau, *_: (events.LOST, tau))
+    found = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
+    assert (found.status, list(found.events)) == ("undecidable", [])
+    assert f"near t = {float(found.t_end)!r}" in found.message
+
+
+def test_a_backup_is_followed_only_as_far_as_it_is_asked_for() -> None:
+    one = Backup(fig8_start(30))
+    assert one.follow(3)
+    assert len(one.path.events) == 3
+    assert one.follow(2)
+    assert len(one.path.events) == 3
+    assert one.follow(10**6)
+    assert one.path.ended
+
+
+def test_how_many_digits_a_touch_takes() -> None:
+    """Gaps shrink like exp(-rate t): e^-(h t) without oscillation of the roots, else by the fast root, or the slow."""
+    under = Start(BASE.replace(m=1, c=2, k=5), Fraction(0), Fraction(0), Fraction(0), Fraction(1))
+    assert touch_digits(under, 0, 40) == 3 * 40
+    ten = math.log(10)
+    assert touch_digits(under, 200 * ten, 40) == 40 + backup.TOUCH_SPARE + 200
+    over = Start(BASE.replace(m=1, c=5, k=4), Fraction(0), Fraction(0), Fraction(0), Fraction(1))  # roots -1, -4
+    assert touch_digits(over, 100 * ten, 40) == 40 + backup.TOUCH_SPARE + 400
+    assert touch_digits(over, 300 * ten, 40) == 40 + backup.TOUCH_SPARE + backup.MOST_FAST
+    assert touch_digits(over, 1000 * ten, 40) == 40 + backup.TOUCH_SPARE + 1000
+    assert touch_digits(over, 3000 * ten, 40) is None
+    assert touch_digits(over, 0, 2000) == 6000
+
+
+@pytest.mark.parametrize("digits", [None, 20])
+def test_rest_is_taken_back_to_the_start(digits: int | None) -> None:
+    """On the fast manifold rounding decides at first; rational numbers say that no contact comes."""
+    p = Parameters(m=1, c=3, k=2, A0=0, B0=0, Omega=1, v1=-9, v2=0, mu1=0, mu2=0, FN=1)  # roots -1, -2
+    found = simulate(p, t0=0, x0="1/2", v0=-1, t_end=1000, digits=digits)
+    assert (found.status, list(found.events)) == ("equilibrium", [])
+    for t in (0.0, 1.0, 10.0):
+        assert found(t) == pytest.approx((0.5 * math.exp(-2 * t), -math.exp(-2 * t)), rel=1e-12)
+
+
+def test_what_settles_in_rational_numbers() -> None:
+    """v = -exp(-2 t) and all that is on the near side of it; not what is beyond, driven, on a belt, or vague."""
+    p = Parameters(m=1, c=3, k=2, A0=0, B0=0, Omega=1, v1=-9, v2=0, mu1=0, mu2=0, FN=1)
+
+    def problem(x0: Any, v0: Any = -1, q: Parameters = p, error: Any = None) -> Start:
+        return Start(q, Fraction(0), Fraction(x0), Fraction(v0), Fraction(9), error)
+
+    tiny = Fraction(1, 10**30)
+    assert start.settles(problem("1/2"))
+    assert start.settles(problem(Fraction(1, 2) + tiny))
+    assert not start.settles(problem(Fraction(1, 2) - tiny))
+    assert not start.settles(problem("1/2", q=p.replace(B0="1e-40")))
+    assert not start.settles(problem("1/2", v0=0))
+    assert not start.settles(problem("1/2", error=(tiny, tiny, tiny)))
+    assert not start.settles(problem("1/2", q=p.replace(k=3)))
+    assert not start.settles(problem("1/2", q=p.replace(v2="-1/10")))  # on the way to rest
+    assert start.settles(problem("1/2", q=p.replace(v2="1/10")))  # beyond it
+    # mirrored, towards belt 1 from above and with the other belt in the way
+    mirrored = p.replace(v1=0, v2=9)
+    assert start.settles(problem("-1/2", v0=1, q=mirrored))
+    assert not start.settles(problem(-Fraction(1, 2) + tiny, v0=1, q=mirrored))
+    assert not start.settles(problem("-50", v0=1, q=mirrored))
+
+
+# -- bounded work ------------------------------------------------------------------------------------------------------
+
+
+def counted_flow(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    count, original = [0], flow.state_at
+
+    def counting(*arguments: Any) -> Any:
+        count[0] += 1
+        return original(*arguments)
+
+    monkeypatch.setattr(events, "state_at", counting)
+    return count
+
+
+@pytest.mark.parametrize("spring", [True, False])
+def test_a_light_mass_and_a_slow_drive_take_little_work(spring: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rates that differ by 1e9 and more: once 20,000 evaluations of the flow for every event."""
+    count, rng = counted_flow(monkeypatch), random.Random(f"light {spring}")
+    for _ in range(8):
+        k = Fraction(f"{10 ** rng.uniform(-3, 0):.3g}") if spring else Fraction(0)
+        m, c, Omega = (Fraction(f"{10 ** rng.uniform(*limits):.3g}") for limits in ((-7, -5), (-2, 1), (-6, -5)))
+        v1 = tenths(rng, -30, -1)
+        p = Parameters(
+            m=m, c=c, k=k, A0=tenths(rng, -20, 20), B0=tenths(rng, 5, 60), Omega=Omega, v1=v1,
+            v2=v1 + tenths(rng, 1, 40), mu1=tenths(rng, 0, 10), mu2=tenths(rng, 0, 10), FN=tenths(rng, 1, 50),
+        )  # fmt: skip
+        count[0] = 0
+        found = simulate(p, t0=0, x0=tenths(rng, -30, 30), v0=tenths(rng, -30, 30), t_end=20 / Omega, max_events=25)
+        assert found.status != "undecidable"
+        assert count[0] <= 100 * (len(found.events) + 2), p
+
+
+def test_a_settled_motion_takes_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    count = counted_flow(monkeypatch)
+    p = BASE.replace(B0="0.1", v1=-5, v2=5)
+    for t_end in (10**3, 10**7):
+        count[0] = 0
+        found = simulate(p, t0=0, x0=0, v0=0, t_end=t_end)
+        assert (found.status, list(found.events)) == ("t_end", [])
+        assert count[0] <= 20
+
+
+def test_a_path_moves_on_where_nothing_happens() -> None:
+    """A search is no longer than its chunk: the state in between is that of the flow, and the phase goes along."""
+    p = Parameters(m=1, c=0, k=400, A0=0, B0=400, Omega="0.1", v1="-20.06", v2="20.06", mu1=1, mu2=1, FN=1)
+    path = Path(Start(p, Fraction(0), Fraction(2), Fraction(0), Fraction(60)))
+    path.step()
+    assert path.code == MOVED
+    assert path.state.t == pytest.approx(path.K.chunk)
+    assert path.state.theta == pytest.approx(0.1 * path.K.chunk)
+    whole = simulate(p, t0=0, x0=2, v0=0, t_end=60)
+    assert whole.events[0].t > path.K.chunk
+    assert (path.state.x, path.state.v) == pytest.approx(tuple(whole(path.state.t)), abs=1e-11)
+
+
+def test_a_touch_is_decided_by_what_is_behind_the_digits() -> None:
+    """A near miss of 1e-33 is more than 36 digits tell with certainty; three times as many do: no guess in between."""
+    a = aimed("near miss", "P5", Fraction(-1, 10**33))
+    kinds = {}
+    for digits in (None, 20, 40):
+        found = simulate(
+            a.p, t0=a.t0, x0=text(a.x0, 80), v0=text(a.v0, 80), t_end=a.t_m + Fraction(1, 20), digits=digits
+        )
+        kinds[digits] = (found.status, [event.kind for event in found.events])
+    assert kinds[20] == kinds[40] == ("t_end", [])
+    assert kinds[None] in (("t_end", []), ("undecidable", []))
