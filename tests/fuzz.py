@@ -11,6 +11,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from fractions import Fraction
 from itertools import cycle, islice
 from random import Random
 
@@ -52,9 +53,11 @@ def scene_of(family: str, seed: int, number: int) -> FuzzScene:
     return FAMILIES[family](Random(f"{family}:{seed}:{number}"), number)
 
 
-def verdict_of(task: tuple[str, int, int]) -> Verdict:
+def verdict_of(task: tuple[str, int, int], part: Fraction = Fraction(1)) -> Verdict:
+    """Judge a scene, or the first part of it."""
     family, seed, number = task
     scene = scene_of(family, seed, number)
+    scene = scene if part == 1 else plain.shortened(scene, part)
     digits, numba = (20,) if number % DIGITS_EVERY == 0 else (), (number % 2 == 0,)
     try:
         verdict = judge(scene, simulate_fast, digits, numba)

@@ -231,6 +231,17 @@ def with_digits(scene: FuzzScene, **changes: Any) -> FuzzScene:
     return FuzzScene(**{**vars(scene), **changes})
 
 
+def shortened(scene: FuzzScene, part: Fraction) -> FuzzScene:
+    """Return the first part of a scene; its closed form loses the state at the end."""
+    t_end, whole = scene.t0 + (scene.t_end - scene.t0) * part, scene.truth
+
+    def truth() -> OracleRun:
+        run = whole()
+        return OracleRun([event for event in run.events if event.t <= t_end.numerator / t_end.denominator], run.mode)
+
+    return with_digits(scene, t_end=t_end, truth=truth if whole else None)
+
+
 def rest(rng: Random, number: int) -> FuzzScene:
     """Equilibria, belts at rest, sticks for ever."""
     p = wide_parameters(rng)
