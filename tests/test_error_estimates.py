@@ -40,11 +40,13 @@ def slow(rng: random.Random) -> Problem:
 
 
 def light(rng: random.Random) -> Problem:
-    return ordinary(rng, m=Fraction(f"{10 ** rng.uniform(-4, -1):.4g}"))
+    p, start = ordinary(rng, m=Fraction(f"{10 ** rng.uniform(-4, -1):.4g}"))
+    return p, start | {"max_events": 60}
 
 
 def stiff(rng: random.Random) -> Problem:
-    return ordinary(rng, k=Fraction(f"{10 ** rng.uniform(1, 4):.4g}"))
+    p, start = ordinary(rng, k=Fraction(f"{10 ** rng.uniform(1, 4):.4g}"))
+    return p, start | {"max_events": 60}
 
 
 def no_spring(rng: random.Random) -> Problem:
@@ -103,20 +105,20 @@ def assert_good_estimates(found: list[float]) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_errors_are_as_estimated(family: str) -> None:
-    assert_good_estimates(sample(family, range(8), 50))
+    assert_good_estimates(sample(family, range(6), 40))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_errors_are_as_estimated_in_many_scenes(family: str) -> None:
-    assert_good_estimates(sample(family, range(100, 200), 2000))
+    assert_good_estimates(sample(family, range(100, 200), 700))
 
 
 @pytest.mark.parametrize("digits", [6, 12, 17, 30])
 def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
     """The working precision is higher; what is handed out has that many digits, and the error of that."""
     found = []
-    for seed in range(5):
+    for seed in range(3):
         for make in (ordinary, late):
             p, start = make(random.Random(f"cut {seed}"))
             start |= {"max_events": 20}
@@ -198,10 +200,10 @@ def test_errors_that_add_up_are_estimated(kind: str) -> None:
         **({"m": "1.3", "c": 0, "k": "2.7", "A0": "0.3", "B0": 6, "Omega": "1.7", "mu1": "0.6", "mu2": "0.4"}
            | {"v1": "-1.1", "v2": "0.9", "FN": "1.5"} | numbers[kind])
     )  # fmt: skip
-    start = {"t0": 0, "x0": 1, "v0": "-1.1", "t_end": 2000, "max_events": 300}
+    start = {"t0": 0, "x0": 1, "v0": "-1.1", "t_end": 2000, "max_events": 200}
     exact, found = simulate(p, digits=40, **start), simulate(p, accuracy=math.inf, **start)
     values = ratios(found, exact)
-    assert len(values) == 600
+    assert len(values) == 400
     assert max(values) < 5
     assert np.median(values) > 0.04
 
