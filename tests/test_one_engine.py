@@ -14,7 +14,7 @@ import test_error_estimates
 import touches
 from touches import tenths
 
-from symosc import ParameterError, Parameters, load_scene, scene_names, simulate, simulate_many
+from symosc import ParameterError, Parameters, batch, load_scene, scene_names, simulate, simulate_many
 from symosc.batch import EventTable
 
 COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "source", "target")
@@ -249,3 +249,22 @@ def test_grazes_that_only_the_batch_once_missed(use_numba: bool) -> None:
     )  # fmt: skip
     trajectory = assert_one_engine((p, (0, 0, p.v2), "3619/50"), use_numba)
     assert sum(event.kind == "graze" for event in trajectory.events) == 5
+
+
+@ENGINES
+@pytest.mark.parametrize("t0", [0, 10**8, -(10**8)])
+def test_a_batch_in_which_all_is_clear_needs_no_closer_look(
+    t0: int, use_numba: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A late or early clock is coarse, but in proportion to t."""
+    available(use_numba)
+
+    def refuse(*arguments: Any) -> Any:
+        raise AssertionError("a closer look")
+
+    monkeypatch.setattr(batch, "in_doubles", refuse)
+    for name in ("fig5", "fig6", "fig9", "fig10"):
+        scene = load_scene(name)
+        table = simulate_many(scene.parameters, [t0, scene.x0, scene.v0], t0 + 20, use_numba=use_numba)
+        assert len(table) >= 1
+        assert table.status == ["t_end"]
