@@ -144,16 +144,28 @@ def test_a_backup_is_followed_only_as_far_as_it_is_asked_for() -> None:
 
 def test_how_many_digits_a_touch_takes() -> None:
     """Gaps shrink like exp(-rate t): e^-(h t) without oscillation of the roots, else by the fast root, or the slow."""
-    under = Start(BASE.replace(m=1, c=2, k=5), Fraction(0), Fraction(0), Fraction(0), Fraction(1))
+
+    def path(**changes: Any) -> Path:
+        return Path(Start(BASE.replace(m=1, **changes), Fraction(0), Fraction(0), Fraction(0), Fraction(1)))
+
+    under, over, ten = path(c=2, k=5), path(c=5, k=4), math.log(10)  # roots -1 +- 2i; -1, -4
     assert touch_digits(under, 0, 40) == 3 * 40
-    ten = math.log(10)
     assert touch_digits(under, 200 * ten, 40) == 40 + backup.TOUCH_SPARE + 200
-    over = Start(BASE.replace(m=1, c=5, k=4), Fraction(0), Fraction(0), Fraction(0), Fraction(1))  # roots -1, -4
     assert touch_digits(over, 100 * ten, 40) == 40 + backup.TOUCH_SPARE + 400
     assert touch_digits(over, 300 * ten, 40) == 40 + backup.TOUCH_SPARE + backup.MOST_FAST
     assert touch_digits(over, 1000 * ten, 40) == 40 + backup.TOUCH_SPARE + 1000
     assert touch_digits(over, 3000 * ten, 40) is None
     assert touch_digits(over, 0, 2000) == 6000
+
+
+def test_a_touch_on_the_steady_motion_takes_few_digits() -> None:
+    """There no share of the transient could have shrunk; one that is beside it takes as many as that has lost."""
+    scene = ordinary(random.Random("steady"), "P5")
+    elapsed = 1000 * float(scene.p.m / scene.p.c)
+    for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
+        path = Path(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end))
+        needed = touch_digits(path, elapsed, 40)
+        assert (needed == 3 * 40) is few
 
 
 @pytest.mark.parametrize("digits", [None, 20])
