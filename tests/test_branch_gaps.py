@@ -59,7 +59,7 @@ def test_a_gap_narrower_than_the_steps_is_found():
     assert other.beyond == "P7482"
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 9))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))])
 def test_gaps_of_any_width_are_found(seed):
     """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
     rng = random.Random(seed)
@@ -138,7 +138,7 @@ def random_branch(rng: random.Random) -> Branch | None:
         return None
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 13))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 13))])
 def test_what_is_just_behind_an_end(seed):
     rng, judged = random.Random(100 + seed), 0
     while judged < 2:
@@ -160,8 +160,8 @@ def test_what_is_just_behind_an_end(seed):
     [
         (SHRINKS, "P54", "m", ("0.05", 8)),
         (FIG10, "P4645", "B0", (3, 15)),
-        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.slow),
-        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.slow),
+        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.campaign),
+        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.campaign),
     ],
 )
 def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):

@@ -204,7 +204,7 @@ def test_an_event_behind_a_tiny_drive() -> None:
         assert_errors_within_flights(trajectory)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("flight", AHEAD)
 @pytest.mark.parametrize("seed", range(15))
 def test_many_creeping_motions(seed: int, flight: str) -> None:

@@ -69,7 +69,7 @@ def spoiled(how: str, events: Pairs, i: int, rng: np.random.Generator, times: np
 MISTAKES = ("duplicate", "five times", "late", "shifted", "missing", "invented", "wrong kind", "wrong order")
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.campaign)])
 def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int) -> None:
     rng = np.random.default_rng(seed)
     tried = dict.fromkeys([*MISTAKES, "kinds swapped"], 0)
@@ -215,7 +215,7 @@ def test_a_near_touch_may_be_listed_as_one() -> None:
     assert not crosscheck(scene.parameters, *samples, events=[(np.pi + 0.01, "graze")]).ok
 
 
-@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.campaign)])
 def test_lists_of_a_careful_solver_pass(seed: int) -> None:
     """Tight DOP853, started anew at each event; also with the start listed and with both samples at each joint."""
     rng = np.random.default_rng(seed)

@@ -84,7 +84,7 @@ def test_rounded_samples_are_judged_at_their_precision(kind: Any, count: int) ->
         check_rounded(rng, *kind(count))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("count", range(3, 11))
 @pytest.mark.parametrize("kind", [decimals, significant])
 def test_rounded_samples_of_many_motions(kind: Any, count: int) -> None:

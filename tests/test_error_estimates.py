@@ -108,7 +108,7 @@ def test_errors_are_as_estimated(family: str) -> None:
     assert_good_estimates(sample(family, range(6), 40))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("family", FAMILIES)
 def test_errors_are_as_estimated_in_many_scenes(family: str) -> None:
     assert_good_estimates(sample(family, range(100, 200), 700))
@@ -180,7 +180,7 @@ def test_a_long_run_keeps_the_time(Omega: str) -> None:
     assert_on_the_orbit(Omega, 0, 10**6, False, 2000)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_very_long_run_keeps_the_time() -> None:
     assert_on_the_orbit("4.1", 0, 10**6, None, 100_000)
 

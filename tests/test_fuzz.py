@@ -31,7 +31,7 @@ def test_random_scenes_of_every_family(family: str) -> None:
     assert_no_faults(family, range(QUICK), PARTS.get(family, Fraction(1)))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("family", fuzz.FAMILIES)
 def test_many_random_scenes_of_every_family(family: str) -> None:
     assert_no_faults(family, range(QUICK, SLOW))

@@ -88,7 +88,7 @@ def test_every_point_grazes_and_has_the_value(regime: str) -> None:
     check_random_queries(random.Random(regime), regime, 3)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("regime", REGIMES)
 def test_every_point_of_many_grazes_and_has_the_value(regime: str) -> None:
     check_random_queries(random.Random(regime + "many"), regime, 40)

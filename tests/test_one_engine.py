@@ -95,7 +95,7 @@ def test_bit_for_bit(family: str, use_numba: bool) -> None:
         assert_one_engine(FAMILIES[family](random.Random(f"{family} {seed}")), use_numba)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @ENGINES
 @pytest.mark.parametrize("family", FAMILIES)
 def test_bit_for_bit_in_many_scenes(family: str, use_numba: bool) -> None:

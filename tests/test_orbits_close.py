@@ -69,7 +69,7 @@ def test_rest_positions():
     assert rest_positions(RESTING.replace(B0=2), 1) is None
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 7))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))])
 def test_other_systems_with_a_belt_at_rest(seed):
     """The family of the examples: friction that holds the mass, and short words with a stick on that belt."""
     rng = random.Random(seed)
@@ -88,7 +88,7 @@ def test_other_systems_with_a_belt_at_rest(seed):
             assert not root.admissible, (p, word)
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 7))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))])
 def test_admissible_orbits_close(seed):
     """What random systems do, solved for: each is an orbit, stable, and closes."""
     rng, found = random.Random(f"closing {seed}"), 0

@@ -54,7 +54,7 @@ def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> No
         assert_complete(followed(scene, digits), scene)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", SIDES)
 @pytest.mark.parametrize("kind", KINDS)
@@ -106,7 +106,7 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
         assert_complete(followed(scene, digits), scene)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", SIDES)
 @pytest.mark.parametrize("offset", OFFSETS)
