@@ -18,19 +18,22 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import HIT, NOTHING, STALLED, TANGENCY, first_exit
+from symosc.events import first_exit
 from symosc.flow import derivatives, state_at, velocity_scale
 from symosc.kernels._generated import acceleration
-from symosc.kernels.entire import EPS, SERIES_BELOW
+from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 from symosc.rests import beside_a_wall, creeps_for_ever, never_leaves
 from symosc.sticks import belt_exit, force_noise
 from symosc.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, carried_error, resolve
+from symosc.touches import HIT, NOTHING, STALLED, TANGENCY
 
 # What a step ends with; the first four are the kinds of events.
 CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
+# A search ends a little later than the motion: a contact exactly at its end would else not be found, nor excluded.
+PAST_END = 1.0 + 1e-9
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
 
@@ -68,6 +71,8 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
     s0, c0, A = sin(theta), cos(theta), (K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3)
     on_below, on_above = at == mode - 1 and at > 0, at == mode
     while True:
+        if tau_max >= left:
+            tau_max = left * PAST_END
         code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
             tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
         )
@@ -78,14 +83,14 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
         if not beside_a_wall(v + dv, size, lower.v, upper.v, has_below, has_above):
             break
         tau_max = tau_max + 0.125 * K.chunk
-        tau_max = left if left < tau_max else tau_max
-    if tau > left and code in (HIT, TANGENCY):  # a contact just past the end
+    if tau > left and code != STALLED:
         code, tau = NOTHING, left
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
     speed = abs(v) + velocity_scale(tau, v, a0, K)
     reach = tau if tau < K.swing else K.swing
-    x_noise = 2.0 * EPS * (abs(x) + speed * reach + abs(v) * tau)
-    v_noise = 2.0 * EPS * ((2.0 + 0.5 * K.w0 * tau) * speed + abs(a0) * tau + (abs(A) + abs(K.f0)) * reach)
+    x_noise = 1.25 * EPS * (abs(x) + speed * reach + abs(v) * tau)
+    turned = 0.5 * K.w0 * tau * (abs(E0) + K.w0 * abs(E1))  # phase of the free oscillation, as far as it lasts
+    v_noise = 1.25 * EPS * ((2.0 + turned) * speed + (abs(a0) + abs(A) + abs(K.f0)) * reach)
     if K.lasting:  # then the errors of the constants, the same in every flight, add up: not as independent ones
         x_noise = sqrt(x_noise * (x_noise + 2.0 * sqrt(S11)))
         v_noise = sqrt(v_noise * (v_noise + 2.0 * sqrt(S22)))
@@ -117,12 +122,18 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
         a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
     b, w, j = derivatives(v, a, s, c, K)
     t_error = passing_time(sqrt(S22), a, b, w, K)
-    doubt = K.sigmas * t_error
+    doubt = 2.0 * K.sigmas * t_error  # a gap that is a^2/(2 b) deep is open if its error is as large as that
     vague = abs(a) <= (abs(b) + abs(w) * doubt) * doubt  # as far as this precision tells the acceleration is 0 here
     if vague or code == TANGENCY:
-        a, vague = 0.0 * a, True
+        vague = True
         inflection = side * w > abs(j) * doubt and abs(b) <= abs(w) * doubt
         if not inflection:
+            if a * b < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind it
+                shift = min(-a / b, left - tau)
+                x = x + (v + (0.5 * a + SIXTH * b * shift) * shift) * shift
+                n, theta = later(n, theta, shift, K)
+                t, t_low = added(t, t_low, shift, K)
+            a = 0.0 * a
             t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
             touch = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
             return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22, t, t_low
@@ -181,7 +192,7 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, left, t
     code, side, tau, Delta, slope, bend = belt_exit(tau_max, Fb, Fa, theta, s0, c0, S11, belt, K)
     if tau > left and code in (HIT, TANGENCY):
         code, tau = NOTHING, left
-    noise = 2.0 * EPS * (abs(x) + 2.0 * abs(v) * tau)
+    noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S11 = S11 + noise * noise
     x = x + v * tau
     if code == NOTHING:
@@ -204,7 +215,7 @@ def advance_stick(mode, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, left, t
         return MOVED, 0, False, 0.0, mode, boundary, n, theta, x, v, Fb, Fa, S11, zero, zero, t, t_low
     A = K.A1 if side < 0 and boundary == 1 else K.A3 if side > 0 and boundary == 2 else K.A2
     terms = abs(A) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
-    force_error = K.w0sq * sqrt(S11) + 2.0 * EPS * (abs(belt.drift) * tau + terms)
+    force_error = K.w0sq * sqrt(S11) + EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
     target = boundary if side < 0 else boundary + 1
     return SLIP, boundary, True, t_error, target, boundary, n, theta, x, v, zero, zero, S11, zero, zero, t, t_low

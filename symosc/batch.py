@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from symosc import loop
-from symosc.advance import END
+from symosc.advance import END, REST
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.files import write_whole
@@ -21,7 +21,7 @@ from symosc.model import MODE_NAMES, Parameters
 from symosc.numerics import Arithmetic, compiled
 from symosc.path import EVENT_KINDS, check_reached, last_time
 from symosc.simulation import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
-from symosc.start import Start, first_state
+from symosc.start import Start, first_state, settles
 from symosc.trajectory import Event
 
 CAPACITY = 1 << 18
@@ -154,7 +154,7 @@ def simulate_many(
     follow = _follow_all(use_numba)
     floats: list[np.ndarray] = []
     ints: list[np.ndarray] = []
-    codes = np.zeros(len(sets), np.int64)
+    codes, events = np.zeros(len(sets), np.int64), np.zeros(len(sets), np.int64)
     last = np.zeros((len(sets), 3))
     groups: dict[Parameters, list[int]] = {}
     for i, p in enumerate(sets):
@@ -172,7 +172,7 @@ def simulate_many(
                 out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
             floats.append(out_float[:rows])
             ints.append(out_int[:rows])
-        codes[members], last[members] = ends, states[:, [0, 5, 2]]
+        codes[members], events[members], last[members] = ends, counts, states[:, [0, 5, 2]]
     table = _table(floats, ints, [""] * len(sets), sort=len(groups) > 1)
     open_ones = []
     for i, (code, (mode, v, periods)) in enumerate(zip(codes.tolist(), last.tolist(), strict=True)):
@@ -181,6 +181,7 @@ def simulate_many(
         elif code == loop.FULL:
             table.status[i] = "max_events"
         else:
+            code = REST if code == END and events[i] == 0 and settles(problems[i]) else code
             table.status[i] = end_status(code, int(mode), v, sets[i])
             if code == END:
                 check_reached(problems[i], int(periods))

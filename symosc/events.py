@@ -49,34 +49,26 @@ from symosc.bounds import (
     quartic_start,
     safe_step,
 )
-from symosc.flow import derivatives, fifth_derivative, state_at, velocity_scale
+from symosc.flow import derivatives, fifth_derivative, state_at
 from symosc.kernels.entire import EPS, SIXTH
-
-# What a search ends with.
-NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
-# A gap that is 0 as far as this precision tells, and stays so.
-LOST = 4
+from symosc.touches import HIT, LOST, NOTHING, ROUNDING, STALLED, TANGENCY, closest_approach, hidden
 
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
 SHORT_STEP = 4e-3
-# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
-ROUNDING = 64.0
 MOST_STEPS = 20000
 # Short steps on which no minimum of the gap was found ahead, before the search is given up.
 MOST_STALLS = 30
-# Steps to the minimum of a gap, and to a contact in its bracket (halving alone takes as many as there are bits).
-MOST_DESCENTS = 400
+# Steps to a contact in its bracket (halving alone takes as many as there are bits).
 MOST_HALVINGS = 400
 MOST_NEWTON = 200
-# A gap within its error that leaves it within this time (times 1/rate) is on its way through 0.
-SOON = 1e-2
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
+# A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
+PATIENCE = 6e6
 # A gap smaller than this part of the velocities in question is compared with its error.
 THIN = 1e-9
 # An error of the start that is smaller than THIN times the root of this part of the velocities is rounding.
 FAINT = 1e-8
-FAR = 1e300
 
 
 def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
@@ -141,14 +133,12 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         start_gap = below if side < 0 else above
         on_wall = tau == 0.0 and (on_below if side < 0 else on_above)
         gap = below + dv if side < 0 else above - dv
-        gap = gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
+        gap = held_back(gap, margin)
         p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * a, -side * b, -side * w, M4, on_wall)
         step, root = safe_step(cap, p0, p1, p2, p3, p4)
         if has_below and has_above:  # the upper wall counts only if the lower one's step is too long for it
             on_wall = tau == 0.0 and on_above
-            gap = above - dv
-            gap = gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
-            q0, q1, q2, q3, q4, q_degree = gap_polynomial(gap, -a, -b, -w, M4, on_wall)
+            q0, q1, q2, q3, q4, q_degree = gap_polynomial(held_back(above - dv, margin), -a, -b, -w, M4, on_wall)
             if not positive_on(root if root < cap else step, q0, q1, q2, q3, q4):
                 q_step, q_root = safe_step(cap, q0, q1, q2, q3, q4)
                 if q_step < step:
@@ -159,7 +149,7 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     root = cap
         near, close, clear = False, False, True
         if root < cap:
-            size = start_gap + abs(dv) + abs(a) * root + margin * (1.0 / CLEAR_DEPTH)
+            size = start_gap + abs(dv) + abs(a) * root + margin * (4.0 / CLEAR_DEPTH)
             near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
         known = crossing == side
         if near and (clear or known):
@@ -210,6 +200,11 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     break
             return polish(tau, before, tau, side, v0, a0, s0, c0, below, above, K)
     return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+
+
+def held_back(gap, margin):
+    """Return a gap less a margin that is kept for its error; half the gap where it is not much larger than that."""
+    return gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
 
 
 def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above, on_below, on_above, margin, K):
@@ -263,6 +258,10 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
         a, b, w = a_free + K.Om * u_steady, b_free - Om2 * v_steady, w_free - Om2 * K.Om * u_steady
         j = j_free + Om2 * Om2 * v_steady
         least = reach * M4
+        if K.patient:  # with the free motion gone, steps of their own length go farther
+            room = PATIENCE * least
+            if (not has_below or below + dv > room) and (not has_above or above - dv > room):
+                break
         long = (
             (not has_below or below + dv + min(a, 0.0) * K.stride.step > least)
             and (not has_above or above - dv - max(a, 0.0) * K.stride.step > least)
@@ -349,70 +348,3 @@ def turned(s, c, angle):
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
     return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
-
-
-def tolerance(tau, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
-    """Return how far a gap may be wrong `tau` after a start: rounding, and what the errors of the start have become."""
-    pull = -K.w0sq * E1
-    variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22
-    return ROUNDING * EPS * (velocity_scale(tau, v0, a0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
-
-
-def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-    """Look for a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
-
-    Returns
-    -------
-    (verdict, tau_min)
-        NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it touches 0 there as far
-        as this precision tells, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way
-        to it is not proven free.
-    """
-    start, sign = tau, -side
-    last, depth_known = FAR, False
-    for _ in range(MOST_DESCENTS):
-        _, dv, a, b, w, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
-        gap, slope, bend = (below + dv if side < 0 else above - dv), sign * a, sign * b
-        allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
-        if bend <= 0.0 and not depth_known:
-            return STALLED, tau
-        shift = -slope / bend if bend > 0.0 else 0.0 * slope
-        if abs(slope * shift) <= 0.25 * allowed or gap < -2.0 * allowed:
-            depth_known = True
-        if depth_known:
-            if gap < -allowed:
-                return HIT, tau
-            if gap > allowed:
-                back = tau - start
-                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * w, -0.25 * SIXTH * M4)
-                return (NOTHING if free and back > 0.0 else STALLED), tau
-            if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                parts = parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K)
-                return (TANGENCY if parts else LOST), tau
-        last = abs(shift)
-        tau = tau + shift
-        if tau < earliest:
-            return STALLED, start
-    return LOST, tau
-
-
-def hidden(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-    """Return whether a gap is 0 as far as this precision tells, and was or will be so for a while around `tau`."""
-    _, dv, a, _, _, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
-    allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
-    return (below + dv if side < 0 else above - dv) <= allowed and abs(a) <= allowed * K.rate / SOON
-
-
-def parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
-    """Return whether a gap that is 0 as far as this precision tells is clearly not 0 soon after `tau`.
-
-    A gap that shrinks without end is no touch, however small it gets.
-    """
-    for rate in (K.rate, K.Om):
-        later = tau + 0.5 / rate
-        _, dv, _, _, _, _, _, _, E0, E1, _ = state_at(later, v0, a0, s0, c0, K)
-        start_gap = below if side < 0 else above
-        gap = below + dv if side < 0 else above - dv
-        if abs(gap) > 4.0 * tolerance(later, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
-            return True
-    return False

@@ -21,6 +21,9 @@ from symosc.model import Parameters
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
 LONGEST_SWING = 10**9
+# A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few of its periods.
+HEAVY = 50
+SLOW_DRIVE = 100
 # A free oscillation that loses less than 1 % of its velocity per radian.
 LASTING = 10**4
 # Roots this many times as large as all other rates make a system stiff.
@@ -85,6 +88,7 @@ class Constants(NamedTuple):
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
     lasting: bool  # so little damping that errors of many flights add up
+    patient: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Any  # A_alpha/m
@@ -160,6 +164,7 @@ def constants(
         apart=under and steady,
         creeps=not under and parameters.B0 == 0,
         lasting=under and LASTING * h * h < w0sq,
+        patient=SLOW_DRIVE * number(Om) < rate0,
         stiff=steady and not under and -fast > STIFF * max(-slow, number(Om)),
         steady=steady,
         A1=number(parameters.A(1) / m),
@@ -172,14 +177,25 @@ def constants(
         Om_inverse=1 / number(Om),
         Om_gain=number(Fraction(float(Om)) / Om - 1 if number is float else Fraction(0)),
         period_low=number(_period_rest(period, float(Om)) if number is float else Fraction(0)),
-        # The phase of a free oscillation is known to rate * time ulp: do not let that grow without need.
-        chunk=min(period, LONGEST_PHASE / rate0) if under else period,
+        chunk=_chunk(parameters, period, number(h), w0, rate0),
         sigmas=number(SIGMAS),
         belt1=belts[0],
         belt2=belts[1],
         march=MarchConstants(*[number(Fraction(0))] * 7),
         stride=MarchConstants(*[number(Fraction(0))] * 7),
     )
+
+
+def _chunk(p: Parameters, period: Any, h: Any, w0: Any, rate0: Any) -> Any:
+    """Return the longest time to evaluate from one starting point: a forcing period, with two exceptions.
+
+    The phase of a free oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation
+    is over long before. Without a drive its period means nothing.
+    """
+    if 4 * p.m * p.k > p.c * p.c:
+        over = HEAVY * h > w0 and h * period > LONGEST_PHASE
+        return period if over else min(period, LONGEST_PHASE / rate0)
+    return max(period, LONGEST_PHASE / rate0) if p.B0 == 0 and rate0 > 0 else period
 
 
 def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constants:

@@ -22,7 +22,7 @@ def handed_out(t, t_low, t0, x, v, t_error, S11, K):
     """
     since = t - t0
     out = t + (t_low + since * K.Om_gain)
-    t_error, x_error = t_error + EPS * (2.0 * abs(out) + 0.5 * since), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    t_error, x_error = t_error + EPS * (abs(out) + 0.25 * since), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
     return out, t_error, x_error
 
 
@@ -35,7 +35,7 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
     states : (n, STATE_WIDTH) array, updated.
     counts, codes : (n,) events so far, and what each trajectory ended with; updated.
     most : events after which a trajectory is FULL.
-    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|).
+    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
     out_float, out_int : output rows, (capacity, 6) and (capacity, 5).
     K : Constants
 
@@ -73,7 +73,7 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
                 code = IN_DOUBT
             elif step <= GRAZE:
                 out, t_error, x_error = handed_out(t, t_low, t0, x, v, t_error, S11, K)
-                if t_error > accuracy * max(1.0, abs(out)) or x_error > accuracy * max(1.0, abs(x)):
+                if t_error > accuracy * max(1.0, abs(out), abs(t0)) or x_error > accuracy * max(1.0, abs(x)):
                     code = INEXACT
                 out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = out, x, v, theta
                 out_float[rows, 4], out_float[rows, 5] = t_error, x_error

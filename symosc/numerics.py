@@ -11,12 +11,12 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc import advance, binding, bounds, events, flow, loop, rests, sticks, switching
+from symosc import advance, binding, bounds, events, flow, loop, rests, sticks, switching, touches
 from symosc.flow import Constants, constants, with_march
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, flow, switching, bounds, events, rests, sticks, advance, loop)
+SOURCES = (_generated, entire, flow, switching, bounds, touches, events, rests, sticks, advance, loop)
 
 
 # What decisions must exceed with mpmath, instead of `events.ROUNDING` and `flow.SIGMAS`.

@@ -10,12 +10,12 @@ import numpy as np
 
 from symosc.advance import END, FAILED, GRAZE, MOVED, REST, SLIP
 from symosc.errors import ParameterError, SymoscError
-from symosc.events import ROUNDING
 from symosc.kernels._generated import acceleration
 from symosc.maps import EXITS, jacobian, read_points
 from symosc.model import MODE_NAMES, SIDES, Parameters
 from symosc.numerics import Arithmetic, MpArithmetic
 from symosc.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+from symosc.touches import ROUNDING
 from symosc.words import MAPS, Map
 
 # A flight is followed for so many forcing periods.

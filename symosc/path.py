@@ -99,12 +99,6 @@ class Path:
             self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(s.x)))
             self.events.append(Event(t, s.x, s.v, s.theta, kind, boundary, *names, float(t_error), float(x_error)))
 
-    def come_to_rest(self) -> None:
-        """Take back the steps so far: the motion is known to meet no belt from its start on."""
-        first = Path(self.start, getattr(self.arithmetic, "digits", None))
-        self.events, self.pieces, self.state = first.events, first.pieces, first.state
-        self.code, self.decided = REST, True
-
     def adopt(self, other: Path) -> None:
         """Continue from where a path with more digits is, and take over what it knows better."""
         self.events[self._adopted :] = [rounded_event(event) for event in other.events[self._adopted :]]

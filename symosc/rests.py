@@ -16,8 +16,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.events import MARCH_SLACK, ROUNDING
+from symosc.events import MARCH_SLACK
 from symosc.kernels.entire import EPS
+from symosc.touches import ROUNDING
 
 # A gap below this part of the velocities in question is too small to begin a new search with.
 BESIDE = 1e-6

@@ -57,10 +57,10 @@ def simulate(
         None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
         max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
-        In double precision, an event whose time or position is known to less than that (relative to max(1, |value|))
-        is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one is faster. With
-        ``math.inf`` the path that doubles compute is followed for what it is: only contacts within their rounding get
-        more digits.
+        In double precision, an event whose time or position is known to less than that (relative to max(1, |value|),
+        for times also to |t0|) is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one
+        is faster. With ``math.inf`` the path that doubles compute is followed for what it is: only contacts within
+        their rounding get more digits.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene; without one
         the start is exact, however many digits it has. A contact that the error of the start can make a touch is a
@@ -127,16 +127,16 @@ def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
     if isinf(accuracy):
         path.K = path.K._replace(sigmas=0.0)
     accuracy = attainable(accuracy, start)
+    if settles(start):
+        path.code = REST
     while not path.ended:
         before = len(path.events)
         if before >= most:
             return _trajectory(path, "max_events", f"stopped after max_events = {most} events, at t = {path.time!r}")
         path.step()
         in_doubt = not path.decided or path.code == FAILED
-        inexact = len(path.events) > before and _inexact(path.events[-1], accuracy)
-        if in_doubt and before == 0 and settles(start):
-            path.come_to_rest()
-        elif in_doubt or inexact:
+        inexact = len(path.events) > before and _inexact(path.events[-1], float(start.t0), accuracy)
+        if in_doubt or inexact:
             backup = backup or Backup(start)
             if not backup.follow(before + 1):
                 return _undecidable(backup.path, before, backup.digits)
@@ -149,14 +149,20 @@ def attainable(accuracy: float, start: Start) -> float:
     return inf if start.start_error and max(start.start_error) > accuracy else accuracy
 
 
-def _inexact(event: Event, accuracy: float) -> bool:
-    return event.t_error > accuracy * max(1.0, abs(event.t)) or event.x_error > accuracy * max(1.0, abs(event.x))
+def _inexact(event: Event, t0: float, accuracy: float) -> bool:
+    return event.t_error > accuracy * max(1.0, abs(event.t), abs(t0)) or event.x_error > accuracy * max(
+        1.0, abs(event.x)
+    )
 
 
 def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
     """Raise the working precision until every contact is decided and every event known to `digits` digits."""
     spare = start.spare_digits
     working = digits + 10 + spare
+    if settles(start):
+        path = Path(start, working)
+        path.code = REST
+        return _ended(path, digits)
     while True:
         path, limit = Path(start, working), MOST_WORKING * (digits + spare)
         open_contact = False
@@ -168,9 +174,6 @@ def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
                 open_contact = needed is None or working < needed
                 limit = max(limit, needed or 0)
         in_doubt = open_contact or path.code == FAILED
-        if in_doubt and before == 0 and settles(start):
-            in_doubt = False
-            path.come_to_rest()
         # The error of a start that is known to so much only stays whatever the digits.
         missing = 0 if in_doubt or start.start_error else path.missing_digits(digits)
         if not in_doubt and missing <= 0:

@@ -7,11 +7,11 @@ from fractions import Fraction
 from math import ceil, log10
 from typing import Any
 
-from symosc.events import ROUNDING
 from symosc.kernels._generated import acceleration
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.numerics import Arithmetic, MpArithmetic
 from symosc.switching import BELT, DOMAIN_ABOVE
+from symosc.touches import ROUNDING
 
 # A force on a belt at the start that is smaller than this part of its terms is looked at with more digits.
 CLEAR_FORCE = 1e-9

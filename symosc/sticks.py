@@ -15,9 +15,10 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.events import HIT, MOST_STEPS, NOTHING, ROUNDING, STALLED, TANGENCY
+from symosc.events import MOST_STEPS
 from symosc.kernels._generated import stick_acceleration
 from symosc.kernels.entire import EPS, SIXTH
+from symosc.touches import HIT, NOTHING, ROUNDING, STALLED, TANGENCY
 
 PI = acos(-1.0)
 # Phases closer than this times EPS are one.

@@ -14,7 +14,7 @@ from oracle import simulate_oracle
 from test_starts import aimed, text
 from touches import ordinary, tenths
 
-from symosc import Parameters, backup, events, flow, load_scene, simulate, simulation, start
+from symosc import Parameters, backup, events, flow, load_scene, simulate, simulation, start, touches
 from symosc.advance import MOVED
 from symosc.backup import Backup, touch_digits
 from symosc.path import Path
@@ -33,8 +33,8 @@ def test_a_closer_look_takes_over_and_goes_on() -> None:
     scene = load_scene("fig8")
     plain, looked = simulate(scene, accuracy=math.inf), simulate(scene)
     exact = simulate(scene, digits=30)
-    assert any(simulation._inexact(event, 1e-13) for event in plain.events)
-    assert not any(simulation._inexact(event, 1e-13) for event in looked.events)
+    assert any(simulation._inexact(event, 0.0, 1e-13) for event in plain.events)
+    assert not any(simulation._inexact(event, 0.0, 1e-13) for event in looked.events)
     for event, right in zip(looked.events, exact.events, strict=True):
         assert abs(float(event.t - right.t)) <= 2.0**-52 * event.t
         assert abs(float(event.x - right.x)) <= 2.0**-52 * abs(event.x)
@@ -47,11 +47,13 @@ def test_an_event_is_inexact_by_its_time_or_its_position(value: str) -> None:
     event = simulate(load_scene("fig5")).events[0]
     size = max(1.0, abs(getattr(event, value)))
     name = f"{value}_error"
-    assert not simulation._inexact(_with(event, **{name: 0.9e-13 * size}), 1e-13)
-    assert simulation._inexact(_with(event, **{name: 1.1e-13 * size}), 1e-13)
+    assert not simulation._inexact(_with(event, **{name: 0.9e-13 * size}), 0.0, 1e-13)
+    assert simulation._inexact(_with(event, **{name: 1.1e-13 * size}), 0.0, 1e-13)
     large = {value: -1e6, name: 0.9e-7}
-    assert not simulation._inexact(_with(event, **large), 1e-13)
-    assert simulation._inexact(_with(event, **(large | {name: 1.1e-7})), 1e-13)
+    assert not simulation._inexact(_with(event, **large), 0.0, 1e-13)
+    assert simulation._inexact(_with(event, **(large | {name: 1.1e-7})), 0.0, 1e-13)
+    early = _with(event, **{name: 0.9e-7})  # a clock that began at -1e6 is not known better now
+    assert simulation._inexact(early, -1e6, 1e-13) == (value == "x")
 
 
 def _with(event: Any, **changes: Any) -> Any:
@@ -126,7 +128,8 @@ def test_a_backup_that_cannot_decide_either(code: str, monkeypatch: pytest.Monke
     if code == "open":
         monkeypatch.setattr(backup, "touch_digits", lambda *_: None)
     else:
-        monkeypatch.setattr(events, "closest_approach", lambda tau, *_: (events.LOST, tau))
+        for module in (events, touches):
+            monkeypatch.setattr(module, "closest_approach", lambda tau, *_: (touches.LOST, tau))
     found = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
     assert (found.status, list(found.events)) == ("undecidable", [])
     assert f"near t = {float(found.t_end)!r}" in found.message
