@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from fractions import Fraction
 from typing import Any
 
 import mpmath
@@ -12,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symosc import Parameters, events, load_scene, simulate_many, sticks
+from symosc import Parameters, events, load_scene, simulate, simulate_many, sticks
 from symosc.bounds import fourth_derivative_bound, positive_on, safe_step
 from symosc.events import HIT, NOTHING, first_exit, march
 from symosc.flow import Constants, derivatives, state_at
@@ -200,3 +201,35 @@ def test_a_slow_drive_is_passed_in_strides(monkeypatch: pytest.MonkeyPatch) -> N
     counts = counted(monkeypatch, (events, "gap_polynomial"))
     table = interpreted("fig6", 200)
     assert counts["gap_polynomial"] < 20 * len(table)
+
+
+@pytest.mark.parametrize("c", ["0.7", "0.3", "2.2"])
+@pytest.mark.parametrize("Omega", ["1e-4", "1e-5", "1e-7"])
+def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
+    Omega: str, c: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once the free oscillation is gone the steps are those of the drive, in doubles and in 36 digits."""
+    counts = counted(monkeypatch, (events, "gap_polynomial"), (events, "state_at"))
+    p = Parameters(
+        m="1.9", c=c, k=2, A0="-1.8", B0="18.3", Omega=Fraction(Omega), v1=-1, v2="1e-6", mu1=1, mu2="0.8", FN="13.9"
+    )
+    found = simulate(p, t0="-3/2", x0="-13/5", v0="-4/5", t_end=5 / Fraction(Omega))
+    exact = simulate(p, t0="-3/2", x0="-13/5", v0="-4/5", t_end=5 / Fraction(Omega), digits=20)
+    assert [event.kind for event in found.events] == [event.kind for event in exact.events]
+    assert found.status == "t_end"
+    assert counts["gap_polynomial"] + counts["state_at"] < 20_000
+
+
+@pytest.mark.parametrize("Omega", ["8", "8000"])
+def test_a_drive_of_no_size_has_no_period(Omega: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """k = 0, and a limit speed 1e-20 beyond the belt: one contact after a long approach, whatever Omega says."""
+    counts = counted(monkeypatch, (events, "state_at"))
+    v2 = Fraction("-0.13549")
+    p = Parameters(
+        m="0.595", c="0.06545", k=0, A0=0, B0=0, Omega=Omega, v1="-0.14", v2=v2, mu1="0.15", mu2="0.813", FN="0.517"
+    )  # fmt: skip
+    p = p.replace(A0=p.c * (v2 + Fraction(1, 10**20)) - p.FN * (p.mu2 - p.mu1))
+    assert p.A(2) / p.c > v2
+    found = simulate(p, t0=0, x0="9/5", v0="-0.138", t_end=1000)
+    assert [event.kind for event in found.events] == ["stick"]
+    assert counts["state_at"] < 1000
