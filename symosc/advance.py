@@ -32,6 +32,7 @@ CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
+MANY_TURNS = 64.0
 # A search ends a little later than the motion: a contact exactly at its end would else not be found, nor excluded.
 PAST_END = 1.0 + 1e-9
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
@@ -226,6 +227,10 @@ def later(n, theta, tau, K):
     if tau == K.period:
         return n + 1, theta
     theta = theta + K.Om * tau
+    if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.flow`
+        turns = int(theta / TWO_PI) - 1
+        theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
+        n = n + turns
     while theta >= TWO_PI:
         theta = (theta - TWO_PI) - TWO_PI_REST
         n = n + 1

@@ -81,7 +81,7 @@ class Constants(NamedTuple):
     l1: Any  # slow root, when not underdamped
     l2: Any  # fast root, when not underdamped
     rate0: Any  # larger |root|
-    rate: Any  # max(rate0, Omega); rate0 without a drive
+    rate: Any  # max(rate0, Omega)
     moment: Any  # 1/rate
     swing: Any  # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
     under: bool  # underdamped
@@ -139,7 +139,7 @@ def constants(
         slow = number(w0sq) / fast
     w0 = root(number(w0sq))
     rate0 = w0 if under else -fast
-    rate = max(rate0, number(Om)) if f0 != 0 or rate0 == 0 else rate0
+    rate = max(rate0, number(Om))
     period = 2 * pi / number(Om)
     belts = [_belt_constants(parameters, boundary, number, root, angle) for boundary in (1, 2)]
     return Constants(
