@@ -89,9 +89,12 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
         dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
     speed = abs(v) + velocity_scale(tau, v, a0, K)
     reach = tau if tau < K.swing else K.swing
-    x_noise = 1.25 * EPS * (abs(x) + speed * reach + abs(v) * tau)
+    forces = abs(a0) + abs(A) + abs(K.f0)  # terms of the acceleration; behind a stick friction's jump was one of them
+    if at > 0 and a0 == 0.0:
+        forces = forces + (K.belt1.J if at == 1 else K.belt2.J)
+    x_noise = 1.25 * EPS * (abs(x) + (speed + forces * reach) * reach + abs(v) * tau)
     turned = 0.5 * K.w0 * tau * (abs(E0) + K.w0 * abs(E1))  # phase of the free oscillation, as far as it lasts
-    v_noise = 1.25 * EPS * ((2.0 + turned) * speed + (abs(a0) + abs(A) + abs(K.f0)) * reach)
+    v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
     if K.lasting:  # then the errors of the constants, the same in every flight, add up: not as independent ones
         x_noise = sqrt(x_noise * (x_noise + 2.0 * sqrt(S11)))
         v_noise = sqrt(v_noise * (v_noise + 2.0 * sqrt(S22)))
