@@ -87,7 +87,7 @@ class Constants(NamedTuple):
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
-    lasting: bool  # so little damping that errors of many flights add up
+    lasting: bool  # no spring, or so little damping that errors of many flights add up
     patient: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
@@ -163,7 +163,7 @@ def constants(
         under=under,
         apart=under and steady,
         creeps=not under and parameters.B0 == 0,
-        lasting=under and LASTING * h * h < w0sq,
+        lasting=LASTING * h * h < w0sq if under else w0sq == 0,
         patient=SLOW_DRIVE * number(Om) < rate0,
         stiff=steady and not under and -fast > STIFF * max(-slow, number(Om)),
         steady=steady,
