@@ -63,14 +63,6 @@ def check_parameters(p: Any) -> Parameters:
     return p
 
 
-def check_count(name: str, value: Any, least: int, most: int) -> int:
-    """Return a whole number within limits; numpy's integers are such numbers, True is none."""
-    whole = hasattr(value, "__index__") and type(value).__name__ not in ("bool", "bool_", "ndarray")
-    if not whole or not least <= int(value) <= most:
-        raise ParameterError(name, value, f"must be a whole number from {least} to {most}")
-    return int(value)
-
-
 def check_order(order: str) -> str:
     """Return `order` if it is "full" or "paper", the two readings of Theorem 7."""
     if not isinstance(order, str) or order not in ORDERS:

@@ -205,10 +205,11 @@ def test_the_covariance_of_a_start_is_that_of_its_errors() -> None:
 
 @pytest.mark.parametrize("boundary", [1, 2])
 @pytest.mark.parametrize("side", ["low", "high"])
-def test_a_force_within_reach_of_the_error_is_zero(boundary: int, side: str) -> None:
+@pytest.mark.parametrize("speeds", [("0.5", "0.8"), ("-0.8", "-0.5")], ids=["forward", "backward"])
+def test_a_force_within_reach_of_the_error_is_zero(boundary: int, side: str, speeds: tuple[str, str]) -> None:
     """Then the next G-function decides where a start on a belt goes, whatever the sign of the force."""
     alpha = boundary + (side == "high")
-    p = NEAR.replace(v1="0.5", v2="0.8") if boundary == 1 else NEAR  # both belts run upward: G^(1) < 0
+    p = NEAR.replace(v1=speeds[0], v2=speeds[1])  # belts that run forward have G^(1) < 0, others > 0
     v = p.belt(boundary)
     for which, size in ((0, (abs(p.k * v) + p.B0 * p.Omega) / p.m), (1, p.k / p.m), (2, p.c / p.m)):
         for part in ("0.9", "-0.9", "3", "-3"):

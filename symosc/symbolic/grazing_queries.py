@@ -120,8 +120,8 @@ def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
     if p is not None:
         check_parameters(p)
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
-    name = belt if name == "v_lambda" else name
-    if name not in ("Omega", "B0", "k", belt):
+    name = belt if isinstance(name, str) and name == "v_lambda" else name
+    if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt):
         known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
         raise ParameterError("name", name, known)
     if p is None:
