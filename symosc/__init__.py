@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from symosc.errors import MissingExtraError, OutputError, ParameterError, SceneError, SymoscError
     from symosc.grazing import GrazingWindow, grazing_window
     from symosc.grazing_check import GrazingReport, check_grazing
-    from symosc.grazing_curves import GrazingCurve, grazing_curve
+    from symosc.grazing_curves import CurveEnd, CurvePiece, GrazingCurve, grazing_curve
     from symosc.grazing_orbits import GrazingStart, grazing_start
     from symosc.grazing_solve import GrazingSolutions, solve_grazing
     from symosc.grazing_state import GrazingVerdict, is_grazing
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from symosc.orbits import find_orbit
     from symosc.passages import MapError, MapPoint, solve_map
     from symosc.periodic import Approach, PeriodicOrbit, SwitchingPoint
+    from symosc.sample_events import FoundEvent
     from symosc.sample_matching import Match
     from symosc.scenes import Scene, load_scene, scene_names
     from symosc.simulation import simulate
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from symosc.symbolic.grazing_queries import Answer, values_containing, values_empty, values_everything
     from symosc.symbolic.theorem7 import Case, theorem7
     from symosc.trajectory import Event, Segment, Trajectory
+    from symosc.windows import Place
     from symosc.words import Word, WordError, read_word
 
 __version__ = "0.1.0"
@@ -77,6 +79,7 @@ _HOMES = {
     "ConvergenceError": "closing",
     "grazing_window": "grazing",
     "GrazingWindow": "grazing",
+    "Place": "windows",
     "grazing_windows": "grazing_sweep",
     "WindowColumns": "grazing_sweep",
     "theorem7": "symbolic.theorem7",
@@ -85,6 +88,8 @@ _HOMES = {
     "GrazingStart": "grazing_orbits",
     "grazing_curve": "grazing_curves",
     "GrazingCurve": "grazing_curves",
+    "CurvePiece": "grazing_curves",
+    "CurveEnd": "grazing_curves",
     "solve_grazing": "grazing_solve",
     "GrazingSolutions": "grazing_solve",
     "is_grazing": "grazing_state",
@@ -98,6 +103,7 @@ _HOMES = {
     "crosscheck": "crosschecks",
     "CrossCheck": "crosschecks",
     "Match": "sample_matching",
+    "FoundEvent": "sample_events",
     "Fault": "step_faults",
 }
 
@@ -111,9 +117,12 @@ __all__ = [
     "Condition",
     "ConvergenceError",
     "CrossCheck",
+    "CurveEnd",
+    "CurvePiece",
     "Event",
     "EventTable",
     "Fault",
+    "FoundEvent",
     "GrazingCurve",
     "GrazingReport",
     "GrazingSolutions",
@@ -128,6 +137,7 @@ __all__ = [
     "ParameterError",
     "Parameters",
     "PeriodicOrbit",
+    "Place",
     "Scene",
     "SceneError",
     "Segment",

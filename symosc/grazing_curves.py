@@ -41,7 +41,17 @@ END_GAP = 1e-7
 
 @dataclass(frozen=True)
 class CurveEnd:
-    """An end of a piece of the curve: theta_m there, its start (x, theta), and why the curve ends."""
+    """An end of a piece of the curve.
+
+    Attributes
+    ----------
+    theta_m : float
+        Phase of the tangency there.
+    x, theta : float
+        The start on the switching plane.
+    reason : str
+        Why the curve ends.
+    """
 
     theta_m: float
     x: float

@@ -72,7 +72,8 @@ def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
     """Return finite real numbers as an array of floats; text, booleans and complex numbers are none."""
     try:
         array = np.asarray(value)
-        if array.dtype.kind not in "iufO" or (array.dtype.kind == "O" or array is not value) and text_or_booleans(value):
+        plain = array is value and array.dtype.kind != "O"
+        if array.dtype.kind not in "iufO" or (not plain and text_or_booleans(value)):
             raise TypeError
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError):

@@ -18,7 +18,16 @@ from symosc.model import Parameters
 
 
 class Place(NamedTuple):
-    """Where the flow of a map touches: from which domain, which boundary, from which side, and the paper's equation."""
+    """Where the flow of a map touches a boundary.
+
+    Attributes
+    ----------
+    domain, boundary : int
+    side : int
+        1 for a contact from below, -1 for one from above.
+    equation : int
+        Its number in the paper: 55 to 58.
+    """
 
     domain: int
     boundary: int

@@ -38,7 +38,15 @@ THETA = sp.Symbol("theta", real=True)
 
 
 class Answer(NamedTuple):
-    """Values of the parameter that was asked for, under a condition on the others."""
+    """Values of the parameter that was asked for, under a condition on the others.
+
+    Attributes
+    ----------
+    condition : sympy Boolean
+        When it holds.
+    values : sympy Set
+        The values that have the property then.
+    """
 
     condition: Expr
     values: Expr
