@@ -1,7 +1,7 @@
 """Backward in time from a tangency to the boundary that the flow came from: no contact is passed over.
 
-Why nothing can be missed
--------------------------
+Why nothing can be missed in real arithmetic
+--------------------------------------------
 With s = t_m - t the velocity of a flight obeys v'' - (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta - Omega s): damping
 has changed its sign, the transient grows. So the bounds of `symosc.events`, which rest on an energy that never grows,
 do not hold backward. For the n-th derivative y of v the energy E = y'^2 + (k/m) y^2 obeys

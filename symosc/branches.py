@@ -9,6 +9,7 @@ import numpy as np
 
 from symosc.admissible import Condition
 from symosc.errors import SymoscError
+from symosc.exact import whole_number
 from symosc.model import Parameters
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
@@ -118,12 +119,15 @@ class Branch:
         self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
 
     def parameters(self, i: int) -> Parameters:
-        """Return the parameters of the branch's i-th point."""
-        return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
+        """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
+        return self._orbit.parameters.replace(**{self.parameter: float(self.values[self._index(i)])})
 
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
-        """Return the orbit at the branch's i-th point."""
-        return find_orbit(self.parameters(i), self.word, self.points[i], digits, periods=self.periods)
+        """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
+        return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
+
+    def _index(self, i: int) -> int:
+        return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
     def plot(self) -> Any:
         """Draw the branch: a matplotlib Figure (`symosc.plot_orbit.branch_figure`)."""
@@ -149,6 +153,15 @@ class Branch:
             "stable": self.stable.tolist(),
             "ends": [plain(end) for end in self.ends],
         }
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same branch: word, parameters, points, multipliers and ends."""
+        if not isinstance(other, Branch):
+            return NotImplemented
+        return self.as_dict() == other.as_dict()
+
+    def __hash__(self) -> int:
+        return hash((self._orbit.parameters, self.word, self.parameter, len(self.values)))
 
     def __repr__(self) -> str:
         ends = ", ".join(f"{end.kind} at {end.value:.8g}" for end in self.ends)

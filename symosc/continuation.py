@@ -23,13 +23,12 @@ from symosc.between import clear
 from symosc.branches import Branch, BranchEnd, BranchError, BranchPoint, times_of
 from symosc.closing import ClosingEquations
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.newton import solve
 from symosc.orbit_curve import Curve
 from symosc.orbits import find_orbit
 from symosc.periodic import PeriodicOrbit, SwitchingPoint
-from symosc.simulation import whole_number
 from symosc.verification import MARGINAL, failures
 from symosc.words import read_word
 

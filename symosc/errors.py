@@ -14,7 +14,12 @@ def shown(value: Any) -> str:
         text = str(value) if isinstance(value, Number) and not isinstance(value, str) else repr(value)
     except Exception:  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
         text = f"<{type(value).__name__}>"
-    text = " ".join(text.split())
+    return brief(text)
+
+
+def brief(text: str) -> str:
+    """Return text as a message shows it: on one line, cut if it is long, what cannot be printed as an escape."""
+    text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split()))
     return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
 
 
@@ -54,7 +59,7 @@ class SceneError(SymoscError, ValueError):
 
     def __init__(self, scene: str, reason: str) -> None:
         self.scene, self.reason = scene, reason
-        super().__init__(f"scene {scene or repr(scene)}: {reason}")
+        super().__init__(f"scene {brief(scene) or repr(scene)}: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.scene, self.reason)
@@ -71,7 +76,7 @@ class OutputError(SymoscError, OSError):
 
     def __init__(self, path: str, reason: str) -> None:
         self.path, self.reason = path, reason
-        super().__init__(f"cannot write {path or repr(path)}: {reason}")
+        super().__init__(f"cannot write {brief(path) or repr(path)}: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.path, self.reason)

@@ -110,6 +110,13 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return number
 
 
+def true_or_false(name: str, value: Any) -> bool:
+    """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
+    if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
+        return bool(value)
+    raise ParameterError(name, value, "must be True or False")
+
+
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
     """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
 
@@ -120,8 +127,10 @@ def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
     """
     if value is None:
         return None
-    several = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
-    given = list(value) if several else [value] * 3
+    if isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)) and getattr(value, "shape", True):
+        given = list(value)
+    else:  # an array without dimensions is a number
+        given = [value[()] if hasattr(value, "shape") else value] * 3
     if len(given) != 3:
         raise ParameterError("start_error", value, "must be a number, or three: of t0, x0 and v0")
     t0, x0, v0 = (read_exact("start_error", each) for each in given)

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from symosc.exact import whole_number
 from symosc.grazing import grazing_window
 from symosc.grazing_origin import Origins
 from symosc.grazing_tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
 from symosc.model import Parameters
-from symosc.windows import check_count
 
 POINTS = 400
 LEAST_POINTS, MOST_POINTS = 8, 20_000
@@ -41,7 +41,17 @@ END_GAP = 1e-7
 
 @dataclass(frozen=True)
 class CurveEnd:
-    """An end of a piece of the curve: theta_m there, its start (x, theta), and why the curve ends."""
+    """An end of a piece of the curve.
+
+    Attributes
+    ----------
+    theta_m : float
+        Phase of the tangency there.
+    x, theta : float
+        The start on the switching plane.
+    reason : str
+        Why the curve ends.
+    """
 
     theta_m: float
     x: float
@@ -133,7 +143,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
         For a mapping without grazing, k = 0, or too small an n.
     """
     window = grazing_window(p, mapping)
-    n = check_count("n", n, LEAST_POINTS, MOST_POINTS)
+    n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
     runs: list[Run] = []

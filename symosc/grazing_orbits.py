@@ -19,14 +19,13 @@ from typing import Any
 
 from symosc.backward import HUGE, LARGE, LONG, NEVER, REACHED, TOUCH, Arrival
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import read_exact, show, whole_number
 from symosc.grazing import grazing_window
 from symosc.grazing_angles import number_of, phase_of, read_angle, read_phase, symbolic, times
 from symosc.grazing_flight import Flights
 from symosc.grazing_origin import OPEN, PERIODS, Origins
 from symosc.model import Parameters
 from symosc.numerics import mp_context
-from symosc.windows import check_count
 
 DEFAULT_DIGITS = 40
 LEAST_DIGITS, MOST_DIGITS = 5, 2000
@@ -147,7 +146,7 @@ def start_of(
 
 def check_digits(digits: Any) -> int | None:
     """Return `digits` if it is None or a number of digits that can be asked for."""
-    return None if digits is None else check_count("digits", digits, LEAST_DIGITS, MOST_DIGITS)
+    return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
 
 
 def _check_periods(periods: Any) -> float:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.errors import ParameterError
-from symosc.exact import read_exact
+from symosc.exact import read_exact, whole_number
 from symosc.grazing import GrazingWindow, grazing_window
 from symosc.grazing_angles import number_of, phase_of, read_phase, times
 from symosc.grazing_curves import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curve
@@ -20,7 +20,7 @@ from symosc.grazing_newton import Candidates
 from symosc.grazing_orbits import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
 from symosc.model import Parameters
 from symosc.numerics import mp_context
-from symosc.windows import check_count, check_parameters, place
+from symosc.windows import check_parameters, place
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 # Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
@@ -81,7 +81,7 @@ def solve_grazing(
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     name, value = next(iter(given.items()))
-    check_count("n", n, LEAST_POINTS, MOST_POINTS)
+    whole_number("n", n, LEAST_POINTS, MOST_POINTS)
     check_digits(digits)
     if p.k == 0:
         raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")

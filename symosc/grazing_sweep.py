@@ -13,6 +13,7 @@ from symosc import windows
 from symosc.binding import compiled
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.grazing import grazing_window
+from symosc.map_arguments import real_array
 from symosc.model import Parameters
 from symosc.windows import EMPTY, EVERYTHING, IN_DOUBT, check_order, check_parameters, place
 
@@ -70,7 +71,7 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
     for name in swept:
         if name not in names:
             raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
-    arrays = _broadcast({name: _float_array(name, values) for name, values in swept.items()})
+    arrays = _broadcast({name: real_array(name, values, "must be numbers") for name, values in swept.items()})
     _check_values(p, arrays)
     shape = next(iter(arrays.values())).shape if arrays else ()
     pairs = []
@@ -92,24 +93,11 @@ def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return arrays of one shape."""
     try:
         return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
-    except ValueError:
+    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
         shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
         raise ParameterError(
             "swept", shapes, "the shapes must be equal, or broadcast to one as numpy does it"
         ) from None
-
-
-def _float_array(name: str, values: Any) -> np.ndarray:
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind not in "iufO":  # bytes, text, booleans and complex numbers would turn into floats silently
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        raise ParameterError(name, values, "must be numbers") from None
-    if not np.all(np.isfinite(array)):
-        raise ParameterError(name, array[~np.isfinite(array)].flat[0], "must be finite")
-    return array
 
 
 def _check_values(p: Parameters, arrays: dict[str, np.ndarray]) -> None:

@@ -38,7 +38,7 @@ def is_array(value: Any) -> bool:
     """Return whether a value is an array or a sequence of numbers."""
     try:
         return np.ndim(value) > 0
-    except ValueError:  # lists of different lengths
+    except (ValueError, RuntimeError):  # lists of different lengths, or nested deeply
         return True
 
 
@@ -60,21 +60,30 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Any]) -> Any:
 
 def columns_of(given: list[Any]) -> list[np.ndarray]:
     """Return the four arrays in one shape."""
-    columns = []
-    for name, value in zip(POINTS, given, strict=True):
-        try:
-            column = np.asarray(value)
-            if column.dtype.kind == "O":
-                column = column.astype(float)
-        except (TypeError, ValueError):
-            raise ParameterError(name, value, ARRAYS) from None
-        if column.dtype.kind not in "iuf":
-            raise ParameterError(name, value, ARRAYS)
-        if not np.isfinite(column).all():
-            raise ParameterError(name, "an array", "must be finite everywhere")
-        columns.append(column.astype(float))
+    columns = [real_array(name, value, ARRAYS) for name, value in zip(POINTS, given, strict=True)]
     try:
         return [np.array(column) for column in np.broadcast_arrays(*columns)]
-    except ValueError:
+    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
         shapes = tuple(column.shape for column in columns)
         raise ParameterError("points", shapes, "must be arrays whose shapes fit together (broadcast)") from None
+
+
+def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
+    """Return finite real numbers as an array of floats; text, booleans and complex numbers are none."""
+    try:
+        array = np.asarray(value)
+        plain = array is value and array.dtype.kind != "O"
+        if array.dtype.kind not in "iufO" or (not plain and text_or_booleans(value)):
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(name, value, allowed) from None
+    if not np.isfinite(array).all():
+        raise ParameterError(name, array[~np.isfinite(array)].flat[0], "must be finite everywhere")
+    return array
+
+
+def text_or_booleans(value: Any) -> bool:
+    """Return whether there is text or a boolean among the entries, which numpy and float() would read as numbers."""
+    entries = np.asarray(value, dtype=object).ravel().tolist()
+    return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)

@@ -11,6 +11,7 @@ import numpy as np
 from symosc.admissible import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
 from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
+from symosc.exact import whole_number
 from symosc.guesses import (
     LEAST_EVENTS,
     Guess,
@@ -22,6 +23,7 @@ from symosc.guesses import (
     settles,
     windows,
 )
+from symosc.map_arguments import text_or_booleans
 from symosc.model import Parameters
 from symosc.newton import Solution, polish, solve
 from symosc.numerics import mp_context
@@ -35,6 +37,8 @@ __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 GUARD_DIGITS = 15
 LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
+# The search tries evenly spaced points over all periods; beyond these it takes minutes.
+MOST_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
 # Pieces of a guess that are shorter than this part of a period are taken to be about to vanish.
@@ -93,8 +97,8 @@ def find_orbit(
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else _whole("periods", periods, 1, MOST_PERIODS)
-    digits = None if digits is None else _whole("digits", digits, LEAST_DIGITS, MOST_DIGITS)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_PERIODS)
+    digits = None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
     equations = ClosingEquations(parameters, structure, periods or 1)
     batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
     root = _best_root(equations, batches)
@@ -270,8 +274,10 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
     try:
+        if text_or_booleans(guess):
+            raise TypeError
         values = np.array([[float(value) for value in row] for row in np.atleast_2d(np.array(guess, dtype=object))])
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         values = np.zeros((0, 0))
     if values.shape not in ((n, 2), (1, 2)) or not np.isfinite(values).all():
         shape = f"an array of shape {values.shape}" if values.size else guess
@@ -290,14 +296,3 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
-
-
-#: The search tries evenly spaced points over all periods; beyond these it takes minutes.
-MOST_PERIODS = 200
-
-
-def _whole(name: str, value: Any, least: int, most: int | None) -> int:
-    allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if isinstance(value, bool) or not hasattr(value, "__index__") or value < least or (most and value > most):
-        raise ParameterError(name, value, allowed)
-    return int(value)

@@ -1,4 +1,4 @@
-"""From a switching point to the next one along a mapping, by the guaranteed event search, with the derivative."""
+"""From a switching point to the next one along a mapping, by the event search of `symosc.events`; its derivative."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class MapPoint:
 
 
 def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
-    """Follow a mapping from a switching point to the next one, by the guaranteed event search.
+    """Follow a mapping from a switching point to the next one, by the event search that simulations use.
 
     Parameters
     ----------

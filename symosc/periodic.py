@@ -22,7 +22,13 @@ FIRST_LOOK, PATIENCE = 20, 400  # periods after which `approach` looks a second 
 
 
 class SwitchingPoint(NamedTuple):
-    """Time and position of a switching; unpacks as (t, x)."""
+    """Time and position of a switching; unpacks as (t, x).
+
+    Attributes
+    ----------
+    t, x : number
+        Floats, or mpmath numbers with ``digits=``.
+    """
 
     t: Any
     x: Any

@@ -21,7 +21,17 @@ STAYS: set[tuple[str, ...]] = {(), ("slip", "stick")}
 
 @dataclass(frozen=True)
 class Match:
-    """An exact event and the time at which the samples have it; `found` is None for one inside a step."""
+    """An exact event and the time at which the samples have it.
+
+    Attributes
+    ----------
+    event : Event
+        The exact one.
+    t : float
+        Its time in the samples, or in the list of events.
+    found : FoundEvent or None
+        What the samples show; None for an event inside a step that is right.
+    """
 
     event: Event
     t: float

@@ -1,4 +1,4 @@
-"""The end of a stick, guaranteed: the first of its two exits.
+"""The end of a stick: the first of its two exits.
 
 On belt lambda both forces change alike, dF/dt = -(k v_lambda + B0 Omega sin(theta))/m, so that after a time tau
 
@@ -7,8 +7,9 @@ On belt lambda both forces change alike, dF/dt = -(k v_lambda + B0 Omega sin(the
 
 The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each).
 Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7, where its
-value needs no trigonometric function. So each monotone piece is decided by the value at its end: no exit is missed, and
-the exit in a piece is its only root there.
+value needs no trigonometric function. So each monotone piece is decided by the value at its end. In real arithmetic no
+exit is missed so, and the exit in a piece is its only root there. With rounding, a value within ROUNDING errors of 0 is
+no decision; that this margin is wide enough in doubles was measured, not proven (`symosc.events`).
 """
 
 from __future__ import annotations

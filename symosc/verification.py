@@ -5,7 +5,8 @@ Three things are asked, in this order.
 1. Do all inequalities hold (`symosc.admissible`)? Where a margin is too small for doubles the root is refined to
    FINE_DIGITS digits first; what is 0 there holds for no orbit: a piece without length, a belt that is only touched.
 2. Does the motion from a switching point of the root do what the word says? It is simulated over the whole period by
-   the engine, whose first exits are guaranteed to be the first, always: no margin is too small or too large for that.
+   the engine, always: no margin is too small or too large for that. (In real arithmetic its first exits are proven to
+   be the first; what rounding may do was measured. See `symosc.events`.)
 3. Does it close? Every event has to be where and when the root says, the last one a period after the start.
 """
 

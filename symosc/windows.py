@@ -18,7 +18,16 @@ from symosc.model import Parameters
 
 
 class Place(NamedTuple):
-    """Where the flow of a map touches: from which domain, which boundary, from which side, and the paper's equation."""
+    """Where the flow of a map touches a boundary.
+
+    Attributes
+    ----------
+    domain, boundary : int
+    side : int
+        1 for a contact from below, -1 for one from above.
+    equation : int
+        Its number in the paper: 55 to 58.
+    """
 
     domain: int
     boundary: int
@@ -61,14 +70,6 @@ def check_parameters(p: Any) -> Parameters:
         shown = p if isinstance(p, str | int | float | None) else type(p).__name__
         raise ParameterError("p", shown, "must be Parameters; those of a scene are load_scene(name).parameters")
     return p
-
-
-def check_count(name: str, value: Any, least: int, most: int) -> int:
-    """Return a whole number within limits; numpy's integers are such numbers, True is none."""
-    whole = hasattr(value, "__index__") and type(value).__name__ not in ("bool", "bool_", "ndarray")
-    if not whole or not least <= int(value) <= most:
-        raise ParameterError(name, value, f"must be a whole number from {least} to {most}")
-    return int(value)
 
 
 def check_order(order: str) -> str:

@@ -11,7 +11,8 @@ import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from symosc.errors import SymoscError
+from symosc.errors import SymoscError, brief, shown
+from symosc.exact import true_or_false
 from symosc.model import SIDES
 
 
@@ -28,7 +29,7 @@ class WordError(SymoscError, ValueError):
 
     def __init__(self, word: str, reason: str, step: tuple[str, str] | None = None) -> None:
         self.word, self.reason, self.step = word, reason, step
-        super().__init__(f"mapping structure {word}: {reason}")
+        super().__init__(f"mapping structure {brief(word)}: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.word, self.reason, self.step)
@@ -146,7 +147,10 @@ def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing:
     ------
     WordError
         If it cannot be read or has an impossible step, which the message names.
+    ParameterError
+        If `closed` or `grazing` is neither True nor False.
     """
+    closed, grazing = true_or_false("closed", closed), true_or_false("grazing", grazing)
     if isinstance(word, Word):
         labels, text = word.labels, str(word)
     else:
@@ -190,7 +194,7 @@ def _read(word: Any) -> tuple[tuple[str, ...], str]:
     for part in parts:
         match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
         if match is None:
-            raise WordError(text, f"{part!r} is no mapping; they are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']")
+            raise WordError(text, f"{shown(part)} is no mapping; they are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']")
         digits += match.group(1)
     if not digits:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")

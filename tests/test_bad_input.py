@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 import random
-import time
-from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -15,66 +11,16 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
+from bad_values import NO_CHOICES, NO_NUMBERS, refused
 
 import symosc
-from symosc import Event, EventTable, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
-from symosc.errors import ParameterError, SceneError, SymoscError
-from symosc.exact import read_exact, read_start_error, show, whole_number
-from symosc.scenes import FOLDER
-from symosc.words import WordError
+from symosc import Parameters, Scene, load_scene, simulate, simulate_many
+from symosc.errors import ParameterError, SymoscError
+from symosc.exact import read_exact, show, whole_number
 
 P = load_scene("fig5").parameters
 START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
 TRAJECTORY = simulate("fig5", t_end=5)
-
-#: Nothing of this is a number.
-NO_NUMBERS = [
-    "",
-    " ",
-    "abc",
-    "1_000",
-    "１",
-    "٣",
-    "1 2",
-    "1/0",
-    "0x1",
-    "--1",
-    "nan",
-    "inf",
-    True,
-    False,
-    1j,
-    [],
-    [1],
-    {},
-    (),
-    b"1",
-]
-NO_NUMBERS += [
-    float("nan"),
-    float("inf"),
-    np.float64("nan"),
-    Decimal("NaN"),
-    Decimal("sNaN"),
-    np.True_,
-    NotImplemented,
-    str,
-    mpmath.nan,
-]
-NO_NUMBERS += ["1e5000", "9" * 5000, 10**400, -(10**60), sympy.oo, sympy.Symbol("x"), np.array([1.0, 2.0])]
-#: Nothing of this is a whole number from 1 to 3.
-NO_CHOICES = [0, 4, -1, 10**30, "1", "", None, 1.0, True, 1j, [1], {}, np.array([1, 2]), Fraction(1)]
-
-
-def refused(call: Callable[[], Any], name: str) -> str:
-    """Return the message of the error that a call ends with: one line of reasonable length that begins with a name."""
-    with pytest.raises(ParameterError) as caught:
-        call()
-    message = str(caught.value)
-    assert message.startswith(f"{name} = "), message
-    assert "\n" not in message
-    assert len(message) < 400
-    return message
 
 
 # --- numbers ---
@@ -252,190 +198,6 @@ def test_the_force_of_each_domain() -> None:
                 float(p.A(alpha)) + float(p.B0) * np.cos(float(p.Omega) * t) - float(p.c) * v - float(p.k) * x
             ) / float(p.m)
             assert TRAJECTORY.force(alpha, t) == pytest.approx(force, abs=1e-12)
-
-
-# --- scenes ---
-
-
-@pytest.mark.parametrize("value", ["P99", "", "P33", "xx", "P5 P2"])
-def test_a_structure_that_is_none(value: str) -> None:
-    with pytest.raises(WordError):
-        Scene("s", P, **START, structure=value)
-    assert Scene("s", P, **START, structure="P3∘P2").structure == "P3∘P2"
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("name", value) for value in (None, 5, "", " ")]
-    + [("source", None), ("source", b""), ("parameters", None), ("parameters", {})],
-)
-def test_a_scene_of_wrong_types(name: str, value: Any) -> None:
-    refused(lambda: Scene(**({"name": "s", "parameters": P, **START} | {name: value})), name)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (b"", "is empty"),
-        (b"# nothing\n", "is empty"),
-        (b"t_end = 5\n", r"start is missing: give it in a table \[start\]"),
-        (b"a = " + b"[" * 100_000, "nested too deeply"),
-        (b"t_end = " + b"1" * 5000, "is not valid TOML"),
-        (b"\xff\xfea", "is not UTF-8"),
-    ],
-)
-def test_scene_files_that_are_none(text: bytes, message: str, tmp_path: Any) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_bytes(text)
-    with pytest.raises(SceneError, match=message) as caught:
-        load_scene(path)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_scene_file_may_begin_with_a_byte_order_mark(tmp_path: Any) -> None:
-    path = tmp_path / "bom.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + (FOLDER / "fig5.toml").read_bytes())
-    assert load_scene(path) == load_scene("fig5")
-
-
-@pytest.mark.parametrize("value", [None, 5, "", "a\0b", "a\0.toml", [], ".", "n" * 5000])
-def test_names_of_scenes(value: Any) -> None:
-    with pytest.raises(SceneError) as caught:
-        load_scene(value)
-    assert "\n" not in str(caught.value)
-    assert "\0" not in str(caught.value)
-
-
-# --- the error of a start ---
-
-
-def test_start_errors_are_read_exactly() -> None:
-    assert read_start_error(None) is None
-    assert read_start_error("1e-30") == (Fraction(1, 10**30),) * 3
-    assert read_start_error([0, 0.1, "1/3"]) == (0, Fraction(1, 10), Fraction(1, 3))
-    assert Scene("s", P, **START).start_error is None
-    scene = Scene("s", P, **START, start_error=(0, "5e-45", Decimal("5e-45")))
-    assert scene.start_error == (0, Fraction(1, 2 * 10**44), Fraction(1, 2 * 10**44))
-    assert hash(scene) == hash(pickle.loads(pickle.dumps(scene)))
-
-
-@pytest.mark.parametrize(
-    "value",
-    [
-        "",
-        "abc",
-        -1,
-        [0, 0, -1],
-        [0, 0],
-        [],
-        [0] * 4,
-        [0, 0, None],
-        float("nan"),
-        True,
-        {},
-        {1: 2, 3: 4, 5: 6},
-        1j,
-        b"123",
-        [[0]] * 3,
-    ],
-)
-def test_start_errors_that_are_none(value: Any) -> None:
-    refused(lambda: Scene("s", P, **START, start_error=value), "start_error")
-
-
-@pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
-def test_exact_scenes_are_known_to_half_a_unit_of_their_last_digit(name: str) -> None:
-    scene = load_scene(name)
-    assert scene.start_error is not None
-    assert scene.start_error[0] == 0
-    for value, error in zip((scene.x0, scene.v0), scene.start_error[1:], strict=True):
-        digits = len(show(value).partition(".")[2])
-        assert error == Fraction(1, 2 * 10**digits)
-
-
-# --- figures ---
-
-
-@pytest.mark.parametrize("value", [None, 5, [], P, 1j, {}])
-def test_the_subject_of_a_figure(value: Any) -> None:
-    refused(lambda: symosc.plot.figure(value), "subject")
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("panels", ["", "z", "aa", 5, ["a"], True, b"a", {}, "A"]),
-        ("boundary", [0, 3, True, "1", [1], 1.0, np.array([1, 2])]),
-        ("columns", [0, 3, True, "1", None, 1.0]),
-        ("t_end", ["", "x", float("nan"), True, -1, 1j, []]),
-    ],
-)
-def test_options_of_a_figure(name: str, values: list[Any]) -> None:
-    for value in values:
-        refused(lambda value=value: symosc.plot.figure("fig5", **{name: value}), name)  # type: ignore[misc]
-
-
-def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
-    start = time.perf_counter()
-    message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
-    assert "earlier end" in message
-    assert time.perf_counter() - start < 5
-    long = simulate("fig9", max_events=symosc.plot.MOST_EVENTS + 1, t_end=10**7)
-    refused(lambda: symosc.plot.figure(long), "subject")
-
-
-def test_what_cannot_be_saved(tmp_path: Any) -> None:
-    refused(lambda: symosc.plot.save(None, tmp_path / "a.pdf"), "drawing")
-    refused(lambda: symosc.plot.save(symosc.plot.figure("fig6", panels="a"), None), "path")  # type: ignore[arg-type]
-    assert list(tmp_path.iterdir()) == []
-
-
-# --- equality and copies ---
-
-
-@pytest.mark.parametrize(
-    "make", [lambda end: simulate("fig5", t_end=end), lambda end: simulate_many(P, [[0, 0, 0], [0, 1, 0]], end)]
-)
-def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | EventTable]) -> None:
-    one, same, other = make(7), make(7), make(6)
-    assert (one == same) is True
-    assert (one == other) is False
-    assert (one != other) is True
-    assert (one == None) is False  # noqa: E711
-    assert (one == "text") is False
-    for copied in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
-        assert (copied == one) is True
-    if isinstance(one, Trajectory):
-        assert hash(one) == hash(same)
-
-
-def test_events_compare_copy_and_pickle() -> None:
-    event = TRAJECTORY.events[0]
-    assert isinstance(event, Event)
-    assert (event == simulate("fig5", t_end=5).events[0]) is True
-    assert (event == TRAJECTORY.events[1]) is False
-    for copied in (copy.copy(event), copy.deepcopy(event), pickle.loads(pickle.dumps(event))):
-        assert (copied == event) is True
-
-
-def test_trajectories_with_digits_compare_and_copy() -> None:
-    one, same, rougher = (simulate("fig5", t_end=5, digits=digits) for digits in (20, 20, 25))
-    assert (one == same) is True
-    assert (one == rougher) is False
-    assert (copy.deepcopy(one) == one) is True
-
-
-# --- the package ---
-
-
-def test_dir_shows_the_api_alone() -> None:
-    names = dir(symosc)
-    assert set(symosc.__all__) <= set(names)
-    assert set(names) - set(symosc.__all__) == {"__version__", "plot"}
-    for name in names:
-        assert getattr(symosc, name) is not None
-    with pytest.raises(AttributeError, match="no_such_name"):
-        symosc.no_such_name  # noqa: B018
 
 
 def test_errors_of_bad_input_are_value_errors_of_symosc() -> None:

@@ -11,7 +11,8 @@ import pytest
 from click.testing import CliRunner
 from oracle import simulate_oracle
 
-from symosc import Parameters, load_scene
+from symosc import Parameters, continuation, load_scene
+from symosc.admissible import ENGINE, Condition
 from symosc.branches import BranchError, BranchPoint
 from symosc.cli_orbit import orbit as command
 from symosc.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
@@ -185,6 +186,27 @@ def test_steps_that_never_succeed_end_a_branch_with_what_is_nearest_to_failing(m
         assert nearest.text in end.message
         assert f"{nearest.value:.3g}" in end.message
         assert end.conditions[0].text == nearest.text
+
+
+@pytest.mark.parametrize("limit", [4.1, 3.9])
+def test_a_branch_ends_where_the_engine_contradicts_its_points(monkeypatch, limit):
+    """The margins hold everywhere; beyond a value the simulated motion does not follow the word."""
+    told = Condition(1, "P3 ends where it first can", -0.5, 1.25, "grazing", ENGINE, 1.0)
+    outward = 1 if limit > 4 else -1
+
+    def engine(equations, points):
+        return [told] if outward * (float(equations.parameters.Omega) - limit) > 0 else []
+
+    monkeypatch.setattr(continuation, "failures", engine)
+    branch = continue_orbit(FIG9, "P32", "Omega", (3.8, 4.2))
+    end, other = branch.ends[::-outward]
+    assert abs(end.value - limit) < 1e-6
+    assert outward * (end.value - limit) <= 0
+    assert end.kind == "grazing"
+    assert end.message.startswith("P3 ends where it first can no longer holds at t = 1.25")
+    assert end.conditions == (told,)
+    assert other.kind == "end of the range"
+    assert (outward * (branch.values - limit) <= 0).all()
 
 
 def test_a_curve_gives_no_point_where_it_cannot(monkeypatch):

@@ -224,4 +224,11 @@ def test_a_force_on_the_far_side_within_its_error_is_in_doubt(
         with_error = (*state[:8], error**2 / K.w0sq**2, 0.0, 0.0, 0.0, 0.0)
         found = advance.advance(*with_error, 9.0, 0.0, K)
         assert found[2] is decided
-        assert found[0] == (advance.CROSS if decided else found[0])
+        if decided:
+            assert found[0] == advance.CROSS
+        for towards in (1, -1):  # a force of 0 there: the next G-function decides
+            s = -side * towards * 1.0  # B0 Omega > k |v|: G^(1) has the sign of -sin(theta)
+            turning = (*hit[:7], s, 0.0, *hit[9:])
+            monkeypatch.setattr(advance, "first_exit", lambda *_, hit=turning: hit)
+            found = advance.advance(*with_error, 9.0, 0.0, K)
+            assert found[0] == (advance.CROSS if decided or towards > 0 else advance.STICK)

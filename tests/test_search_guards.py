@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
+from typing import Any
 
+import numpy as np
+import pytest
 from agreement import BASE
 from touches import tenths
 
-from symosc import bounds, flow
+from symosc import bounds, events, flow
 from symosc.path import Path
 from symosc.start import Start
 
@@ -86,3 +89,89 @@ def test_a_quartic_start_has_no_root_where_it_says() -> None:
             assert gain * expected > 0
             checked += abs(gain - expected) <= 0.9 * abs(expected)
     assert checked > 600
+
+
+def fifth_at_most(j: float, w: float, K: flow.Constants) -> float:
+    """Return the largest |v^(5)| of a free oscillation with the derivatives w and j at the start, by looking."""
+    omega = math.sqrt(K.w0sq)
+    return max(abs(j * omega * math.cos(a) - w * K.w0sq * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 1001))
+
+
+def test_the_reach_of_a_quartic_start_is_what_taylor_proves() -> None:
+    """|g - j tau^4/24| <= M5 tau^5/120: no root before 5 |j|/M5, and some margin; free motion attains its bound."""
+    rng = random.Random(4)
+    for _ in range(50):
+        k, m = tenths(rng, 1, 90), tenths(rng, 2, 30)
+        K = flow.constants(BASE.replace(B0=0, c=0, k=k, m=m, Omega="0.01"))
+        assert K.steady
+        j, w = rng.uniform(-3, 3), rng.uniform(-1, 1)
+        reach = bounds.quartic_start(j, w, -1.0, 0.0, K)
+        assert 3 * abs(j) <= reach * fifth_at_most(j, w, K) <= 5 * abs(j)
+
+
+def test_the_reach_of_a_quartic_start_without_any_motion() -> None:
+    K = flow.constants(BASE.replace(B0=0, c=0, Omega="0.01"))
+    assert K.steady
+    assert bounds.quartic_start(0.0, 0.0, -1.0, 0.0, K) == K.chunk
+
+
+def test_the_reach_of_a_quartic_start_at_resonance_is_no_longer_than_its_bound_holds() -> None:
+    K = flow.constants(BASE.replace(m=1, c=0, k=4, Omega=2))
+    assert not K.steady
+    assert bounds.quartic_start(1e9, 0.0, -1.0, 0.0, K) == 1 / K.Om
+    j, w = 1e-3, 1e-3
+    reach = bounds.quartic_start(j, w, -1.0, 0.0, K)
+    assert reach * K.Om < 1
+    assert 3 * j <= reach * (fifth_at_most(j, w, K) + K.fB * K.Om**3) <= 5.5 * j
+
+
+# -- a step that goes too far ------------------------------------------------------------------------------------------
+
+
+def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True) -> tuple[Any, ...]:
+    """Return what a search ends with towards one of two walls, if its first step goes past the belt.
+
+    In real arithmetic no step does; by rounding one may, and it has to be noticed.
+    """
+    K = flow.constants(BASE.replace(B0=0, c=0, k=1, m=1))
+    if overshoot:
+        steps = iter([1.0])
+        usual = events.safe_step
+        monkeypatch.setattr(
+            events,
+            "safe_step",
+            lambda cap, *p: (next(steps, None) or usual(cap, *p)[0], cap),  # and no root is known
+        )
+        monkeypatch.setattr(events, "positive_on", lambda *_: True)
+    K = K._replace(apart=False)  # no marching
+    # v = side * sin(tau): it meets the wall side * 1/2 at pi/6, the other one never
+    return events.first_exit(3.0, 0.0, float(side), 0.0, 1.0, 0.5 if side < 0 else 9.0, 0.5 if side > 0 else 9.0,
+                             True, True, False, False, 0.0, 0.0, 0.0, K)  # fmt: skip
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_step_past_a_belt_goes_back_to_the_contact(side: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    for overshoot in (False, True):
+        code, found, tau, *_ = searched(side, monkeypatch, overshoot)
+        assert (code, found) == (events.HIT, side)
+        assert abs(tau - math.pi / 6) < 1e-14
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize(("verdict", "code"), [(events.TANGENCY, events.TANGENCY), (events.LOST, events.STALLED)])
+def test_a_step_past_a_belt_may_have_met_a_touch(
+    side: int, verdict: int, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """If what is near is no crossing as far as this precision tells, it is not made one."""
+    asked = []
+
+    def nearest(tau: float, earliest: float, towards: int, *_: Any) -> tuple[int, float]:
+        asked.append((tau, earliest, towards))
+        return verdict, 0.25
+
+    monkeypatch.setattr(events, "closest_approach", nearest)
+    found = searched(side, monkeypatch)
+    assert asked[-1] == (1.0, 0.0, side)
+    assert found[:2] == (code, side)
+    if verdict == events.TANGENCY:
+        assert found[2] == 0.25

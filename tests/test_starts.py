@@ -203,12 +203,23 @@ def test_the_covariance_of_a_start_is_that_of_its_errors() -> None:
         assert abs(state.S12) > 0
 
 
+def test_a_start_on_a_belt_has_its_speed_exactly() -> None:
+    """Off the belts v0 is rounded; on one it is what the belt's speed is rounded to."""
+    p = NEAR.replace(v1="-1/3", v2="1/3")
+    for v0, exact in ((p.v1, True), (p.v2, True), (p.v2 - Fraction(1, 7), False), (p.v1 - Fraction(1, 7), False)):
+        state = first_state(Start(p, Fraction(0), Fraction(1), v0, Fraction(1)), Arithmetic(p))
+        assert (state.S22 == 0) is exact
+        assert state.S11 > 0
+        assert state.S12 == 0
+
+
 @pytest.mark.parametrize("boundary", [1, 2])
 @pytest.mark.parametrize("side", ["low", "high"])
-def test_a_force_within_reach_of_the_error_is_zero(boundary: int, side: str) -> None:
+@pytest.mark.parametrize("speeds", [("0.5", "0.8"), ("-0.8", "-0.5")], ids=["forward", "backward"])
+def test_a_force_within_reach_of_the_error_is_zero(boundary: int, side: str, speeds: tuple[str, str]) -> None:
     """Then the next G-function decides where a start on a belt goes, whatever the sign of the force."""
     alpha = boundary + (side == "high")
-    p = NEAR.replace(v1="0.5", v2="0.8") if boundary == 1 else NEAR  # both belts run upward: G^(1) < 0
+    p = NEAR.replace(v1=speeds[0], v2=speeds[1])  # belts that run forward have G^(1) < 0, others > 0
     v = p.belt(boundary)
     for which, size in ((0, (abs(p.k * v) + p.B0 * p.Omega) / p.m), (1, p.k / p.m), (2, p.c / p.m)):
         for part in ("0.9", "-0.9", "3", "-3"):

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import ast
 import re
-from os.path import isfile
+from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +81,9 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
         raises.
     """
     texts = {Path(read_path(folder)) / name: text for name, text in export(*arguments, **options).items()}
-    for path, text in texts.items():
+    for path, text in texts.items():  # before the first of them is written
+        if isdir(path):
+            raise OutputError(str(path), "is a folder")
         if not force and isfile(path) and not _holds(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
     return [write_text(path, text) for path, text in texts.items()]

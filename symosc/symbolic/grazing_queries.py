@@ -38,7 +38,15 @@ THETA = sp.Symbol("theta", real=True)
 
 
 class Answer(NamedTuple):
-    """Values of the parameter that was asked for, under a condition on the others."""
+    """Values of the parameter that was asked for, under a condition on the others.
+
+    Attributes
+    ----------
+    condition : sympy Boolean
+        When it holds.
+    values : sympy Set
+        The values that have the property then.
+    """
 
     condition: Expr
     values: Expr
@@ -120,8 +128,8 @@ def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
     if p is not None:
         check_parameters(p)
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
-    name = belt if name == "v_lambda" else name
-    if name not in ("Omega", "B0", "k", belt):
+    name = belt if isinstance(name, str) and name == "v_lambda" else name
+    if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt):
         known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
         raise ParameterError("name", name, known)
     if p is None:

@@ -130,5 +130,8 @@ def _bound() -> Iterator[Any]:
     yield Prose(
         r"and $g$ has no zero before the first zero of $P$. A step never goes further than that, so no crossing, "
         r"however "
-        r"short, can be stepped over. At a start on the boundary, where $g = 0$, the known zero is divided out of $P$."
+        r"short, can be stepped over. At a start on the boundary, where $g = 0$, the known zero is divided out of $P$. "
+        r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
+        r"last digits only, and decisions leave margins for that, which are named in \texttt{symosc.events}; that they "
+        r"are wide enough in double precision was measured, not proven."
     )

@@ -1,0 +1,158 @@
+"""Every way in which Newton's methods, and steps along a curve, give up: each says why, and at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from symosc import ParameterError, find_orbit, load_scene, newton
+from symosc.behind import look_behind
+from symosc.closing import ClosingEquations
+from symosc.newton import MOST_LINEAR, Solution, polish, solve
+from symosc.orbit_curve import CORRECTIONS, Curve
+
+FIG9 = load_scene("fig9").parameters
+ORBIT = find_orbit(FIG9, "P32")
+
+
+class Numbers:
+    context = mpmath.MPContext()
+
+
+class OnePiece:
+    """Equations of one piece: f1(x) = 0 and theta = 0."""
+
+    arithmetic = Numbers()
+
+    def __init__(self, f: Any, slope: Any) -> None:
+        self.f, self.slope = f, slope
+
+    def residuals(self, points: Any) -> list[Any]:
+        return [self.f(points[0][0]), points[0][1]]
+
+    def blocks(self, points: Any) -> list[Any]:
+        return [((self.slope(points[0][0]), 0, 0, 0), (0, 1, 0, 0))]
+
+    def largest_residual(self, points: Any) -> Any:
+        return max(map(abs, self.residuals(points)))
+
+
+def polished(f: Any, slope: Any) -> Solution:
+    with mpmath.workdps(15):
+        OnePiece.arithmetic.context.dps = 30
+        return polish(OnePiece(f, slope), [(1, 0)])  # type: ignore[arg-type]
+
+
+def test_polishing_says_why_it_stops() -> None:
+    root = polished(lambda x: x * x - 2, lambda x: 2 * x)
+    assert root.converged
+    assert abs(root.points[0][0] - mpmath.mpf(2) ** 0.5) < 1e-15
+    singular = polished(lambda x: x * x + 1, lambda x: 0 * x)
+    assert (singular.converged, singular.reason) == (False, "the Jacobian became singular")
+    far = polished(lambda x: x - 1 + 1e-9, lambda x: x * 1e-12)
+    assert (far.converged, far.reason, far.steps) == (False, "the corrections grow in more digits", 1)
+    overflow = polished(lambda x: x * mpmath.inf, lambda x: x)
+    assert (overflow.converged, overflow.reason, overflow.steps) == (False, "the corrections grow in more digits", 1)
+    double = polished(lambda x: x * x, lambda x: 2 * x)
+    assert (double.converged, double.reason) == (False, "a multiple root")
+    assert double.steps <= MOST_LINEAR + 2
+
+
+def test_a_step_that_never_helps_is_not_halved_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    equations, calls = ORBIT.equations(), []
+
+    def residuals(points: Any) -> list[float]:
+        calls.append(points)
+        return [1.0 if len(calls) == 1 else 2.0] * 4
+
+    monkeypatch.setattr(equations, "residuals", residuals)
+    found = newton.newton(equations, ORBIT.phases())
+    assert (found.converged, found.reason) == (False, "no step brings it nearer to a solution")
+    assert len(calls) < 25
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError(), ValueError()])
+def test_more_digits_that_fail_leave_the_first_answer(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = Solution(ORBIT.phases(), 1e-12, 3, False, "no step brings it nearer to a solution")
+
+    def fails(*_: Any) -> Solution:
+        raise error
+
+    monkeypatch.setattr(newton, "newton", lambda *_: first)
+    monkeypatch.setattr(newton, "polish", fails)
+    assert solve(ORBIT.equations(), ORBIT.phases()) is first
+
+
+# --- along a curve ---
+
+
+def curve() -> Curve:
+    return Curve(ORBIT, "Omega", 3.0, 5.0)
+
+
+def test_a_correction_that_is_no_number_ends_it_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    along, calls = curve(), []
+    first = along.first(1.0)
+
+    def nothing(z: np.ndarray, slope: Any = None) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(z)
+        return np.full(4, np.nan), np.eye(4, 5)
+
+    monkeypatch.setattr(along, "linearised", nothing)
+    assert along.correct(along.of(first), first.tangent) is None
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize(("distance", "found"), [(0.5, True), (1.5, False)])
+def test_a_root_that_is_far_off_is_another_one(distance: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    along = curve()
+    first = along.first(1.0)
+    begin, normal = along.of(first), np.append(np.zeros(4), 1.0)
+    target = begin + distance * np.array([0, 1.0, 0, 0, 0])
+    monkeypatch.setattr(along, "linearised", lambda z, slope=None: ((z - target)[:4], np.eye(4, 5)))
+    corrected = along.correct(begin, normal)
+    assert (corrected is not None) is found
+    if corrected is not None:
+        assert corrected == pytest.approx(target)
+
+
+def test_corrections_that_do_not_get_smaller_are_no_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    along, calls = curve(), []
+    first = along.first(1.0)
+
+    def forth_and_back(z: np.ndarray, slope: Any = None) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(z)
+        return np.array([0, 0.3 * (-1) ** len(calls), 0, 0]), np.eye(4, 5)
+
+    monkeypatch.setattr(along, "linearised", forth_and_back)
+    assert along.correct(along.of(first), np.append(np.zeros(4), 1.0)) is None
+    assert len(calls) == CORRECTIONS
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError(), ParameterError("k", 0, "must be > 0"), ZeroDivisionError()])
+def test_what_cannot_be_evaluated_is_no_point(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A parameter out of its range, a piece without length, a singular matrix."""
+    along = curve()
+    first = along.first(1.0)
+
+    def fails(*_: Any, **__: Any) -> Any:
+        raise error
+
+    monkeypatch.setattr(along, "linearised", fails)
+    assert along.correct(along.of(first), first.tangent) is None
+    assert along.accepted(along.of(first), first) is None
+
+
+def test_nothing_is_behind_the_last_system_that_there_is() -> None:
+    """Without friction there is nothing beyond: mu2 < 0 is no system."""
+    orbit = find_orbit(FIG9.replace(mu2=0), "P32")
+    along = Curve(orbit, "mu2", 0.0, 1.0)
+    first = along.first(-1.0)
+    assert first.value == 0
+    with pytest.raises(ParameterError):
+        along.equations(-1e-9)
+    assert look_behind(along, first, -1.0) == (None, "")
+    assert isinstance(along.equations(0.5), ClosingEquations)

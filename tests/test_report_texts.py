@@ -1,0 +1,47 @@
+"""Texts of the report: formulas as HTML, derivations, and the parts of the claims."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from symosc.paper.claims import FOLDER, PARTS
+from symosc.paper.mathematics import chapter_html
+from symosc.paper.typeset import typeset
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("F(1) F(2) >= -mu1 FN", "F<sup>(1)</sup> F<sup>(2)</sup> ≥ −μ<sub>1</sub> F<sub>N</sub>"),
+        ("F⁽¹⁾ at x₀", "F<sup>(1)</sup> at x<sub>0</sub>"),
+        ("x_{i+1}, v_lambda and Omega^2", "x<sub>i+1</sub>, v<sub>λ</sub> and Ω<sup>2</sup>"),
+        ("1.2e-05, 1e+3 and -7", "1.2·10<sup>−5</sup>, 10<sup>3</sup> and −7"),
+        ("P4645 of v1.", "P<sub>4645</sub> of v<sub>1</sub>."),
+        ("x'' + x' = 0 <b>", "ẍ + ẋ\u00a0=\u00a00 &lt;b&gt;"),
+        ("F⁽ˡᵒ⁾ at ∂Ωᵢⱼ, μ FN", "F<sup>(lo)</sup> at ∂Ω<sub>ij</sub>, μ F<sub>N</sub>"),
+        ("x0 = −3.1049009630…, −(c/m)", "x<sub>0</sub>\u00a0=\u00a0−3.1049009630…, −\u2060(c/m)"),
+        ("fig7-corrected and fig10: belt2", "Fig.\u00a07 (corrected) and Fig.\u00a010: belt\u00a02"),
+        ("DOP853, version v0.1, the mass's", "DOP853, version v0.1, the mass's"),
+    ],
+)
+def test_formulas_in_text(text: str, html: str) -> None:
+    assert typeset(text) == html
+
+
+def test_derivations_become_html_without_a_rest_of_latex() -> None:
+    for path in (ROOT / "derivations" / "fragments").glob("*.tex"):
+        latex = path.read_text(encoding="utf-8")
+        html = chapter_html(latex)
+        shown = re.sub(r"<[^>]*>", "", html)
+        assert not re.findall(r"[\\{}$]|begin|align", shown), path.name
+        assert html.count('id="step-') == latex.count(r"\tag{")
+        assert html.count("<h3>") == latex.count(r"\subsection{")
+
+
+def test_parts_are_the_files() -> None:
+    assert {path.stem for path in FOLDER.glob("*.toml")} == set(PARTS)

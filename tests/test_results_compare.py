@@ -1,0 +1,133 @@
+"""What functions return: equal, copied and pickled as values are; and every class of it is public."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+
+import symosc
+from symosc import Event, EventTable, Trajectory, load_scene, simulate, simulate_many
+
+P = load_scene("fig5").parameters
+FIG9 = load_scene("fig9").parameters
+TRAJECTORY = simulate("fig5", t_end=5)
+
+
+@pytest.mark.parametrize(
+    "make", [lambda end: simulate("fig5", t_end=end), lambda end: simulate_many(P, [[0, 0, 0], [0, 1, 0]], end)]
+)
+def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | EventTable]) -> None:
+    one, same, other = make(7), make(7), make(6)
+    assert (one == same) is True
+    assert (one == other) is False
+    assert (one != other) is True
+    assert (one == None) is False  # noqa: E711
+    assert (one == "text") is False
+    for copied in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+        assert (copied == one) is True
+    if isinstance(one, Trajectory):
+        assert hash(one) == hash(same)
+
+
+def test_events_compare_copy_and_pickle() -> None:
+    event = TRAJECTORY.events[0]
+    assert isinstance(event, Event)
+    assert (event == simulate("fig5", t_end=5).events[0]) is True
+    assert (event == TRAJECTORY.events[1]) is False
+    for copied in (copy.copy(event), copy.deepcopy(event), pickle.loads(pickle.dumps(event))):
+        assert (copied == event) is True
+
+
+def test_trajectories_with_digits_compare_and_copy() -> None:
+    one, same, rougher = (simulate("fig5", t_end=5, digits=digits) for digits in (20, 20, 25))
+    assert (one == same) is True
+    assert (one == rougher) is False
+    assert (copy.deepcopy(one) == one) is True
+
+
+def test_dir_shows_the_api_alone() -> None:
+    names = dir(symosc)
+    assert set(symosc.__all__) <= set(names)
+    assert set(names) - set(symosc.__all__) == {"__version__", "plot"}
+    for name in names:
+        assert getattr(symosc, name) is not None
+    with pytest.raises(AttributeError, match="no_such_name"):
+        symosc.no_such_name  # noqa: B018
+
+
+SYMBOLS = sympy.symbols("gamma amplitude", real=True)
+ORBIT = symosc.find_orbit(FIG9, "P32")
+
+#: Samples that are off from some time on.
+TIMES = np.linspace(0, 3, 31)
+WRONG = TRAJECTORY(TIMES) + np.where(TIMES > 2, 0.01, 0) * np.array([[0], [1]])
+
+#: A call of each public function, by its name; None for those that return no class of symosc.
+CALLS: dict[str, Callable[[], Any] | None] = {
+    "check_grazing": lambda: symosc.check_grazing(FIG9, "P2", n=5),
+    "compiled_residual": None,
+    "continue_orbit": lambda: symosc.continue_orbit(FIG9, "P32", "Omega", ("3.99", "4.01"), ORBIT),
+    "crosscheck": lambda: symosc.crosscheck("fig5", TIMES, *WRONG),
+    "find_orbit": lambda: ORBIT,
+    "grazing_curve": lambda: symosc.grazing_curve(FIG9, "P2", n=9),
+    "grazing_start": lambda: symosc.grazing_start(FIG9, "P2", "3.1"),
+    "grazing_window": lambda: symosc.grazing_window(FIG9, "P2"),
+    "grazing_windows": lambda: symosc.grazing_windows(FIG9, "P2", k=[1, 2]),
+    "is_grazing": lambda: symosc.is_grazing(FIG9, "P2", 1, 2),
+    "jacobian": None,
+    "load_scene": lambda: load_scene("fig5"),
+    "parameter_jacobian": None,
+    "read_word": lambda: symosc.read_word("P32"),
+    "residual": None,
+    "scene_names": None,
+    "simulate": lambda: simulate("fig5", t_end=5),
+    "simulate_many": lambda: simulate_many(P, [[0, 0, 0]], 5, use_numba=False),
+    "solve_grazing": lambda: symosc.solve_grazing(FIG9, "P2", theta_j=3, n=9),
+    "solve_map": lambda: symosc.solve_map(FIG9, "P2", ORBIT.points[0].x, float(FIG9.Omega) * ORBIT.points[0].t),
+    "theorem7": lambda: symosc.theorem7("P2", *SYMBOLS),
+    "values_containing": lambda: symosc.values_containing(None, "P2", "k"),
+    "values_empty": lambda: symosc.values_empty(None, "P2", "k"),
+    "values_everything": lambda: symosc.values_everything(None, "P2", "k"),
+}
+
+
+def test_every_public_function_is_called_below() -> None:
+    functions = {name for name in symosc.__all__ if inspect.isfunction(getattr(symosc, name))}
+    assert functions == set(CALLS)
+
+
+def classes_in(value: Any) -> set[type]:
+    """Return the classes of symosc of a value and of what its public attributes hold."""
+    if isinstance(value, (str, bytes, np.ndarray, int, float, complex, sympy.Basic)) or value is None:
+        return set()
+    found = {type(value)} if type(value).__module__.startswith("symosc") else set()
+    names = [*getattr(type(value), "__slots__", ()), *getattr(value, "__dict__", ())]
+    held = [getattr(value, name) for name in names if not name.startswith("_")]
+    if isinstance(value, (dict, list, tuple)):
+        held += value.values() if isinstance(value, dict) else value
+    return found.union(*(classes_in(each) for each in held))
+
+
+@pytest.mark.parametrize("name", [name for name, call in CALLS.items() if call])
+def test_what_a_public_function_returns_is_public_documented_and_comparable(name: str) -> None:
+    call = CALLS[name]
+    assert call is not None
+    value, again = call(), call()
+    classes = classes_in(value)
+    assert classes
+    for each in classes:
+        assert getattr(symosc, each.__name__, None) is each, each
+        assert len((each.__doc__ or "").split()) > 8, each
+        assert not (each.__doc__ or "").startswith(f"{each.__name__}("), each  # what dataclasses and tuples write
+    assert (value == again) is True
+    assert (value != again) is False
+    assert (value == "text") is False
+    for copied in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
+        assert (copied == value) is True
