@@ -122,8 +122,25 @@ set_option = click.option(
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
 
 
+def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+    if not wanted:
+        return
+    from symosc.citation import bibtex
+
+    _print(bibtex())
+    context.exit()
+
+
 @click.group(cls=CommandLine, no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(symosc.__version__, prog_name="symosc")
+@click.option(
+    "--cite",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_cite,
+    help="Print BibTeX of symosc and the paper.",
+)
 def main() -> None:
     """Exact solutions of the double-belt friction oscillator.
 

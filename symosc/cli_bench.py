@@ -32,7 +32,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     invents an event, or errs by more than 1e-12 (where a case is ill-conditioned, 100 * condition * 1e-16).
 
     --results writes tables, pictures and machine into a README with the lines '<!-- results: begin -->' and
-    '<!-- results: end -->'; pictures and full tables go to symosc/bench/results beside it.
+    '<!-- results: end -->'; pictures and full tables go to docs/results beside it.
 
     \b
     Examples:

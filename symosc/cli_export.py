@@ -27,7 +27,7 @@ LANGUAGES = ("python", "numpy", "c", "julia")
 @click.option("--force", is_flag=True, help="Replace files that have another content.")
 @click.option("--json", "as_json", is_flag=True, help="Print the paths as JSON.")
 @click.pass_context
-def codegen(ctx: click.Context, word: str | None, check: bool, regenerate: bool, **options: Any) -> int:
+def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bool, **options: Any) -> int:
     """Write a mapping structure's residual and Jacobian for your own program.
 
     WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python with NumPy, C99

@@ -231,7 +231,7 @@ class _Check:
         return verdict, self.ways.fine_flow(theta)
 
     def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
-        """The window's x_m must make F vanish."""
+        """Check that F vanishes at the window's x_m."""
         if not inside.any():
             return
         K, v = self.ways.K, self.ways.v

@@ -182,6 +182,7 @@ class Run:
 
     @property
     def origin(self) -> str:
+        """Where the flow back from these tangencies comes from."""
         return self.samples[0].origin
 
 

@@ -67,6 +67,7 @@ class Candidates:
 
     @property
     def phases(self) -> list[Fraction]:
+        """The phases theta_m of the solutions found so far, as fractions."""
         return [read_exact("theta_m", theta) for theta, _ in self._solutions]
 
     def why_none(self) -> str:

@@ -136,7 +136,7 @@ class Matcher:
             self.result.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _start(self) -> None:
-        """A start on a belt is no event, but solvers list it; once it may be there."""
+        """Allow one event at a start on a belt: it is none, but solvers list it."""
         belt = int(self.label[0]) - 3
         if belt <= 0 or not self.open:
             return

@@ -1,4 +1,4 @@
-"""This package's own ways to follow a scene, in the form of the other solvers."""
+"""The package's own ways to follow a scene, in the form of the other solvers."""
 
 from __future__ import annotations
 

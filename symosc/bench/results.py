@@ -15,7 +15,7 @@ from symosc.files import write_text
 from symosc.simulation import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
-FOLDER = Path("symosc/bench/results")
+FOLDER = Path("docs/results")
 # A looser accuracy is worth a sentence where it takes no more than this part of the time.
 SAVES = 0.2
 

@@ -19,16 +19,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from symosc.bench.machine import machine
+from symosc.citation import paper_reference
 from symosc.errors import OutputError
 from symosc.paper.claims import PARTS
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED
 from symosc.paper.run import ERROR, Judged, Results
 from symosc.paper.typeset import typeset
 
-PAPER = (
-    "G. Chen and J. Fan, Analysis of dynamical behaviors of a double belt friction-oscillator model, "
-    "WSEAS Transactions on Mathematics 15 (2016), 357–373"
-)
 #: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
 BADGES = {
     CONFIRMED: ("confirmed", "✓"),
@@ -57,7 +54,7 @@ FIGURES, DERIVATIONS = "figures", "derivations"
 def data(results: Results) -> dict[str, Any]:
     """Return everything that a run found as plain data, the content of report.json."""
     return {
-        "paper": PAPER,
+        "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
         "changed": [each.claim.id for each in results.changed],

@@ -73,7 +73,7 @@ def _motion() -> Kernel:
 
 
 def _basis_apart() -> Kernel:
-    """The underdamped basis functions from the linear relations that hold in every regime.
+    """Return the underdamped basis functions from the linear relations that hold in every regime.
 
     Cheap, but u and z lose digits in short flights, and R2 and I2 near undamped resonance, where p = q = 0.
     """

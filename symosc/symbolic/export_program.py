@@ -246,22 +246,26 @@ class Fold(ast.NodeTransformer):
         return super().generic_visit(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        """Write K.name as K_name, or leave it where the constants stay a tuple."""
         if not _is_K(node.value) or ast.unparse(node) in self.known:
             return self.generic_visit(node)
         return ast.Name(f"K_{node.attr}") if self.fixed else node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        """Write INVERSES[n] as 1.0/n."""
         if isinstance(node.value, ast.Name) and node.value.id == "INVERSES":
             return ast.BinOp(ast.Constant(1.0), ast.Div(), node.slice)
         return self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Leave out the argument K where the constants are names of their own."""
         node_ = self.generic_visit(node)
         if self.fixed and isinstance(node_, ast.Call):
             node_.args = [argument for argument in node_.args if not _is_K(argument)]
         return node_
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        """Leave out what is known in an `and` or `or`, or all of it if that decides."""
         values = [self.visit(value) for value in node.values]
         decides = isinstance(node.op, ast.Or)
         if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
@@ -272,12 +276,14 @@ class Fold(ast.NodeTransformer):
         return values[0] if len(values) == 1 else ast.BoolOp(node.op, values)
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        """Keep the branch that is taken, if that is known."""
         test = self.visit(node.test)
         if isinstance(test, ast.Constant):
             return self.visit(node.body if test.value else node.orelse)
         return ast.IfExp(test, self.visit(node.body), self.visit(node.orelse))
 
     def visit_If(self, node: ast.If) -> Any:
+        """Keep the block that is run, if that is known."""
         test = self.visit(node.test)
         if isinstance(test, ast.Constant):
             return self._block(node.body if test.value else node.orelse)

@@ -96,6 +96,7 @@ def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any 
 
     Examples
     --------
+    >>> from symosc import load_scene
     >>> values_containing(load_scene("fig9").parameters, "P2", "Omega", sp.pi * 7 / 6)
     Interval.open(0, 2/3)
     """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from symosc.paper.checks.rational_cases import PHASES
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation import simulate
+from symosc.trajectory import Event
 from symosc.windows import PLACES
 
 #: Every contact in these scenes is looked at.
@@ -42,7 +44,7 @@ def slope_at_contact(p: Parameters, acceleration: Fraction, velocity: Fraction, 
 # --- checks ---
 
 
-def _arrivals() -> Iterator:
+def _arrivals() -> Iterator[tuple[Parameters, str, Event, Any]]:
     """Yield (p, mapping, event, acceleration) for every contact at which a flight arrives."""
     for name in SCENES:
         motion = simulate(load_scene(name), max_events=100)

@@ -13,6 +13,7 @@ from symosc.paper.checks.rational_cases import Contact, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation import simulate
+from symosc.trajectory import Event, Trajectory
 
 CASES = 360
 # The motion is asked for so long after a start at t = 0; by then it is as it was at the beginning.
@@ -101,7 +102,7 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
     """Tell for each contact at phase 0 whether `simulate`, started there, does what the exact flow does."""
     found = []
     for contact in _cases(boundary):
-        if (contact.s, contact.c) == (0, 1):
+        if contact.s == 0 and contact.c == 1:
             motion = simulate(contact.p, t0=0, x0=contact.x, v0=contact.speed, t_end=MOMENT, max_events=1)
             found.append(motion.mode(0.0) == contact.next_mode)
     return tuple(found)
@@ -288,7 +289,7 @@ def time_labels() -> Evidence:
     return Evidence(CONFIRMED if same else NOT_AS_PRINTED, f"At all {events} crossings {finding}.", numbers)
 
 
-def _crossings() -> Iterator:
+def _crossings() -> Iterator[tuple[Trajectory, Event]]:
     for name in ("fig5", "fig6", "fig9", "fig10"):
         motion = simulate(load_scene(name))
         for event in motion.events:

@@ -1,0 +1,181 @@
+"""What can drift apart: version, citation, changelog, license, the commands that contributors are told."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import symosc
+from symosc import citation
+from symosc.cli import main
+from symosc.scenes import load_scene, scene_names
+
+ROOT = Path(__file__).parents[1]
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+PYPROJECT = tomllib.loads(text("pyproject.toml"))
+PROJECT = PYPROJECT["project"]
+
+
+def cff(indent: str = "") -> dict[str, str]:
+    """Return the plain values of CITATION.cff at one depth."""
+    return {
+        key: value.strip('"') for key, value in re.findall(rf"^{indent}([\w-]+): (.+)$", text("CITATION.cff"), re.M)
+    }
+
+
+def test_the_version_is_written_once() -> None:
+    assert "version" not in PROJECT
+    assert PROJECT["dynamic"] == ["version"]
+    assert PYPROJECT["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "symosc.__version__"}
+    assert re.fullmatch(r"\d+\.\d+\.\d+", symosc.__version__)
+    for path in (ROOT / "symosc").rglob("*.py"):
+        written = f'"{symosc.__version__}"' in path.read_text(encoding="utf-8")
+        assert written == (path == ROOT / "symosc" / "__init__.py"), path
+
+
+def test_citation_file_and_bibtex_agree() -> None:
+    tool, paper = cff(), cff("    ")
+    assert {"cff-version", "message", "title", "version", "date-released"} <= set(tool)
+    assert tool["version"] == symosc.__version__
+    assert tool["title"] == citation.SYMOSC["title"]
+    assert tool["license"] == PROJECT["license"]
+    assert tool["date-released"][:4] == citation.SYMOSC["year"]
+    assert f"{{{cff('  - ')['name']}}}" == citation.SYMOSC["author"]
+    assert [cff("  - ")["name"]] == [author["name"] for author in PROJECT["authors"]]
+    people = re.findall(r"family-names: (\w+)\n +given-names: (\w+)", text("CITATION.cff"))
+    assert " and ".join(f"{family}, {given}" for family, given in people) == citation.PAPER["author"]
+    assert f"{paper['start']}--{paper['end']}" == citation.PAPER["pages"]
+    for name in ("title", "journal", "volume", "year", "issn"):
+        assert paper[name] == citation.PAPER[name], name
+    keywords = re.search(r"^keywords:\n((?:  - .+\n)+)", text("CITATION.cff"), re.M)
+    assert keywords is not None
+    assert re.findall(r"- (.+)", keywords[1]) == PROJECT["keywords"]
+
+
+def test_cite_prints_both_entries() -> None:
+    result = CliRunner().invoke(main, ["--cite"])
+    assert (result.exit_code, result.stderr) == (0, "")
+    for entry, fields in zip(result.stdout.split("\n\n"), (citation.SYMOSC, citation.PAPER), strict=True):
+        assert dict(re.findall(r"^  (\w+) += \{(.*)\},$", entry, re.M)) == fields
+        assert entry.count("{") == entry.count("}")
+    assert f"Version {symosc.__version__}" in result.stdout
+
+
+def test_every_text_cites_the_same_paper() -> None:
+    start = citation.paper_reference().rpartition(",")[0]
+    for name in scene_names():
+        assert load_scene(name).source.startswith(start), name
+    readme = " ".join(text("README.md").split())
+    for name in ("title", "journal", "volume", "year"):
+        assert citation.PAPER[name] in readme, name
+    assert citation.paper_reference(r"\emph{{{}}}", "~", "--") in text("derivations/derivations.tex")
+
+
+def test_the_changelog_knows_the_version() -> None:
+    heads = re.findall(r"^## \[(.+?)\](?: - (\S+))?$", text("CHANGELOG.md"), re.M)
+    assert heads[0] == ("Unreleased", "")
+    assert heads[1] == (symosc.__version__, cff()["date-released"])
+    dates = [date for _, date in heads[1:]]
+    assert dates == sorted(dates, reverse=True)
+
+
+def test_the_license_is_the_one_that_is_named() -> None:
+    assert text("LICENSE").startswith("BSD 3-Clause License\n")
+    assert PROJECT["authors"][0]["name"] in text("LICENSE")
+    assert PROJECT["license-files"] == ["LICENSE"]
+
+
+def session_commands() -> dict[str, list[str]]:
+    """Return for each session of nox what it runs, without the arguments that are given on its command line."""
+    found: dict[str, list[str]] = {}
+    for function in ast.parse(text("noxfile.py")).body:
+        if isinstance(function, ast.FunctionDef):
+            calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+            runs = [call for call in calls if ast.unparse(call.func) == "session.run"]
+            found[function.name] = [" ".join(map(str, filter(None, map(_value, run.args)))) for run in runs]
+    return found
+
+
+def _value(node: ast.expr) -> Any:
+    return node.value if isinstance(node, ast.Constant) else None
+
+
+def contributor_commands() -> list[str]:
+    """Return the lines of CONTRIBUTING's first block."""
+    (block,) = re.findall(r"^```bash\n(.*?)^```$", text("CONTRIBUTING.md"), re.M | re.S)
+    return [line.partition("#")[0].strip() for line in block.splitlines()]
+
+
+def test_contributing_opens_with_three_commands_that_others_use_too() -> None:
+    sessions, readme = session_commands(), text("README.md")
+    quick, lint, regenerate = (
+        [part.removeprefix(".venv/bin/").replace('"', "") for part in line.split(" && ")]
+        for line in contributor_commands()
+    )
+    assert quick == sessions["quick"]
+    assert lint == [*sessions["lint"][:2], *sessions["types"]]
+    assert regenerate == ["symosc codegen --regenerate"]
+    assert regenerate[0] in readme
+    assert sessions["codegen"] == ["symosc codegen"]
+    assert all(f".venv/bin/{command}\n" in text(".ci/run") for command in lint)
+    assert f".venv/bin/{sessions['tests'][0]}\n" in readme
+    options = {name for each in main.get_command(click.Context(main), "codegen").params for name in each.opts}  # type: ignore[union-attr]
+    assert {"--check", "--regenerate"} <= options
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md"])
+def test_files_that_a_page_names_exist(page: str) -> None:
+    names = re.findall(r"`((?:symosc|tests|docs|derivations)/[\w./]*)`", text(page))
+    links = re.findall(r"\]\(((?!https?:)[^)#]+)\)", text(page))
+    assert names
+    for name in {*names, *links}:
+        assert (ROOT / name).exists(), name
+
+
+def test_rules_that_are_not_followed_have_a_reason() -> None:
+    answered = re.findall(r"^\| ([A-Z]+\d+) \| .+ \| .{9,} \|$", text("CONTRIBUTING.md"), re.M)
+    assert answered == PYPROJECT["tool"]["repo-review"]["ignore"]
+
+
+def test_dependency_groups_are_the_extras() -> None:
+    extras, groups = PROJECT["optional-dependencies"], PYPROJECT["dependency-groups"]
+    assert groups == {name: [f"symosc[{name}]"] for name in ("test", "dev")}
+    assert set(groups) <= set(extras)
+
+
+def test_every_dependency_has_a_lower_bound_and_no_upper_one() -> None:
+    for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()):
+        for each in part:
+            assert re.fullmatch(r"symosc\[[\w,]+\]|[\w-]+>=[\d.]+", each), each
+
+
+def test_what_is_imported_is_declared() -> None:
+    """Every package that a module needs is one of ours, of Python's or of the project's dependencies."""
+    named = [each for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()) for each in part]
+    declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {"symosc"}
+    declared |= {"sksundae"}  # of scikit-sundae
+    for path in (ROOT / "symosc").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+            for head in {name.partition(".")[0] for name in names}:
+                assert head in declared or head in sys.stdlib_module_names, f"{path.name} imports {head}"
+
+
+def test_no_results_in_the_import_package() -> None:
+    pictures = [path for path in (ROOT / "symosc").rglob("*") if path.suffix in (".png", ".svg", ".pdf", ".md")]
+    assert not pictures
+    assert {path.suffix for path in (ROOT / "docs" / "results").iterdir()} == {".md", ".png", ".svg"}
