@@ -125,6 +125,7 @@ def test_the_condition_of_a_constant_acceleration() -> None:
     assert conditions(scene)[0] == pytest.approx(max(t, x), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_near_a_graze_the_condition_grows_with_the_root_of_the_distance() -> None:
     worst = [max(conditions(CASES["peak beyond a belt", f"by 1e-{n} (P2, fig7-corrected)"].scene)) for n in (7, 11)]
     assert worst[1] / worst[0] == pytest.approx(100, rel=0.01)
@@ -283,12 +284,14 @@ def test_places_and_values() -> None:
     assert Fraction(1) in [error_map.value_at(place) for place in places]
 
 
+@pytest.mark.slow
 def test_symosc_is_exact_all_over_the_map(errors: dict[str, Any]) -> None:
     assert errors["largest"] < 50 * 2.0**-52
     assert np.nanmax(errors["symosc"]) == errors["largest"]
     assert errors["largest"] > 2.0**-53  # it is measured
 
 
+@pytest.mark.slow
 def test_the_border_is_needed(errors: dict[str, Any]) -> None:
     """On its side of the border the cheap formula is good to 50 ulp, on the other side it loses up to all digits."""
     inside, outside = [], []
@@ -319,6 +322,7 @@ def test_the_named_formula_is_the_one_that_is_taken() -> None:
         assert (entire.basis(tau, K)[:5] == cheap) == (name == "apart")
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_map(errors: dict[str, Any]) -> None:
     drawing = figure(errors)
     panels = [ax for ax in drawing.axes if ax.get_title()]

@@ -435,6 +435,7 @@ def test_simulate_loads_nothing_heavy() -> None:
     assert not loaded & {"sympy", "matplotlib", "numba", "scipy"}
 
 
+@pytest.mark.slow
 def test_a_cold_start_costs_at_most_half_a_second_more_than_numpy() -> None:
     def fastest(*command: str) -> float:
         """Return processor time, which other processes change less than the clock."""
