@@ -378,10 +378,10 @@ def test_an_exact_query_takes_milliseconds() -> None:
     times = []
     for _ in range(60):
         p = FIG9.replace(B0=Fraction(rng.randint(200, 999), 7), k=Fraction(rng.randint(1, 99), rng.randint(1, 99)))
-        start = time.perf_counter()
+        start = time.process_time()
         window = grazing_window(p, "P2")
         asked = window.phases, window.theta_cr, window.intervals
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
         assert None not in asked
     assert sorted(times)[30] < 5e-3
 
