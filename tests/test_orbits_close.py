@@ -41,6 +41,7 @@ def closes(orbit: PeriodicOrbit) -> bool:
     return bool(near) and labels == [*orbit.labels[i:], *orbit.labels[:i]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "word", "belt"), [(RESTING, "P13", 1), (CRITICAL, "P46", 2), (CRITICAL, "P45", 2)])
 def test_a_mass_that_rests_for_ever_is_no_orbit_of_a_word(p, word, belt):
     root = find_orbit(p, word)

@@ -18,6 +18,8 @@ from symosc.bench.scalar_logic import runner, scalars
 from symosc.bench.solvers import Found, Solver
 from symosc.binding import bind
 
+pytestmark = pytest.mark.slow  # compiles for half a minute
+
 MODULES = (peers_heyoka, peers_numba, peers_scan)
 SOLVERS = {solver.name: solver for module in MODULES for solver in module.SOLVERS}
 CAREFUL = [solver for solver in SOLVERS.values() if not solver.raw]
