@@ -165,6 +165,7 @@ def test_events_that_any_change_turns_into_others_have_no_condition() -> None:
 # -- our errors --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_ours_keep_the_bound_in_every_group(group: str) -> None:
     case = ONE_OF_EACH[group]

@@ -105,6 +105,7 @@ def test_a_scene_file(tmp_path: Path) -> None:
     assert good("simulate", str(path)) == good("simulate", "fig9")
 
 
+@pytest.mark.slow
 def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     result = run("simulate", "fig8", "--t-end", "160")
     assert result.exit_code == 1

@@ -61,6 +61,7 @@ def test_hard_scenes(name: str) -> None:
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_hard_scenes_with_digits(name: str) -> None:
     changes, (t0, x0, v0, t_end), _ = SCENES[name]

@@ -65,6 +65,7 @@ def errors(values: tuple[Any, ...], truth: list[Any], exactness: float = ULP) ->
     return [float(abs(a - b) / size) / exactness for a, b, size in zip(values, truth, sizes, strict=False)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
     rng = random.Random(regime)
