@@ -80,6 +80,7 @@ TOO_STIFF = {"m = 1e-5", "m = 1e-8"}
 FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.name not in TOO_STIFF]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
 def test_references_agree_with_the_oracle(case: Case) -> None:
     scene, most = case.scene, 6

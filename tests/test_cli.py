@@ -225,6 +225,7 @@ def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
     assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -356,6 +357,7 @@ QUICK = {"simulate": ["fig6"], "figure": ["fig6", "-o", "a.svg", "--panels", "a"
 QUICK |= {"grazing": ["fig9"], "derive": ["none"], "reproduce": ["--only", "none"], "bench": ["--none"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", QUICK)
 def test_nonsense_is_answered_in_one_line(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -107,6 +107,7 @@ def test_every_step_of_a_scene_has_evidence(scene: str, key: str) -> None:
     assert document.check_chapter(key, Scope(load_scene(scene))).steps()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_shows_only_what_it_needs(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Step, "verify", lambda step: Evidence("exact", "0"))  # only what is printed counts here
@@ -221,6 +222,7 @@ def test_bad_input_is_refused_before_the_work(
     assert [path.name for path in tmp_path.iterdir()] == ["file.csv"]
 
 
+@pytest.mark.slow
 def test_a_chapter_goes_to_standard_output() -> None:
     run = CliRunner().invoke(derive, ["sticks", "--format", "text", "-o", "-"])
     assert run.stdout == document.as_text(chapter("sticks"), Scope())

@@ -141,6 +141,7 @@ def test_a_wrong_contact_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- the ways, one by one ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
     ways = Ways(grazing_window(BASE, mapping))

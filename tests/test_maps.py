@@ -38,6 +38,7 @@ def test_the_table_is_the_one_of_the_trajectories() -> None:
 # --- derivation ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", derived.prove())
 def test_proof(name: str) -> None:
     assert derived.prove()[name] == 0
