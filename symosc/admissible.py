@@ -13,9 +13,12 @@ from __future__ import annotations
 from math import inf
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from symosc.closing import ClosingEquations, Piece
-from symosc.events import state_at
 from symosc.flow import Constants
+from symosc.kernels._generated import motion
+from symosc.kernels.entire_array import basis
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
 MOST_SAMPLES = 4000
@@ -192,15 +195,13 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
     They are looked for in doubles, and then placed in the arithmetic of the equations.
     """
     coarse = equations.coarse.K
-    rough = [float(value) for value in flight]
+    v0, a0, s0, c0 = (float(value) for value in flight)
     span, count = float(tau - begin), int(min(MOST_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
-    times = [float(begin) + span * j / count for j in range(at_rest, count + 1)]
-    slopes = [state_at(*[time, *rough, coarse])[2] for time in times]
-    found = []
-    for j in range(len(times) - 1):
-        if (slopes[j] > 0) != (slopes[j + 1] > 0) and slopes[j] != 0:
-            found.append(_extremum(times[j], times[j + 1], slopes[j] > 0, flight, equations))
-    return found
+    times = float(begin) + span * np.arange(at_rest, count + 1) / count
+    _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
+    rising = slopes > 0
+    turns = np.flatnonzero((rising[:-1] != rising[1:]) & (slopes[:-1] != 0))
+    return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
 def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:

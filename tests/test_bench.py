@@ -189,6 +189,7 @@ def test_a_span_ends_between_two_events() -> None:
     assert events[4].t < span.scene.t_end < events[5].t
 
 
+@pytest.mark.slow
 def test_our_row_has_times_and_errors(work: dict[str, Any]) -> None:
     _, row = rows(work, OURS[0].name, "fig5")  # the finer accuracy
     if row["failure"].startswith("exception: MissingExtraError"):
@@ -201,6 +202,7 @@ def test_our_row_has_times_and_errors(work: dict[str, Any]) -> None:
     assert 0 < row["over_floor"] <= 1e3 * row["us_slowest"] / row["floor_ns"] * (1 + 1e-12)
 
 
+@pytest.mark.slow
 def test_a_missed_event_is_in_the_row(work: dict[str, Any]) -> None:
     coarse, row = rows(work, "careless", "fig5")
     assert coarse["error_t"] == pytest.approx(1e-3, rel=1e-3)
@@ -211,6 +213,7 @@ def test_a_missed_event_is_in_the_row(work: dict[str, Any]) -> None:
     assert 1 <= len(row["times_s"]) <= work_precision.MOST_REPEATS
 
 
+@pytest.mark.slow
 def test_failures_are_rows(work: dict[str, Any]) -> None:
     for scene in ("fig5", "fig9"):
         (row,) = rows(work, "hanging", scene)
@@ -224,11 +227,13 @@ def test_failures_are_rows(work: dict[str, Any]) -> None:
     assert json.loads(json.dumps(work)) == work
 
 
+@pytest.mark.slow
 def test_quick_takes_the_finest_tolerance_and_no_raw_peers() -> None:
     result = work_precision.run(quick=True, solvers=FAKES[1:3], scenes={"fig9": (5, 5, 5)})
     assert [(row["solver"], row["tolerance"], row["over_ours"]) for row in result["rows"]] == [("careless", 1e-6, None)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("markdown", [False, True])
 def test_the_table_shows_all_rows(work: dict[str, Any], markdown: bool) -> None:
     text = work_table.table(work, markdown)
@@ -240,6 +245,7 @@ def test_the_table_shows_all_rows(work: dict[str, Any], markdown: bool) -> None:
     assert sum(line[:1] == ["careless,"] for line in lines) == 2
 
 
+@pytest.mark.slow
 def test_the_summary_shows_each_solver_at_its_best(work: dict[str, Any]) -> None:
     changed = {**work, "rows": [dict(row) for row in work["rows"]]}
     exact = rows(changed, "careless", "fig5")[1]
@@ -253,6 +259,7 @@ def test_the_summary_shows_each_solver_at_its_best(work: dict[str, Any]) -> None
     assert "| hang" in next(line for line in text.splitlines() if line.startswith("| hanging "))
 
 
+@pytest.mark.slow
 def test_the_picture_marks_what_was_missed(work: dict[str, Any], tmp_path: Path) -> None:
     drawing = plot_work.figure(json.loads(json.dumps(work)))
     panel = drawing.axes[0]
@@ -330,6 +337,7 @@ SPEED: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_results_are_written_into_the_readme(
     work: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

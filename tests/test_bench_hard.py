@@ -80,6 +80,7 @@ TOO_STIFF = {"m = 1e-5", "m = 1e-8"}
 FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.name not in TOO_STIFF]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
 def test_references_agree_with_the_oracle(case: Case) -> None:
     scene, most = case.scene, 6
@@ -125,6 +126,7 @@ def test_the_condition_of_a_constant_acceleration() -> None:
     assert conditions(scene)[0] == pytest.approx(max(t, x), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_near_a_graze_the_condition_grows_with_the_root_of_the_distance() -> None:
     worst = [max(conditions(CASES["peak beyond a belt", f"by 1e-{n} (P2, fig7-corrected)"].scene)) for n in (7, 11)]
     assert worst[1] / worst[0] == pytest.approx(100, rel=0.01)
@@ -164,6 +166,7 @@ def test_events_that_any_change_turns_into_others_have_no_condition() -> None:
 # -- our errors --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_ours_keep_the_bound_in_every_group(group: str) -> None:
     case = ONE_OF_EACH[group]
@@ -283,12 +286,14 @@ def test_places_and_values() -> None:
     assert Fraction(1) in [error_map.value_at(place) for place in places]
 
 
+@pytest.mark.slow
 def test_symosc_is_exact_all_over_the_map(errors: dict[str, Any]) -> None:
     assert errors["largest"] < 50 * 2.0**-52
     assert np.nanmax(errors["symosc"]) == errors["largest"]
     assert errors["largest"] > 2.0**-53  # it is measured
 
 
+@pytest.mark.slow
 def test_the_border_is_needed(errors: dict[str, Any]) -> None:
     """On its side of the border the cheap formula is good to 50 ulp, on the other side it loses up to all digits."""
     inside, outside = [], []
@@ -319,6 +324,7 @@ def test_the_named_formula_is_the_one_that_is_taken() -> None:
         assert (entire.basis(tau, K)[:5] == cheap) == (name == "apart")
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_map(errors: dict[str, Any]) -> None:
     drawing = figure(errors)
     panels = [ax for ax in drawing.axes if ax.get_title()]

@@ -6,6 +6,7 @@ import random
 
 import numpy as np
 import pytest
+from branches import branch_of
 from scipy.optimize import minimize_scalar
 
 from symosc import Parameters, continue_orbit, find_orbit, load_scene, simulate
@@ -48,6 +49,7 @@ def peak(p: Parameters, Omega: float) -> float:
     return -minimize_scalar(lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}).fun
 
 
+@pytest.mark.slow
 def test_a_gap_narrower_than_the_steps_is_found():
     branch = continue_orbit(NARROW, "P32", "Omega", ("1.2", 4))
     end = branch.ends[1]
@@ -59,6 +61,7 @@ def test_a_gap_narrower_than_the_steps_is_found():
     assert other.beyond == "P7482"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))])
 def test_gaps_of_any_width_are_found(seed):
     """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
@@ -89,6 +92,7 @@ def test_a_shift_of_the_whole_orbit_takes_no_steps(p, word, low, high):
     np.testing.assert_allclose(np.diff(branch.points[0, :, 1]), np.diff(middle[:, 1]), atol=1e-9 * abs(low))
 
 
+@pytest.mark.slow
 def test_a_range_ends_where_it_was_asked_to_end():
     rng = random.Random(3)
     for _ in range(4):
@@ -138,6 +142,7 @@ def random_branch(rng: random.Random) -> Branch | None:
         return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 13))])
 def test_what_is_just_behind_an_end(seed):
     rng, judged = random.Random(100 + seed), 0
@@ -155,6 +160,7 @@ def test_what_is_just_behind_an_end(seed):
             assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "word", "name", "limits"),
     [
@@ -165,7 +171,7 @@ def test_what_is_just_behind_an_end(seed):
     ],
 )
 def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):
-    branch = continue_orbit(p, word, name, limits)
+    branch = branch_of(p, word, name, limits)
     for i in (0, -1):
         orbit = branch.orbit(i)
         assert orbit.admissible
@@ -178,8 +184,9 @@ def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):
             assert first.value == pytest.approx(second.value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_reason_of_an_end_is_0_there():
-    end = continue_orbit(SHRINKS, "P54", "m", ("0.05", 8)).ends[1]
+    end = branch_of(SHRINKS, "P54", "m", ("0.05", 8)).ends[1]
     assert end.kind == "vanishing of a stick"
     assert end.conditions
     assert all(abs(condition.value) < 1e-10 for condition in end.conditions)

@@ -40,6 +40,7 @@ def test_a_right_solution_passes(tmp_path: Path, samples: Any) -> None:
     assert "7 matched, 0 missed, 0 invented" in result.output
 
 
+@pytest.mark.slow
 def test_a_wrong_one_fails_and_is_drawn(tmp_path: Path, samples: Any) -> None:
     t, x, v = samples
     v[200] += 0.5
@@ -118,6 +119,7 @@ def test_bad_json_is_one_line(text: str, options: tuple[str, ...], words: str, t
     assert not result.stdout
 
 
+@pytest.mark.slow
 def test_json_has_no_nan(tmp_path: Path) -> None:
     """A step that cannot be decided has no defect."""
     path = write(tmp_path / "run.csv", [0.1324, 1e6], [4.5447, 1], [1, 1])

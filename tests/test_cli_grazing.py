@@ -149,6 +149,7 @@ def test_help_has_an_example() -> None:
     assert "symosc grazing fig9" in good("--help")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
 def test_plot_files(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"window.{suffix}"

@@ -59,6 +59,7 @@ def test_the_committed_module_is_what_codegen_prints() -> None:
     assert not difference, f"run `symosc codegen --regenerate` to accept this change:\n{difference}"
 
 
+@pytest.mark.slow
 def test_generation_does_not_depend_on_the_hash_seed() -> None:
     program = "from symosc.symbolic.codegen import generate; print(generate(), end='')"
     for seed in "17", "4242":

@@ -137,6 +137,7 @@ def test_a_drift_off_the_belt(grid: Any) -> None:
     assert not result.missed
 
 
+@pytest.mark.slow
 def test_a_solution_that_is_right_to_1e_10_is_right(grid: Any) -> None:
     """Noise decides on which side of a belt a sample is, in stick phases at every sample."""
     rng = np.random.default_rng(20261121)
@@ -320,6 +321,7 @@ def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
     assert write(result, tmp_path / "check.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_right_samples_of_random_systems_pass() -> None:
     """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
     rng = np.random.default_rng(5)

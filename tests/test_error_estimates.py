@@ -191,6 +191,7 @@ def test_a_run_that_began_long_before_zero_keeps_the_time(Omega: str) -> None:
     assert_on_the_orbit(Omega, -1000, 5, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["undamped", "free", "weakly damped"])
 def test_errors_that_add_up_are_estimated(kind: str) -> None:
     """Nothing forgets the errors of earlier flights here."""
@@ -212,6 +213,7 @@ RESONANT = Parameters(
 )
 
 
+@pytest.mark.slow
 def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
     exact, found = simulate(RESONANT, digits=40, **start), simulate(RESONANT, accuracy=math.inf, **start)

@@ -94,6 +94,7 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
     assert marched > 50
 
 
+@pytest.mark.slow
 def test_no_contact_is_passed_over() -> None:
     """Against the signs of a fine scan: an independent check that can only miss what is shorter than its step."""
     rng = random.Random(8)

@@ -121,18 +121,21 @@ def compiled(folder: Path, word: str, fix: Parameters | None = None) -> Evaluate
 # --- C ---
 
 
+@pytest.mark.slow
 def test_c_agrees_with_mpmath_in_every_regime(tmp_path: Path) -> None:
     evaluate = compiled(tmp_path, ALL)
     for name, p in REGIMES.items():
         check(evaluate, ALL, p, seed=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("word", "scene"), [("P32", "fig9"), ("P4645", "fig10"), ("P1", "fig5"), ("P768", "fig8")])
 def test_c_with_fixed_parameters(tmp_path: Path, word: str, scene: str) -> None:
     p = load_scene(scene).parameters
     check(compiled(tmp_path, word, p), word, p, 30)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
     p = REGIMES[regime]
@@ -155,6 +158,7 @@ def test_c_header_is_for_c_plus_plus_too(tmp_path: Path) -> None:
 # --- Python and NumPy ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["python", "numpy"])
 def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
     evaluate = python(ALL, language)
@@ -180,6 +184,7 @@ def test_exported_source_runs_without_symosc(tmp_path: Path) -> None:
     assert float(run.stdout) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fix", [None, load_scene("fig9").parameters], ids=["free", "fixed"])
 def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -> None:
     rng = np.random.default_rng(5)
@@ -213,6 +218,7 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
 # --- Julia ---
 
 
+@pytest.mark.slow
 def test_nothing_in_a_julia_module_is_called_like_it() -> None:
     words = [f"P{digit}" for digit in range(1, 9)] + ["P32", "P4645", ALL]
     cases = [(word, None) for word in words] + [

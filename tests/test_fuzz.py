@@ -21,7 +21,7 @@ from verdicts import COLUMNS, Verdict, compare, label, truth_of
 
 from symosc import simulate, simulate_many
 
-QUICK = 4  # scenes of each family
+QUICK = 2  # scenes of each family
 SLOW = 60
 PARTS = {"graze": Fraction(1, 6), "long": Fraction(1, 12), "undriven": Fraction(1, 2)}
 

@@ -12,6 +12,7 @@ import mpmath
 import pytest
 import sympy
 from oracle import flow_oracle, simulate_oracle
+from samples import sample_of
 
 from symosc import ParameterError, Parameters, load_scene, simulate
 from symosc.backward import first_root
@@ -86,6 +87,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -349,9 +351,11 @@ def test_theorem_6_at_an_inflection() -> None:
         assert (verdict.grazing, verdict.order) == (False, 2)
 
 
-def test_theorem_6_is_what_the_flow_does() -> None:
+@pytest.mark.slow
+@sample_of(12, 40)
+def test_theorem_6_is_what_the_flow_does(count: int) -> None:
     rng = random.Random(3)
-    for _ in range(40):
+    for _ in range(count):
         theta = Fraction(rng.randrange(628), 100)
         for mapping, domain in DOMAIN.items():
             belt = BASE.belt(BELT[mapping])

@@ -16,6 +16,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from samples import sample_of
 from sympy import Interval, Rational, S, asin, pi
 
 from symosc import windows
@@ -87,19 +88,21 @@ def grazes(p: Parameters, mapping: str, theta: Any, order: str) -> bool:
 # -- decided exactly -------------------------------------------------------------------------------------------------
 
 
-def test_500_random_parameter_sets_agree_with_the_signs_of_50_digits() -> None:
+@pytest.mark.slow
+@sample_of(40, 200)
+def test_500_random_parameter_sets_agree_with_the_signs_of_50_digits(count: int) -> None:
     rng = random.Random(20240914)
     seen = set()
     for _ in range(500):
         p = parameters(rng)
-        phases = [0.0, math.pi / 2, 1.5 * math.pi] + [rng.uniform(0, 2 * math.pi) for _ in range(197)]
+        phases = [0.0, math.pi / 2, 1.5 * math.pi] + [rng.uniform(0, 2 * math.pi) for _ in range(count - 3)]
         sine = functools.cache(lambda theta: mp.sin(mp.mpf(theta)))  # of exactly this double
         for mapping in MAPS:
             window = grazing_window(p, mapping, rng.choice(ORDERS))
             seen.add(window.case)
             near = [end for low, high, *_ in window.intervals for end in (low, high)] or [math.pi / 2]
             close = [end + rng.choice([-1, 1]) * 10.0 ** -rng.uniform(1, 16) for end in near for _ in range(12)]
-            tried = (near + close + phases)[:200]
+            tried = (near + close + phases)[:count]
             found = window.contains(np.array(tried))
             v = p.belt(window.place.boundary)
             level, swing = (mp.mpf(x.numerator) / x.denominator for x in (p.k * v, p.B0 * p.Omega))
@@ -115,6 +118,7 @@ def test_500_random_parameter_sets_agree_with_the_signs_of_50_digits() -> None:
     assert seen == wanted
 
 
+@pytest.mark.slow
 def test_random_rational_multiples_of_pi_agree_with_the_g_functions() -> None:
     rng = random.Random(7)
     graze_at_equality = 0
@@ -378,10 +382,10 @@ def test_an_exact_query_takes_milliseconds() -> None:
     times = []
     for _ in range(60):
         p = FIG9.replace(B0=Fraction(rng.randint(200, 999), 7), k=Fraction(rng.randint(1, 99), rng.randint(1, 99)))
-        start = time.perf_counter()
+        start = time.process_time()
         window = grazing_window(p, "P2")
         asked = window.phases, window.theta_cr, window.intervals
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
         assert None not in asked
     assert sorted(times)[30] < 5e-3
 

@@ -61,6 +61,7 @@ def test_hard_scenes(name: str) -> None:
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_hard_scenes_with_digits(name: str) -> None:
     changes, (t0, x0, v0, t_end), _ = SCENES[name]
@@ -106,6 +107,7 @@ def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, flight: F
         return t0, mpmath.nstr(x0, 60), mpmath.nstr(v0, 60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 5, 7, 9, 11, 13])
 @pytest.mark.parametrize("beyond", [True, False], ids=["beyond", "short"])
 @pytest.mark.parametrize("mapping", CONTACTS)
@@ -124,6 +126,7 @@ def test_a_peak_beside_a_belt(mapping: str, beyond: bool, exponent: int) -> None
     assert_agrees(simulated(NEAR, start), run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
 @pytest.mark.parametrize("friction", ["0", "1e-14"])
 @pytest.mark.parametrize("mapping", CONTACTS)

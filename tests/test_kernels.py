@@ -8,6 +8,7 @@ from typing import Any
 
 import mpmath
 import pytest
+from samples import sample_of
 
 from symosc import Parameters
 from symosc.flow import constants, state_at
@@ -64,6 +65,7 @@ def errors(values: tuple[Any, ...], truth: list[Any], exactness: float = ULP) ->
     return [float(abs(a - b) / size) / exactness for a, b, size in zip(values, truth, sizes, strict=False)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
     rng = random.Random(regime)
@@ -111,6 +113,7 @@ def test_the_closed_form_fails_where_it_is_not_used() -> None:
     assert max(errors(entire.basis(3.0, constants(resonant)), oracle(resonant, later))) < 12
 
 
+@pytest.mark.slow
 def test_the_closed_form_is_accurate_at_its_borders() -> None:
     rng = random.Random(7)
     tested = 0
@@ -127,11 +130,13 @@ def test_the_closed_form_is_accurate_at_its_borders() -> None:
     assert tested > 20
 
 
-def test_no_cancellation_in_the_flow() -> None:
+@pytest.mark.slow
+@sample_of(7, 20)
+def test_no_cancellation_in_the_flow(count: int) -> None:
     """The error of x and v stays within 50 ulp of the sum of the sizes of their terms."""
     rng = random.Random(3)
     for regime in REGIMES:
-        for _ in range(20):
+        for _ in range(count):
             p = parameters(regime, rng)
             K = constants(p)
             longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)

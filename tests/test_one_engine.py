@@ -124,6 +124,7 @@ def test_any_accuracy_bit_for_bit(accuracy: float, use_numba: bool) -> None:
         assert_one_engine(FAMILIES[family](random.Random(f"{family} accuracy")), use_numba, accuracy=accuracy)
 
 
+@pytest.mark.slow
 @ENGINES
 def test_a_batch_is_its_trajectories_one_by_one(use_numba: bool) -> None:
     """Mixed parameters, some of them twice, some in doubt: every row is where it belongs."""
@@ -212,6 +213,7 @@ def test_more_periods_than_are_followed(use_numba: bool) -> None:
     assert messages[0] == messages[1]
 
 
+@pytest.mark.slow
 @ENGINES
 def test_a_motion_that_doubles_cannot_follow(use_numba: bool) -> None:
     available(use_numba)

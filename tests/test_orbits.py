@@ -293,6 +293,7 @@ def test_newton_converges_quadratically():
         assert solution.steps <= 6
 
 
+@pytest.mark.slow
 def test_determinant_shrinks_by_damping_and_friction():
     """det M = exp(-(c/m) T) prod F(target)/F(source) < 1: no multipliers leave the unit circle as a pair."""
     rng = np.random.default_rng(7)

@@ -7,6 +7,7 @@ import random
 
 import numpy as np
 import pytest
+from branches import branch_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate
 from symosc.closing import ClosingEquations, ConvergenceError
@@ -40,6 +41,7 @@ def closes(orbit: PeriodicOrbit) -> bool:
     return bool(near) and labels == [*orbit.labels[i:], *orbit.labels[:i]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "word", "belt"), [(RESTING, "P13", 1), (CRITICAL, "P46", 2), (CRITICAL, "P45", 2)])
 def test_a_mass_that_rests_for_ever_is_no_orbit_of_a_word(p, word, belt):
     root = find_orbit(p, word)
@@ -69,6 +71,7 @@ def test_rest_positions():
     assert rest_positions(RESTING.replace(B0=2), 1) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))])
 def test_other_systems_with_a_belt_at_rest(seed):
     """The family of the examples: friction that holds the mass, and short words with a stick on that belt."""
@@ -129,6 +132,7 @@ def test_the_engine_is_asked_whatever_the_margins(monkeypatch):
             assert failures(equations, points)
 
 
+@pytest.mark.slow
 def test_margins_are_decided_in_more_digits_where_doubles_cannot():
     """P32 of fig9 grazes v2 at one value of v2: a little above it is an orbit, a little below it is not."""
     orbit = find_orbit(FIG9, "P32", digits=40)
@@ -148,6 +152,7 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
         assert find_orbit(FIG9.replace(v2=v2), "P32").admissible == holds, shift
 
 
+@pytest.mark.slow
 def test_a_multiplier_of_1_is_marginal():
     """Omega = w0/2 without damping: turning points x + 4/3 and x - 4/3 for every x of an interval."""
     for mu in ("0.05", "0.2"):
@@ -218,11 +223,10 @@ def newton_quietly(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         return newton(equations, guess)
 
 
+@pytest.mark.slow
 def test_rounding_noise_is_overcome_with_more_digits():
     """Near the birth of a slip doubles cannot improve on its duration; the root is found all the same."""
-    from symosc import continue_orbit
-
-    branch = continue_orbit(FIG10, "P4645", "B0", (4, 9))
+    branch = branch_of(FIG10, "P4645", "B0", (3, 15))
     assert branch.ends[0].kind == "vanishing of a slip"
     for i in range(4):
         p = branch.parameters(i)

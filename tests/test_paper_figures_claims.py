@@ -23,10 +23,8 @@ CLAIMS = tomllib.loads((Path(section_6.__file__).parents[1] / "claims" / "figure
     "claim"
 ]
 FIGURES = {f"fig{number}" for number in range(5, 11)} | {"theorem7"}
-# The searches for misprints take seconds.
-CASES = [
-    pytest.param(each, id=each["id"], marks=[pytest.mark.slow] * each["check"].startswith("starts.")) for each in CLAIMS
-]
+# The searches for misprints take long: the whole run judges them (test_report_in_browser.py).
+QUICK = [each for each in CLAIMS if not each["check"].startswith("starts.")]
 
 
 def check_of(claim: dict[str, Any]) -> Callable[[], Evidence]:
@@ -34,7 +32,7 @@ def check_of(claim: dict[str, Any]) -> Callable[[], Evidence]:
     return getattr(import_module(f"symosc.paper.checks.{module}"), function)
 
 
-@pytest.mark.parametrize("claim", CASES)
+@pytest.mark.parametrize("claim", QUICK, ids=[each["id"] for each in QUICK])
 def test_the_verdict_is_the_committed_one(claim: dict[str, Any]) -> None:
     evidence = check_of(claim)()
     assert evidence.verdict == claim["verdict"], evidence.finding

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+from branches import branch_of
 
 from symosc import find_orbit, load_scene
+from symosc.paper import misprints
 from symosc.paper.checks import starts
 from symosc.paper.checks.periodic_figures import start_on_orbit
 from symosc.paper.evidence import CONFIRMED, CORRECTED
@@ -15,6 +18,14 @@ from symosc.paper.misprints import Companion, search_parameters, search_start
 from symosc.scenes import Scene
 
 FIG9 = load_scene("fig9")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def followed_once() -> Iterator[None]:
+    """Follow each branch of Fig. 9 once: they are the same for every start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(misprints, "continue_orbit", branch_of)
+        yield
 
 
 def printed(orbit_scene: Scene) -> Scene:

@@ -17,6 +17,8 @@ from symosc import find_orbit, load_scene, plot, simulate
 from symosc.panels import END, ONSET, SWITCH
 from symosc.paper.pictures import PICTURES
 
+pytestmark = pytest.mark.slow  # draws all figures
+
 PRINTED = {f"fig{number}": number for number in range(1, 11)}
 CORRECTED = {"fig7-corrected", "fig7-exact", "fig8-exact", "fig9-orbit", "fig10-orbit"}
 WINDOWS = {"theorem7-p2", "theorem7-p3", "theorem7-p5", "theorem7-p6"}

@@ -32,6 +32,8 @@ from symosc.paper.pictures import PICTURES
 from symosc.windows import PLACES
 from symosc.words import MAPS
 
+pytestmark = pytest.mark.slow  # half a minute of computer algebra
+
 CLAIMS = [claim for claim in read_claims(PICTURES) if claim.part in ("model", "theorems", "mappings")]
 
 

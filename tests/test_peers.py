@@ -257,6 +257,7 @@ def skip_if_missing(solver: Solver) -> None:
 EASY = {"fig5": 13, "fig9": 4, "fig10": 8}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EASY)
 @pytest.mark.parametrize("solver", CAREFUL, ids=lambda solver: solver.name)
 def test_careful_solvers_on_easy_scenes(solver: Solver, name: str) -> None:

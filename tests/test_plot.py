@@ -157,6 +157,7 @@ def test_micro_sticks_are_magnified() -> None:
     assert top < 0.6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:
     saved = plot.save(plot.figure(name, columns=1), tmp_path / f"{name}.svg")

@@ -7,15 +7,18 @@ from pushed starts to see how much that is (`oracle_and_condition`). Events that
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import mpmath
 import numpy as np
+import pytest
 from agreement import assert_event_agrees, oracle_and_condition
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from samples import sample_of
 
 from symosc import Parameters, simulate
 
@@ -66,6 +69,11 @@ def starts(draw: Any) -> Start:
     return Start(p, t0, draw(tenths(-30, 30)), v0, t0 + draw(st.integers(8, 20)))
 
 
+def for_all(count: int, check: Callable[..., None], *strategies: Any) -> None:
+    """Run a check on so many examples."""
+    settings(COMMON, max_examples=count)(given(*strategies)(check))()
+
+
 def run(start: Start) -> Any:
     return simulate(start.p, t0=start.t0, x0=start.x0, v0=start.v0, t_end=start.t_end)
 
@@ -83,6 +91,7 @@ def assert_agrees_with_oracle(start: Start, offset: Any = 0) -> list[Any]:
     return list(trajectory.events)[: len(conditions)]
 
 
+@pytest.mark.slow
 def test_random_scenes_agree_with_the_oracle() -> None:
     seen: Counter[tuple[str, int]] = Counter()
 
@@ -196,9 +205,13 @@ def assert_mode_holds(p: Parameters, mode: str, t: float, x: float, v: float) ->
         assert float(lowest) - slack * (1 + abs(v)) <= v <= float(highest) + slack * (1 + abs(v))
 
 
-@settings(COMMON, max_examples=60)
-@given(starts(), st.integers(1, 9))
-def test_a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
+@pytest.mark.slow
+@sample_of(25, 200)
+def test_a_restart_on_the_way_changes_nothing(count: int) -> None:
+    for_all(count, a_restart_on_the_way_changes_nothing, starts(), st.integers(1, 9))
+
+
+def a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
     trajectory = run(start)
     t = start.t0 + (start.t_end - start.t0) * Fraction(part, 10)
     x, v = trajectory(float(t))
@@ -215,9 +228,13 @@ def test_a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
         assert abs(event.x - other.x) <= slack * max(1, abs(event.x))
 
 
-@settings(COMMON, max_examples=60)
-@given(starts())
-def test_mirror_symmetry(start: Start) -> None:
+@pytest.mark.slow
+@sample_of(25, 200)
+def test_mirror_symmetry(count: int) -> None:
+    for_all(count, mirror_symmetry, starts())
+
+
+def mirror_symmetry(start: Start) -> None:
     p = start.p
     mirrored = p.replace(A0=-p.A0, B0=-p.B0, v1=-p.v2, v2=-p.v1, mu1=p.mu2, mu2=p.mu1)
     names = {"Omega1": "Omega3", "Omega2": "Omega2", "Omega3": "Omega1", "belt1": "belt2", "belt2": "belt1"}
@@ -231,9 +248,13 @@ def test_mirror_symmetry(start: Start) -> None:
         assert abs(image.x + event.x) <= (1e-12 + ROUNDING * condition) * max(1, abs(event.x))
 
 
-@settings(COMMON, max_examples=60)
-@given(starts(), st.one_of(st.integers(-5, 5), st.integers(10**5, 10**8)))
-def test_a_shift_by_whole_periods(start: Start, periods: int) -> None:
+@pytest.mark.slow
+@sample_of(25, 200)
+def test_a_shift_by_whole_periods(count: int) -> None:
+    for_all(count, a_shift_by_whole_periods, starts(), st.one_of(st.integers(-5, 5), st.integers(10**5, 10**8)))
+
+
+def a_shift_by_whole_periods(start: Start, periods: int) -> None:
     with mpmath.workdps(90):
         exactly = 2 * mpmath.pi * periods * start.p.Omega.denominator / start.p.Omega.numerator
         shift = Fraction(mpmath.nstr(exactly, 80))

@@ -37,6 +37,7 @@ def assert_same_print(printed: str, expected: str) -> None:
             assert abs(len(word) - len(expected_word)) <= 2
 
 
+@pytest.mark.slow
 def test_the_python_example(tmp_path: Path) -> None:
     (code,), (expected,) = blocks("python"), blocks("text")
     result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -44,6 +45,7 @@ def test_the_python_example(tmp_path: Path) -> None:
     assert (tmp_path / "motion.pdf").read_bytes().startswith(b"%PDF-")
 
 
+@pytest.mark.slow
 def test_the_command_lines(tmp_path: Path) -> None:
     (session,) = blocks("console")
     commands = re.split(r"^\$ ", session, flags=re.MULTILINE)[1:]

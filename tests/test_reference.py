@@ -105,6 +105,7 @@ def fig8_oracle() -> OracleRun:
     return simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, FIFTY_PERIODS, 150)
 
 
+@pytest.mark.slow
 def test_fig8_ends_in_double_precision_and_says_when(fig8_oracle: OracleRun) -> None:
     scene = load_scene("fig8")
     trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS)
@@ -117,6 +118,7 @@ def test_fig8_ends_in_double_precision_and_says_when(fig8_oracle: OracleRun) -> 
     assert any(last - 1e-3 <= number <= float(fig8_oracle.events[len(trajectory.events)].t) + 1e-3 for number in named)
 
 
+@pytest.mark.slow
 def test_fig8_with_150_digits_shows_all_196_events(fig8_oracle: OracleRun) -> None:
     scene = load_scene("fig8")
     trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS, digits=150)

@@ -35,6 +35,7 @@ def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None
     assert left_over(residuals) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", s.Flow._fields)
 def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = s.flow()
@@ -46,6 +47,7 @@ def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) 
         assert left_over(s.prove()), f"nobody noticed the sign of {term}"
 
 
+@pytest.mark.slow
 @REGIMES
 def test_the_proof_sees_a_wrong_closed_form(regime: s.Regime, monkeypatch: pytest.MonkeyPatch) -> None:
     closed = regime.basis()
@@ -87,6 +89,7 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     assert seen == set(s.REGIMES)
 
 
+@pytest.mark.slow
 @JOINS
 def test_regimes_join_continuously(join: s.Join) -> None:
     gaps = s.gaps(join)
@@ -101,11 +104,13 @@ def test_the_joins_reach_every_regime() -> None:
     assert reached == set(s.REGIMES)
 
 
+@pytest.mark.slow
 def test_a_join_that_is_none_shows_a_gap() -> None:
     wrong = s.Join("underdamped", "critical", s.h, {})
     assert left_over(s.gaps(wrong))
 
 
+@pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
     # Repeated differentiation gives Taylor coefficients that are polynomials in cm, w0sq, Omega: no regime in sight.

@@ -97,6 +97,7 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
         assert theorem7(mapping, other, amplitude, "full") == theorem7(mapping, other, amplitude)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("amplitude", [5, -5, 0])
 @pytest.mark.parametrize("level", [-7, -5, -3, 0, 3, 5, 7])
@@ -110,6 +111,7 @@ def test_the_two_sides_fill_the_circle_but_for_the_critical_phases(mapping: str,
     assert missing == (CIRCLE if amplitude == level == 0 else sp.FiniteSet(*expected))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
     for level in (-5, -3, 0, 3, 5):
@@ -209,6 +211,7 @@ def test_signs_that_need_many_digits() -> None:
     assert sign_of(sp.sin(asin(Rational(1, 3)) + asin(Rational(2, 3))) - (sp.sqrt(5) + 4 * sp.sqrt(2)) / 9) == 0
 
 
+@pytest.mark.slow
 def test_end_points_are_the_zeros_of_the_sign_function() -> None:
     for mapping in MAPS:
         for level in range(-9, 10):
