@@ -80,6 +80,7 @@ def test_a_scene_file(tmp_path: Path) -> None:
     assert good("simulate", str(path)) == good("simulate", "fig9")
 
 
+@pytest.mark.slow
 def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     result = run("simulate", "fig8", "--t-end", "160")
     assert result.exit_code == 1
@@ -199,6 +200,7 @@ def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
     assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
