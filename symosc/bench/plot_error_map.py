@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.patheffects import withStroke
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 from scipy.ndimage import distance_transform_edt, label
 
 from symosc.bench.error_map import NEAREST, place_of
@@ -44,7 +44,7 @@ ROWS = (("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))
 FORMULAS = {"apart": "cheap", "careful": "careful", "series": "series"}
 # Regions with less than this part of a panel's width around their middle get no name.
 LEAST_NAMED = 0.05
-OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
+OUTLINE: list[AbstractPathEffect] = [withStroke(linewidth=2.0, foreground="black")]
 
 
 def figure(result: dict[str, Any]) -> Figure:
