@@ -1,5 +1,5 @@
 """``python -m symosc`` is the command line."""
 
-from symosc.cli import main
+from symosc.cli.app import main
 
 main(prog_name="symosc")

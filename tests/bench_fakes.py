@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from symosc.bench.solvers import Found
 from symosc.scenes import Scene
-from symosc.simulation import simulate
+from symosc.simulation.simulate import simulate
 
 
 def loop_for_ever() -> None:

@@ -4,7 +4,7 @@ from functools import cache
 from typing import Any
 
 from symosc import Parameters, continue_orbit
-from symosc.branches import Branch
+from symosc.orbits.branch import Branch
 
 
 @cache

@@ -8,7 +8,7 @@ import sys
 import click
 from click.testing import CliRunner, Result
 
-from symosc.cli import main
+from symosc.cli.app import main
 
 COMMANDS = main.list_commands(click.Context(main))
 PROGRAM = [sys.executable, "-m", "symosc"]

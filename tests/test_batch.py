@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from symosc import OutputError, ParameterError, load_scene, scene_names, simulate, simulate_many
-from symosc.batch import EventTable
+from symosc.simulation.ensemble import EventTable
 
 TWO_ULP = 2 * 2.0**-52
 

@@ -17,13 +17,13 @@ from bench_fakes import careless, fail, failing_later, hanging, loop_for_ever, t
 from symosc import load_scene, simulate
 from symosc.bench import plot_work, results, speed, work_precision, work_table
 from symosc.bench.compare import FAR_MATCH, Comparison, _align, compare, window_of
-from symosc.bench.machine import machine, sentence
 from symosc.bench.ours import SOLVERS as OURS
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import Found, Solver
 from symosc.bench.time_limit import HANG, Worker
 from symosc.errors import OutputError
-from symosc.plot import save
+from symosc.machine import machine, sentence
+from symosc.plot.figures import save
 
 EXACT = simulate("fig5", digits=40).events
 RIGHT = [Found(float(event.t), float(event.x), event.kind, event.boundary) for event in EXACT]

@@ -20,10 +20,10 @@ from symosc.bench.condition import conditions, distance, shifted
 from symosc.bench.hard_cases import GROUPS, PEAKS, PERIODS, Case, hard_cases, start_before_a_dip, start_before_a_peak
 from symosc.bench.plot_error_map import figure
 from symosc.bench.solvers import Solver
+from symosc.engine.flow import constants
 from symosc.exact import show
-from symosc.flow import constants
 from symosc.kernels import entire
-from symosc.windows import place
+from symosc.mappings.theorem7_cases import place
 
 CASES = {(case.group, case.name): case for case in hard_cases()}
 ONE_OF_EACH = {case.group: case for case in hard_cases() if case.quick}

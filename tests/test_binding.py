@@ -15,15 +15,15 @@ from typing import Any
 import pytest
 
 from symosc import load_scene
-from symosc.binding import bind, compiled, functions_of, version
-from symosc.numerics import SOURCES, MpArithmetic
+from symosc.engine.arithmetic import SOURCES, MpArithmetic
+from symosc.engine.binding import bind, compiled, functions_of, version
 
 pytest.importorskip("numba")
 
 SETS: dict[str, Callable[[], dict[str, Any]]] = {
-    "fast paths": lambda: importlib.import_module("symosc.numerics").compiled(),
-    "mappings": lambda: {"flights": importlib.import_module("symosc.maps")._compiled_loop()},
-    "windows": lambda: {"windows": importlib.import_module("symosc.grazing_sweep")._rows()},
+    "fast paths": lambda: importlib.import_module("symosc.engine.arithmetic").compiled(),
+    "mappings": lambda: {"flights": importlib.import_module("symosc.mappings.equations")._compiled_loop()},
+    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.sweep")._rows()},
     "peer by scanning": lambda: importlib.import_module("symosc.bench.peers_scan").compiled(),
     "peer by DOP853": lambda: importlib.import_module("symosc.bench.peers_numba").compiled(),
 }

@@ -10,9 +10,9 @@ from branches import branch_of
 from scipy.optimize import minimize_scalar
 
 from symosc import Parameters, continue_orbit, find_orbit, load_scene, simulate
-from symosc.branches import Branch
-from symosc.closing import ConvergenceError
 from symosc.errors import ParameterError
+from symosc.orbits.branch import Branch
+from symosc.orbits.closing_equations import ConvergenceError
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 # v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
 
 from symosc.bench import error_map, hard, plot_error_map, plot_work, results, speed, work_precision, work_table
-from symosc.cli import main
+from symosc.cli.app import main
 
 MARKS = "<!-- results: begin -->\nold\n<!-- results: end -->\n"
 

@@ -12,8 +12,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from symosc import simulate
-from symosc.cli import CommandLine
-from symosc.cli_check import check
+from symosc.cli.app import CommandLine
+from symosc.cli.check import check
 
 main = CommandLine(commands={"check": check})
 

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from symosc import load_scene
-from symosc.cli_export import codegen
+from symosc.cli.codegen import codegen
 from symosc.symbolic.export import export
 
 
@@ -52,7 +52,7 @@ def test_command_prints() -> None:
 def test_the_command_never_ignores_an_option_and_never_touches_the_package(
     arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from symosc.cli import main
+    from symosc.cli.app import main
     from symosc.symbolic import codegen as generator
 
     monkeypatch.chdir(tmp_path)

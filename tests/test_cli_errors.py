@@ -14,7 +14,7 @@ import click
 import pytest
 from cli_runs import COMMANDS, PROGRAM, good, run, shell
 
-from symosc.cli import main
+from symosc.cli.app import main
 
 # --- help and errors ---
 

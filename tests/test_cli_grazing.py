@@ -12,20 +12,20 @@ import pytest
 from click.testing import CliRunner, Result
 from sympy.parsing.sympy_parser import parse_expr
 
-from symosc import cli
-from symosc.cli_grazing import grazing
+from symosc.cli import app
+from symosc.cli.grazing import grazing
 from symosc.errors import ParameterError
-from symosc.grazing import grazing_window
+from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import EVERYTHING
 from symosc.model import PARAMETER_NAMES
-from symosc.plot_grazing import sweep_figure, window_figure
+from symosc.plot.windows import sweep_figure, window_figure
 from symosc.scenes import load_scene, scene_names
-from symosc.windows import EVERYTHING
 
 FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
 
 
-@click.group(cls=cli.CommandLine)
+@click.group(cls=app.CommandLine)
 def program() -> None:
     """Stands for symosc, whose error handling it has."""
 

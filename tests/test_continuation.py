@@ -12,14 +12,15 @@ from branches import branch_of
 from click.testing import CliRunner
 from oracle import simulate_oracle
 
-from symosc import Parameters, continuation, load_scene
-from symosc.admissible import ENGINE, Condition
-from symosc.branches import BranchError, BranchPoint
-from symosc.cli_orbit import orbit as command
-from symosc.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
+from symosc import Parameters, load_scene
+from symosc.cli.orbit import orbit as command
 from symosc.errors import ParameterError
-from symosc.orbit_curve import Curve
-from symosc.orbits import find_orbit
+from symosc.orbits import continuation
+from symosc.orbits.admissibility import ENGINE, Condition
+from symosc.orbits.branch import BranchError, BranchPoint
+from symosc.orbits.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
+from symosc.orbits.curve import Curve
+from symosc.orbits.find import find_orbit
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
@@ -160,7 +161,7 @@ def point(trace: float, determinant: float, direction: float = 1.0) -> BranchPoi
     ],
 )
 def test_smooth_bifurcations_are_noticed(before, after, found):
-    """Damping excludes them from real branches (symosc.stability), so the tests are fed by hand."""
+    """Damping excludes them from real branches (symosc.orbits.floquet), so the tests are fed by hand."""
     assert _changes(None, before, after) == found
 
 

@@ -10,8 +10,8 @@ import pytest
 from careful_solver import TIGHT, random_parameters, solve
 
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
-from symosc.crosschecks import CrossCheck, crosscheck
-from symosc.sample_matching import in_order
+from symosc.crosschecks.compare import CrossCheck, crosscheck
+from symosc.crosschecks.matching import in_order
 
 Pairs = list[tuple[float, str]]
 KINDS = ("cross", "stick", "slip", "graze")

@@ -12,8 +12,8 @@ import pytest
 from careful_solver import random_parameters
 
 from symosc import load_scene, simulate
-from symosc.crosschecks import crosscheck
-from symosc.sample_rounding import find_digits
+from symosc.crosschecks.compare import crosscheck
+from symosc.crosschecks.rounding import find_digits
 
 Round = Callable[[Any], np.ndarray]
 

@@ -12,10 +12,10 @@ import pytest
 from careful_solver import TIGHT, Run, random_parameters, solve
 
 from symosc import ParameterError, load_scene, simulate
-from symosc.crosschecks import CrossCheck, crosscheck
-from symosc.plot_crosscheck import figure, write
-from symosc.sample_files import read_samples
-from symosc.sample_steps import phases
+from symosc.crosschecks.compare import CrossCheck, crosscheck
+from symosc.crosschecks.files import read_samples
+from symosc.crosschecks.steps import phases
+from symosc.plot.crosscheck import figure, write
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:

@@ -15,11 +15,11 @@ from click.testing import CliRunner
 from latex_reader import Reader
 from sympy.core.function import AppliedUndef
 
-from symosc.cli_derive import derive
-from symosc.derivation import document, latex
-from symosc.derivation.chapters import CHAPTERS
-from symosc.derivation.scope import Scope
-from symosc.derivation.steps import Evidence, Exact, Step, StepError, equation, mutations, points
+from symosc.cli.derive import derive
+from symosc.derive import document, latex
+from symosc.derive.chapters import CHAPTERS
+from symosc.derive.scope import Scope
+from symosc.derive.steps import Evidence, Exact, Step, StepError, equation, mutations, points
 from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[1] / "derivations"
@@ -210,7 +210,7 @@ def test_what_is_printed_reads_back(key: str) -> None:
 def test_bad_input_is_refused_before_the_work(
     arguments: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from symosc.cli import main
+    from symosc.cli.app import main
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file.csv").touch()

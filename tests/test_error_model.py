@@ -12,12 +12,14 @@ import pytest
 from agreement import BASE
 from touches import tenths
 
-from symosc import Parameters, advance, loop, path, simulate, touches
-from symosc.advance import passing_time
-from symosc.flow import Constants, state_at
-from symosc.numerics import Arithmetic
-from symosc.switching import carried_error
-from symosc.trajectory import Event
+from symosc import Parameters, simulate
+from symosc.engine import compiled_loop, next_event, touches
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import Constants, state_at
+from symosc.engine.next_event import passing_time
+from symosc.engine.switching import carried_error
+from symosc.simulation import run
+from symosc.simulation.trajectory import Event
 
 
 def random_constants(rng: random.Random) -> Constants:
@@ -128,11 +130,11 @@ def test_a_passage_lasts_no_longer_than_the_drive_stands_still() -> None:
 def test_the_errors_of_an_event_are_those_at_a_fixed_time_and_of_the_clock() -> None:
     K = Arithmetic(BASE.replace(Omega=2)).K  # a double: the clock gains nothing
     for v in (3.0, -3.0):
-        t, t_error, x_error = loop.handed_out(-1e6, 0.0, -1e6, -1e9, v, 1e-8, 4e-18, K)
-        assert (t, t_error) == (-1e6, pytest.approx(1e-8 + loop.EPS * 1e6, rel=1e-12))
-        assert x_error == pytest.approx(3e-8 + 2e-9 + loop.EPS * 1e9, rel=1e-12)
-        t, t_error, x_error = loop.handed_out(0.0, 1e-9, -1e9, 0.0, v, 1e-8, 4e-18, K)
-        assert (t, t_error) == (1e-9, pytest.approx(1e-8 + loop.EPS * 2.5e8, rel=1e-6))
+        t, t_error, x_error = compiled_loop.handed_out(-1e6, 0.0, -1e6, -1e9, v, 1e-8, 4e-18, K)
+        assert (t, t_error) == (-1e6, pytest.approx(1e-8 + compiled_loop.EPS * 1e6, rel=1e-12))
+        assert x_error == pytest.approx(3e-8 + 2e-9 + compiled_loop.EPS * 1e9, rel=1e-12)
+        t, t_error, x_error = compiled_loop.handed_out(0.0, 1e-9, -1e9, 0.0, v, 1e-8, 4e-18, K)
+        assert (t, t_error) == (1e-9, pytest.approx(1e-8 + compiled_loop.EPS * 2.5e8, rel=1e-6))
         assert x_error == pytest.approx(3e-8 + 2e-9)
 
 
@@ -140,25 +142,25 @@ def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
     """The phase of a motion goes on with the double next to Omega: after 1e9 that is 3e-8 at Omega = 4.1."""
     Omega = Fraction("4.1")
     K = Arithmetic(BASE.replace(Omega=Omega)).K
-    t, _, _ = loop.handed_out(0.0, 0.0, -1e9, 0.0, 1.0, 0.0, 0.0, K)
+    t, _, _ = compiled_loop.handed_out(0.0, 0.0, -1e9, 0.0, 1.0, 0.0, 0.0, K)
     assert t == pytest.approx(float(Fraction(10**9) * (Fraction(float(Omega)) / Omega - 1)), rel=1e-9)
     assert abs(t) > 1e-9
 
 
 def test_rounding_an_event_adds_to_its_errors() -> None:
-    context = path.mp_context(30)
+    context = run.mp_context(30)
     for t, x in (("1e6", "-3e9"), ("-1e6", "3e9")):
         numbers = (context.mpf(t) / 3, context.mpf(x) / 7, context.mpf(2), context.mpf(1))
         event = Event(*numbers, "cross", 1, "Omega1", "Omega2", 1e-25, 1e-24)
-        rounded = path.rounded_event(event)
+        rounded = run.rounded_event(event)
         assert isinstance(rounded.t, float)
         assert rounded.t_error == pytest.approx(2.0**-53 * 1e6 / 3)
         assert rounded.x_error == pytest.approx(2.0**-53 * 3e9 / 7)
-        cut = path.cut_event(event, path.mp_context(10))
-        half = float(path.mp_context(10).eps) / 2
+        cut = run.cut_event(event, run.mp_context(10))
+        half = float(run.mp_context(10).eps) / 2
         assert (cut.t_error, cut.x_error) == pytest.approx((half * 1e6 / 3, half * 3e9 / 7))
         assert cut.t.context.dps == 10
-        assert path.rounded_event(rounded) is rounded
+        assert run.rounded_event(rounded) is rounded
 
 
 def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: int) -> Any:
@@ -200,9 +202,9 @@ def test_a_hit_whose_speed_is_lost_in_rounding_is_in_doubt(
     state, K = state_in(mode, float(belt) - side, 0.0)
     away = -side * 1e-3
     hit = (touches.HIT, side, 1e-3 / K.rate, 0.0, side, away, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0)
-    monkeypatch.setattr(advance, "first_exit", lambda *_: hit)
-    code, boundary, decided, *after = advance.advance(*state, 9.0, 0.0, K)
-    assert (code, boundary, decided) == (advance.GRAZE, mode - 1 if side < 0 else mode, False)
+    monkeypatch.setattr(next_event, "first_exit", lambda *_: hit)
+    code, boundary, decided, *after = next_event.advance(*state, 9.0, 0.0, K)
+    assert (code, boundary, decided) == (next_event.GRAZE, mode - 1 if side < 0 else mode, False)
     assert after[1:3] == [mode, boundary]
     assert after[7] == after[8] == 0.0
 
@@ -220,15 +222,15 @@ def test_a_force_on_the_far_side_within_its_error_is_in_doubt(
     for error, decided in ((0.0, True), (1e-3, False)):
         a = side * J * (1 + 1e-6)  # what is left beyond the belt: 1e-6 of the friction
         hit = (touches.HIT, side, 1e-3 / K.rate, 0.0, side, a, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0)
-        monkeypatch.setattr(advance, "first_exit", lambda *_, hit=hit: hit)
+        monkeypatch.setattr(next_event, "first_exit", lambda *_, hit=hit: hit)
         with_error = (*state[:8], error**2 / K.w0sq**2, 0.0, 0.0, 0.0, 0.0)
-        found = advance.advance(*with_error, 9.0, 0.0, K)
+        found = next_event.advance(*with_error, 9.0, 0.0, K)
         assert found[2] is decided
         if decided:
-            assert found[0] == advance.CROSS
+            assert found[0] == next_event.CROSS
         for towards in (1, -1):  # a force of 0 there: the next G-function decides
             s = -side * towards * 1.0  # B0 Omega > k |v|: G^(1) has the sign of -sin(theta)
             turning = (*hit[:7], s, 0.0, *hit[9:])
-            monkeypatch.setattr(advance, "first_exit", lambda *_, hit=turning: hit)
-            found = advance.advance(*with_error, 9.0, 0.0, K)
-            assert found[0] == (advance.CROSS if decided or towards > 0 else advance.STICK)
+            monkeypatch.setattr(next_event, "first_exit", lambda *_, hit=turning: hit)
+            found = next_event.advance(*with_error, 9.0, 0.0, K)
+            assert found[0] == (next_event.CROSS if decided or towards > 0 else next_event.STICK)

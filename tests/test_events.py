@@ -13,13 +13,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symosc import Parameters, events, load_scene, simulate, simulate_many, sticks
-from symosc.bounds import fourth_derivative_bound, positive_on, safe_step
-from symosc.events import HIT, NOTHING, first_exit, march
-from symosc.flow import Constants, derivatives, state_at
-from symosc.numerics import Arithmetic
-from symosc.sticks import belt_exit, gain
-from symosc.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, following_sign, resolve
+from symosc import Parameters, load_scene, simulate, simulate_many
+from symosc.engine import first_exit as first_exit_module
+from symosc.engine import stick_exit
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.first_exit import HIT, NOTHING, first_exit, march
+from symosc.engine.flow import Constants, derivatives, state_at
+from symosc.engine.gap_bounds import fourth_derivative_bound, positive_on, safe_step
+from symosc.engine.stick_exit import belt_exit, gain
+from symosc.engine.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, following_sign, resolve
 
 COEFFICIENTS = st.floats(-5, 5)
 
@@ -157,7 +159,7 @@ def test_a_vanishing_force_is_decided_by_the_next_g_function() -> None:
 
 def test_a_phase_turned_by_taylor() -> None:
     for angle in (1e-3, -7e-4, 1e-9):
-        s, c = events.turned(math.sin(1.2), math.cos(1.2), angle)
+        s, c = first_exit_module.turned(math.sin(1.2), math.cos(1.2), angle)
         with mpmath.workdps(30):
             assert abs(s - mpmath.sin(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
             assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
@@ -189,7 +191,7 @@ def interpreted(name: str, most: int) -> Any:
 def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
     name: str, most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    counts = counted(monkeypatch, (events, "state_at"), (sticks, "gain"))
+    counts = counted(monkeypatch, (first_exit_module, "state_at"), (stick_exit, "gain"))
     table = interpreted(name, most)
     held = np.count_nonzero(table.kind == "slip")
     assert counts["gain"] <= 2 * held
@@ -199,7 +201,7 @@ def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
 
 def test_a_slow_drive_is_passed_in_strides(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half a period of fig6's drive is 31 short steps."""
-    counts = counted(monkeypatch, (events, "gap_polynomial"))
+    counts = counted(monkeypatch, (first_exit_module, "gap_polynomial"))
     table = interpreted("fig6", 200)
     assert counts["gap_polynomial"] < 20 * len(table)
 
@@ -210,7 +212,7 @@ def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
     Omega: str, c: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Once the free oscillation is gone the steps are those of the drive, in doubles and in 36 digits."""
-    counts = counted(monkeypatch, (events, "gap_polynomial"), (events, "state_at"))
+    counts = counted(monkeypatch, (first_exit_module, "gap_polynomial"), (first_exit_module, "state_at"))
     p = Parameters(
         m="1.9", c=c, k=2, A0="-1.8", B0="18.3", Omega=Fraction(Omega), v1=-1, v2="1e-6", mu1=1, mu2="0.8", FN="13.9"
     )
@@ -224,7 +226,7 @@ def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
 @pytest.mark.parametrize("Omega", ["8", "8000"])
 def test_a_drive_of_no_size_has_no_period(Omega: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """k = 0, and a limit speed 1e-20 beyond the belt: one contact after a long approach, whatever Omega says."""
-    counts = counted(monkeypatch, (events, "state_at"))
+    counts = counted(monkeypatch, (first_exit_module, "state_at"))
     v2 = Fraction("-0.13549")
     p = Parameters(
         m="0.595", c="0.06545", k=0, A0=0, B0=0, Omega=Omega, v1="-0.14", v2=v2, mu1="0.15", mu2="0.813", FN="0.517"

@@ -18,7 +18,8 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from symosc import Parameters, load_scene, maps
+from symosc import Parameters, load_scene
+from symosc.mappings import equations
 from symosc.model import PARAMETER_NAMES
 from symosc.symbolic.export import export, write_export
 from symosc.words import read_word
@@ -61,8 +62,8 @@ def truth(word: str, z: list[float], p: Parameters) -> tuple[np.ndarray, np.ndar
         for n, (label, exit) in enumerate(zip(read.labels, read.exits(), strict=True)):
             start, end = exact[2 * n : 2 * n + 2], exact[2 * n + 2 : 2 * n + 4]
             exit = exit or ("below" if label in ("P1", "P4") else None)
-            f += maps.residual(p, label, start, end, exit)
-            J.append(maps.jacobian(p, label, start, end, exit))
+            f += equations.residual(p, label, start, end, exit)
+            J.append(equations.jacobian(p, label, start, end, exit))
     return np.array(f, dtype=float), np.array(J, dtype=float)
 
 

@@ -14,11 +14,14 @@ from oracle import simulate_oracle
 from test_starts import aimed, text
 from touches import ordinary, tenths
 
-from symosc import Parameters, backup, events, flow, load_scene, simulate, simulation, start, touches
-from symosc.advance import MOVED
-from symosc.backup import Backup, touch_digits
-from symosc.path import Path
-from symosc.start import Start
+from symosc import Parameters, load_scene, simulate
+from symosc.engine import first_exit, flow, start, touches
+from symosc.engine.next_event import MOVED
+from symosc.engine.start import Start
+from symosc.simulation import closer_look
+from symosc.simulation import simulate as simulate_module
+from symosc.simulation.closer_look import Backup, touch_digits
+from symosc.simulation.run import Path
 
 # -- more digits -------------------------------------------------------------------------------------------------------
 
@@ -33,8 +36,8 @@ def test_a_closer_look_takes_over_and_goes_on() -> None:
     scene = load_scene("fig8")
     plain, looked = simulate(scene, accuracy=math.inf), simulate(scene)
     exact = simulate(scene, digits=30)
-    assert any(simulation._inexact(event, 0.0, 1e-13) for event in plain.events)
-    assert not any(simulation._inexact(event, 0.0, 1e-13) for event in looked.events)
+    assert any(simulate_module._inexact(event, 0.0, 1e-13) for event in plain.events)
+    assert not any(simulate_module._inexact(event, 0.0, 1e-13) for event in looked.events)
     for event, right in zip(looked.events, exact.events, strict=True):
         assert abs(float(event.t - right.t)) <= 2.0**-52 * event.t
         assert abs(float(event.x - right.x)) <= 2.0**-52 * abs(event.x)
@@ -47,13 +50,13 @@ def test_an_event_is_inexact_by_its_time_or_its_position(value: str) -> None:
     event = simulate(load_scene("fig5")).events[0]
     size = max(1.0, abs(getattr(event, value)))
     name = f"{value}_error"
-    assert not simulation._inexact(_with(event, **{name: 0.9e-13 * size}), 0.0, 1e-13)
-    assert simulation._inexact(_with(event, **{name: 1.1e-13 * size}), 0.0, 1e-13)
+    assert not simulate_module._inexact(_with(event, **{name: 0.9e-13 * size}), 0.0, 1e-13)
+    assert simulate_module._inexact(_with(event, **{name: 1.1e-13 * size}), 0.0, 1e-13)
     large = {value: -1e6, name: 0.9e-7}
-    assert not simulation._inexact(_with(event, **large), 0.0, 1e-13)
-    assert simulation._inexact(_with(event, **(large | {name: 1.1e-7})), 0.0, 1e-13)
+    assert not simulate_module._inexact(_with(event, **large), 0.0, 1e-13)
+    assert simulate_module._inexact(_with(event, **(large | {name: 1.1e-7})), 0.0, 1e-13)
     early = _with(event, **{name: 0.9e-7})  # a clock that began at -1e6 is not known better now
-    assert simulation._inexact(early, -1e6, 1e-13) == (value == "x")
+    assert simulate_module._inexact(early, -1e6, 1e-13) == (value == "x")
 
 
 def _with(event: Any, **changes: Any) -> Any:
@@ -64,9 +67,9 @@ def _with(event: Any, **changes: Any) -> Any:
 
 def test_more_digits_do_not_help_where_the_start_is_vague() -> None:
     exact, vague = fig8_start(9), Start(**{**vars(fig8_start(9)), "start_error": (Fraction(1, 10**10),) * 3})
-    assert simulation.attainable(1e-13, exact) == 1e-13
-    assert simulation.attainable(1e-13, vague) == math.inf
-    assert simulation.attainable(1e-9, vague) == 1e-9
+    assert simulate_module.attainable(1e-13, exact) == 1e-13
+    assert simulate_module.attainable(1e-13, vague) == math.inf
+    assert simulate_module.attainable(1e-9, vague) == 1e-9
 
 
 def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() -> None:
@@ -79,7 +82,7 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() ->
     )[0]
     assert float(near) == pytest.approx(62.83, abs=0.01)
     assert found.t_end == float(near)
-    assert int(digits) >= backup.BACKUP_DIGITS
+    assert int(digits) >= closer_look.BACKUP_DIGITS
     assert int(advice) == 2 * int(digits)
     decided = simulate(scene, t_end=70, digits=40)
     assert decided.status == "t_end"
@@ -90,8 +93,8 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() ->
 
 def test_digits_that_are_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """The working precision is raised up to a limit; then the motion ends there, with the events before it."""
-    monkeypatch.setattr(simulation, "MOST_WORKING", 4)
-    monkeypatch.setattr(simulation, "touch_digits", lambda *_: None)
+    monkeypatch.setattr(simulate_module, "MOST_WORKING", 4)
+    monkeypatch.setattr(simulate_module, "touch_digits", lambda *_: None)
     scene = load_scene("fig8")
     found = simulate(scene, t_end=160, digits=10)
     assert found.status == "undecidable"
@@ -126,9 +129,9 @@ def test_digits_are_raised_until_events_are_known_to_them(monkeypatch: pytest.Mo
 def test_a_backup_that_cannot_decide_either(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = ordinary(random.Random("backup"), "P3")
     if code == "open":
-        monkeypatch.setattr(backup, "touch_digits", lambda *_: None)
+        monkeypatch.setattr(closer_look, "touch_digits", lambda *_: None)
     else:
-        for module in (events, touches):
+        for module in (first_exit, touches):
             monkeypatch.setattr(module, "closest_approach", lambda tau, *_: (touches.LOST, tau))
     found = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
     assert (found.status, list(found.events)) == ("undecidable", [])
@@ -153,10 +156,10 @@ def test_how_many_digits_a_touch_takes() -> None:
 
     under, over, ten = path(c=2, k=5), path(c=5, k=4), math.log(10)  # roots -1 +- 2i; -1, -4
     assert touch_digits(under, 0, 40) == 3 * 40
-    assert touch_digits(under, 200 * ten, 40) == 40 + backup.TOUCH_SPARE + 200
-    assert touch_digits(over, 100 * ten, 40) == 40 + backup.TOUCH_SPARE + 400
-    assert touch_digits(over, 300 * ten, 40) == 40 + backup.TOUCH_SPARE + backup.MOST_FAST
-    assert touch_digits(over, 1000 * ten, 40) == 40 + backup.TOUCH_SPARE + 1000
+    assert touch_digits(under, 200 * ten, 40) == 40 + closer_look.TOUCH_SPARE + 200
+    assert touch_digits(over, 100 * ten, 40) == 40 + closer_look.TOUCH_SPARE + 400
+    assert touch_digits(over, 300 * ten, 40) == 40 + closer_look.TOUCH_SPARE + closer_look.MOST_FAST
+    assert touch_digits(over, 1000 * ten, 40) == 40 + closer_look.TOUCH_SPARE + 1000
     assert touch_digits(over, 3000 * ten, 40) is None
     assert touch_digits(over, 0, 2000) == 6000
 
@@ -215,7 +218,7 @@ def counted_flow(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         count[0] += 1
         return original(*arguments)
 
-    monkeypatch.setattr(events, "state_at", counting)
+    monkeypatch.setattr(first_exit, "state_at", counting)
     return count
 
 

@@ -11,10 +11,11 @@ import pytest
 from oracle import flow_oracle
 from samples import sample_of
 
-from symosc import ParameterError, Parameters, grazing_check, load_scene, scene_names
-from symosc.grazing import GrazingWindow, grazing_window
-from symosc.grazing_check import DOP853, EXACT_FLOW, G_SIGNS, check_grazing
-from symosc.grazing_ways import DOP853_ERROR, DOP853_TIMES, NO, OPEN, YES, Ways
+from symosc import ParameterError, Parameters, load_scene, scene_names
+from symosc.grazing import check
+from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, check_grazing
+from symosc.grazing.deciders import DOP853_ERROR, DOP853_TIMES, NO, OPEN, YES, Ways
+from symosc.grazing.window import GrazingWindow, grazing_window
 
 MAPS = ("P2", "P3", "P5", "P6")
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
@@ -90,7 +91,7 @@ class _Shifted(GrazingWindow):
 
 
 def _replace_window(monkeypatch: pytest.MonkeyPatch, make: Any) -> None:
-    monkeypatch.setattr(grazing_check, "grazing_window", make)
+    monkeypatch.setattr(check, "grazing_window", make)
 
 
 @pytest.mark.parametrize("size", [3, 8, 13])
@@ -125,7 +126,7 @@ def test_the_wrong_map_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
         return wrong
 
     _replace_window(monkeypatch, swapped)
-    monkeypatch.setattr(grazing_check._Check, "_check_contacts", lambda *_: None)
+    monkeypatch.setattr(check._Check, "_check_contacts", lambda *_: None)
     report = check_grazing(load_scene("fig5").parameters, "P2", n=100)
     assert len(report.mismatches) > 3 * 150
 

@@ -22,7 +22,7 @@ from symosc import (
     solve_grazing,
     theorem7,
 )
-from symosc.grazing_sweep import grazing_windows
+from symosc.grazing.sweep import grazing_windows
 from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
 
 P = load_scene("fig10").parameters
@@ -145,8 +145,8 @@ def test_windows_compare() -> None:
 
 
 def test_figures() -> None:
-    from symosc.plot_grazing import sweep_figure, window_figure
-    from symosc.plot_grazing_curve import figure_grazing_curve
+    from symosc.plot.curve import figure_grazing_curve
+    from symosc.plot.windows import sweep_figure, window_figure
 
     for windows in (None, 5, "x", [], P, [None]):
         assert_refused("windows", lambda windows=windows: window_figure(windows))

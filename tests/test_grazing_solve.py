@@ -15,7 +15,7 @@ import sympy
 from oracle import flow_oracle
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene, solve_grazing
-from symosc.grazing_orbits import GrazingStart
+from symosc.grazing.start import GrazingStart
 
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
 BELT = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}

@@ -15,12 +15,12 @@ from oracle import flow_oracle, simulate_oracle
 from samples import sample_of
 
 from symosc import ParameterError, Parameters, load_scene, simulate
-from symosc.backward import first_root
-from symosc.grazing_curves import grazing_curve
-from symosc.grazing_orbits import GrazingStart, grazing_start
-from symosc.grazing_solve import solve_grazing
-from symosc.grazing_state import is_grazing
-from symosc.plot_grazing_curve import figure_grazing_curve
+from symosc.grazing.backward_flow import first_root
+from symosc.grazing.curve import grazing_curve
+from symosc.grazing.solve import solve_grazing
+from symosc.grazing.start import GrazingStart, grazing_start
+from symosc.grazing.state import is_grazing
+from symosc.plot.curve import figure_grazing_curve
 
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
 BELT = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}

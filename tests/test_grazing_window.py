@@ -19,14 +19,15 @@ import sympy as sp
 from samples import sample_of
 from sympy import Interval, Rational, S, asin, pi
 
-from symosc import windows
 from symosc.errors import ParameterError
-from symosc.grazing import GrazingWindow, grazing_window
-from symosc.grazing_sweep import grazing_windows
+from symosc.grazing import window_ends
+from symosc.grazing.sweep import grazing_windows
+from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.kernels import double_double
+from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC
 from symosc.model import Parameters
 from symosc.scenes import load_scene, scene_names
 from symosc.symbolic.theorem7 import CIRCLE, theorem7
-from symosc.windows import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC
 
 MAPS = ("P2", "P3", "P5", "P6")
 ORDERS = ("paper", "full")
@@ -369,7 +370,7 @@ def test_windows_are_values() -> None:
 
 def test_numbers_need_neither_sympy_nor_numba() -> None:
     code = (
-        "import sys; from symosc.grazing import grazing_window; from symosc.scenes import load_scene;"
+        "import sys; from symosc.grazing.window import grazing_window; from symosc.scenes import load_scene;"
         "w = grazing_window(load_scene('fig9').parameters, 'P2');"
         "assert w.contains(1.0) and w.intervals and w.contact(1.0) and w.case and repr(w);"
         "assert not {'sympy', 'numba', 'matplotlib'} & set(sys.modules)"
@@ -435,7 +436,7 @@ def test_single_windows_have_the_nearest_doubles() -> None:
         ratio = rng.choice([1, -1]) * (1 - Fraction(rng.randint(1, 99), 10 ** rng.randint(2, 40)))
         window = grazing_window(FIG9.replace(k=abs(ratio), v1=1 if ratio > 0 else -1, B0=1, Omega=1), "P2")
         ends = exact_ends(ratio, Fraction(1))
-        inner = [end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < windows.TWO_PI[0]]
+        inner = [end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < double_double.TWO_PI[0]]
         assert inner
         assert all(ulps(end, ends) <= 0.5001 for end in inner)
 
@@ -505,7 +506,7 @@ def test_compiled_and_interpreted_sources_agree_to_the_bit() -> None:
     found = grazing_windows(FIG9, "P2", k=k, B0=B0)
     one, third = (1.0, 0.0), (4.0, 0.0)
     for i in range(300):
-        row = windows.window(k[i], 0.0, *one, B0[i], 0.0, *third, 1, True)
+        row = window_ends.window(k[i], 0.0, *one, B0[i], 0.0, *third, 1, True)
         assert tuple(float(column[i]) for column in found) == pytest.approx(row, abs=0, rel=0, nan_ok=True)
 
 
@@ -514,7 +515,7 @@ def test_the_table_of_arctangents() -> None:
     mp_wide.prec = 120
     for j in range(9):
         exact = mp_wide.atan(mp_wide.mpf(j) / 8)
-        assert windows.ATAN_HI[j] == float(exact)
-        assert windows.ATAN_LO[j] == float(exact - windows.ATAN_HI[j])
-    for pair, factor in ((windows.HALF_PI, 0.5), (windows.PI, 1), (windows.TWO_PI, 2)):
+        assert double_double.ATAN_HI[j] == float(exact)
+        assert double_double.ATAN_LO[j] == float(exact - double_double.ATAN_HI[j])
+    for pair, factor in ((double_double.HALF_PI, 0.5), (double_double.PI, 1), (double_double.TWO_PI, 2)):
         assert pair == (float(factor * mp_wide.pi), float(factor * mp_wide.pi - pair[0]))

@@ -11,11 +11,11 @@ import pytest
 from samples import sample_of
 
 from symosc import Parameters
-from symosc.flow import constants, state_at
+from symosc.engine.arithmetic import MpArithmetic, mp_context
+from symosc.engine.flow import constants, state_at
 from symosc.kernels import entire
 from symosc.kernels._generated import basis_apart
 from symosc.kernels.entire_mp import BasisMP
-from symosc.numerics import MpArithmetic, mp_context
 
 ULP = 2.0**-52
 REGIMES = ("any", "near critical", "critical", "near resonance", "resonance", "no spring", "free", "stiff")

@@ -1,79 +1,105 @@
-"""The layers: imports go one way, the kernels are arithmetic, only the symbolic side knows sympy."""
+"""The layers: packages use only those before them, no module is in a circle, only the symbolic side knows sympy."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import symosc
 
 ROOT = Path(symosc.__file__).parent
-#: A module may import those before it (and nothing else of symosc); what is not listed is a face and may import all.
-ORDER = [
-    "errors",
-    "exact",
-    "model",
-    "words",
-    "scenes",
-    "multiprecision",
-    "kernels._generated",
-    "kernels.entire",
-    "kernels.entire_mp",
-    "flow",
-    "switching",
-    "bounds",
-    "events",
-    "rests",
-    "sticks",
-    "advance",
-    "loop",
-    "binding",
-    "numerics",
-    "start",
-    "files",
-    "trajectory",
-    "path",
-    "backup",
-    "simulation",
-    "batch",
+#: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
+LEVELS = [
+    {"errors"},
+    {"exact", "files"},
+    {"model"},
+    {"words"},
+    {"scenes", "machine", "citation"},
+    {"kernels"},
+    {"engine"},
+    {"mappings", "simulation"},
+    {"symbolic"},
+    {"orbits", "crosschecks"},
+    {"grazing"},
+    {"plot"},
+    {"derive", "bench"},
+    {"paper"},
+    {"cli"},
+    {"__main__"},
 ]
-SYMBOLIC_ONLY = {"sympy"}
+LEVEL = {name: i for i, names in enumerate(LEVELS) for name in names}
 
 
-def imports(path: Path) -> set[str]:
-    """Return the modules that a file imports at its top level."""
-    found = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+def module_name(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Yield what a file imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def path_of(module: str) -> Path:
-    path = ROOT / (module.replace(".", "/") + ".py")
-    return path if path.is_file() else ROOT / module / "__init__.py"
+def used(path: Path) -> Iterator[str]:
+    """Yield the modules of symosc that a file imports, late imports included."""
+    for name in imports(path):
+        parts = name.split(".")[1:] if name.split(".")[0] == "symosc" else []
+        modules = [".".join(parts[: i + 1]) for i in range(len(parts))]
+        found = [module for module in modules if module in MODULES]
+        if found:
+            yield found[-1]
 
 
-def test_imports_go_one_way() -> None:
-    for position, module in enumerate(ORDER):
-        allowed = {f"symosc.{name}" for name in ORDER[:position]}
-        own = {name for name in imports(path_of(module)) if path_of(name.removeprefix("symosc.")).is_file()}
-        own = {name for name in own if name.startswith("symosc.") and name != "symosc.kernels"}
-        assert own <= allowed, f"symosc.{module} imports {sorted(own - allowed)}"
+def test_every_module_is_at_a_level() -> None:
+    assert {name.split(".")[0] for name in MODULES} == set(LEVEL)
+    assert len(LEVEL) <= 25
 
 
-def test_only_symbolic_and_derivation_import_sympy() -> None:
-    for path in ROOT.rglob("*.py"):
-        heads = {name.partition(".")[0] for name in imports(path)}
-        if "symbolic" not in path.parts and "derivation" not in path.parts:
-            assert not heads & SYMBOLIC_ONLY, path
+def test_packages_use_only_those_before_them() -> None:
+    upward = []
+    for name, path in MODULES.items():
+        here = name.split(".")[0]
+        for other in used(path):
+            there = other.split(".")[0]
+            if there != here and LEVEL[there] >= LEVEL[here]:
+                upward.append(f"{name} uses {other}")
+    assert upward == []
+
+
+def test_no_module_is_in_a_circle() -> None:
+    graph = {name: set(used(path)) - {name} for name, path in MODULES.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        raise AssertionError(" -> ".join(error.args[1])) from None
+
+
+def test_only_symbolic_and_derivations_import_sympy() -> None:
+    """At their top; a late import is one that a fast path never comes to."""
+    for name, path in MODULES.items():
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        heads = {alias.name.split(".")[0] for node in body if isinstance(node, ast.Import) for alias in node.names}
+        heads |= {(node.module or "").split(".")[0] for node in body if isinstance(node, ast.ImportFrom)}
+        if name.split(".")[0] not in ("symbolic", "derive"):
+            assert "sympy" not in heads, name
 
 
 def test_generated_kernels_are_arithmetic() -> None:
     tree = ast.parse((ROOT / "kernels" / "_generated.py").read_text(encoding="utf-8"))
     assert not [node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom, ast.Call, ast.If))]
+
+
+def test_every_package_says_what_it_is_for() -> None:
+    for path in ROOT.rglob("__init__.py"):
+        assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
 
 
 def test_no_text_stands_alone() -> None:

@@ -15,14 +15,14 @@ from mpmath import mp
 from samples import sample_of
 
 from symosc import Parameters, load_scene, scene_names, simulate
-from symosc import maps as m
-from symosc.binding import bind
+from symosc.engine.binding import bind
 from symosc.errors import ParameterError
 from symosc.kernels import entire, mapping, repeated
+from symosc.mappings import equations as m
+from symosc.mappings.solve import MapError, solve_map
 from symosc.model import MODE_NAMES, PARAMETER_NAMES
-from symosc.passages import MapError, solve_map
+from symosc.simulation.trajectory import MAP_LABELS
 from symosc.symbolic import maps as derived
-from symosc.trajectory import MAP_LABELS
 from symosc.words import MAPS
 
 REGIMES = ["underdamped", "critical", "near-critical", "overdamped", "undamped"]

@@ -8,11 +8,12 @@ import mpmath
 import numpy as np
 import pytest
 
-from symosc import ParameterError, find_orbit, load_scene, newton
-from symosc.behind import look_behind
-from symosc.closing import ClosingEquations
-from symosc.newton import MOST_LINEAR, Solution, polish, solve
-from symosc.orbit_curve import CORRECTIONS, Curve
+from symosc import ParameterError, find_orbit, load_scene
+from symosc.orbits import newton
+from symosc.orbits.behind import look_behind
+from symosc.orbits.closing_equations import ClosingEquations
+from symosc.orbits.curve import CORRECTIONS, Curve
+from symosc.orbits.newton import MOST_LINEAR, Solution, polish, solve
 
 FIG9 = load_scene("fig9").parameters
 ORBIT = find_orbit(FIG9, "P32")

@@ -14,8 +14,9 @@ import test_error_estimates
 import touches
 from touches import tenths
 
-from symosc import ParameterError, Parameters, batch, load_scene, scene_names, simulate, simulate_many
-from symosc.batch import EventTable
+from symosc import ParameterError, Parameters, load_scene, scene_names, simulate, simulate_many
+from symosc.simulation import ensemble
+from symosc.simulation.ensemble import EventTable
 
 COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "source", "target")
 Problem = tuple[Parameters, tuple[Any, Any, Any], Any]  # parameters, start, end
@@ -264,7 +265,7 @@ def test_a_batch_in_which_all_is_clear_needs_no_closer_look(
     def refuse(*arguments: Any) -> Any:
         raise AssertionError("a closer look")
 
-    monkeypatch.setattr(batch, "in_doubles", refuse)
+    monkeypatch.setattr(ensemble, "in_doubles", refuse)
     for name in ("fig5", "fig6", "fig9", "fig10"):
         scene = load_scene(name)
         table = simulate_many(scene.parameters, [t0, scene.x0, scene.v0], t0 + 20, use_numba=use_numba)

@@ -11,12 +11,12 @@ import pytest
 from oracle import simulate_oracle
 
 from symosc import Parameters, load_scene
-from symosc.admissible import conditions
-from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
-from symosc.maps import residual
-from symosc.newton import newton
-from symosc.orbits import find_orbit
+from symosc.mappings.equations import residual
+from symosc.orbits.admissibility import conditions
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.find import find_orbit
+from symosc.orbits.newton import newton
 from symosc.words import WordError, read_word
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
@@ -201,7 +201,7 @@ def test_states_of_the_orbit(p, word):
 
 
 def test_more_than_one_period():
-    """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.stability)."""
+    """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.orbits.floquet)."""
     orbit = find_orbit(FIG9, "P3232", periods=2)
     assert orbit.admissible
     assert orbit.periods == 2

@@ -10,13 +10,13 @@ import pytest
 from branches import branch_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate
-from symosc.closing import ClosingEquations, ConvergenceError
 from symosc.errors import ParameterError
-from symosc.newton import Solution, newton, polish, solve
-from symosc.orbits import orbit_at
-from symosc.periodic import PeriodicOrbit
-from symosc.stability import rest_positions
-from symosc.verification import agrees, failures
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.find import orbit_at
+from symosc.orbits.floquet import rest_positions
+from symosc.orbits.newton import Solution, newton, polish, solve
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.orbits.verification import agrees, failures
 from symosc.words import WordError, read_word
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
@@ -128,7 +128,7 @@ def test_the_engine_is_asked_whatever_the_margins(monkeypatch):
         assert agrees(fine, root.points, 25)
         assert not agrees(fine, [(x, theta + fine.exact("1e-9")) for x, theta in root.points], 25)
         with monkeypatch.context() as patch:
-            patch.setattr("symosc.verification.agrees", lambda *_: False)
+            patch.setattr("symosc.orbits.verification.agrees", lambda *_: False)
             assert failures(equations, points)
 
 
@@ -138,12 +138,12 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
     orbit = find_orbit(FIG9, "P32", digits=40)
     fine = orbit.equations().with_digits(40)
     points = polish(fine, orbit.phases()).points
-    from symosc.admissible import conditions
+    from symosc.orbits.admissibility import conditions
 
     gap = next(c for c in conditions(fine, points) if "P3 stays in" in c.text)
     i = gap.piece
     piece, start = fine.pieces[i], points[i]
-    from symosc.admissible import extrema
+    from symosc.orbits.admissibility import extrema
 
     tau = (fine.ends(points)[i][1] - start[1]) / fine.K.Om
     top = max(e.v for e in extrema(0 * tau, tau, fine.start_of_flight(piece, start), False, fine))

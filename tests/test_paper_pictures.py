@@ -14,8 +14,8 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from symosc import find_orbit, load_scene, plot, simulate
-from symosc.panels import END, ONSET, SWITCH
 from symosc.paper.pictures import PICTURES
+from symosc.plot.panels import END, ONSET, SWITCH
 
 pytestmark = pytest.mark.slow  # draws all figures
 
@@ -287,9 +287,9 @@ def test_captions_say_what_happens() -> None:
 
 
 def test_signs_that_do_not_hold_are_said_so() -> None:
-    from symosc.panels import Contact
     from symosc.paper.captions import _signs
     from symosc.paper.views import stick_view
+    from symosc.plot.panels import Contact
 
     view = stick_view("fig5")
     assert "does not hold everywhere" in _signs(view, [Contact(0.5, 3.0, 1)])

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from symosc import Parameters, Scene, load_scene, residual, simulate
-from symosc.panels import ONSET
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.paper import drawings
 from symosc.paper.checks import (
     friction_model,
@@ -29,7 +29,7 @@ from symosc.paper.checks import (
 from symosc.paper.claims import Claim, read_claims
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 from symosc.paper.pictures import PICTURES
-from symosc.windows import PLACES
+from symosc.plot.panels import ONSET
 from symosc.words import MAPS
 
 pytestmark = pytest.mark.slow  # half a minute of computer algebra

@@ -18,7 +18,7 @@ from symosc import Parameters, simulate
 from symosc.bench import peers_cvode, peers_scipy
 from symosc.bench.event_logic import CHATTER, OFFSET, Exit, Motion, PeerError, Phase, follow, watching
 from symosc.bench.solvers import Found, Solver
-from symosc.flow import constants, state_at
+from symosc.engine.flow import constants, state_at
 from symosc.scenes import Scene, load_scene
 
 SOLVERS = (*peers_scipy.SOLVERS, *peers_cvode.SOLVERS)

@@ -16,7 +16,7 @@ from symosc.bench import peers_heyoka, peers_numba, peers_scan
 from symosc.bench.event_logic import PeerError
 from symosc.bench.scalar_logic import runner, scalars
 from symosc.bench.solvers import Found, Solver
-from symosc.binding import bind
+from symosc.engine.binding import bind
 
 pytestmark = pytest.mark.slow  # compiles for half a minute
 

@@ -14,8 +14,8 @@ import mpmath
 import pytest
 
 from symosc import Parameters, Trajectory, find_orbit, grazing_start, grazing_window, load_scene, simulate, solve_map
-from symosc.multiprecision import mp_context
-from symosc.numerics import MpArithmetic
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.kernels.multiprecision import mp_context
 
 COPIES: dict[str, Callable[[Any], Any]] = {
     **{f"pickle {n}": lambda value, n=n: pickle.loads(pickle.dumps(value, n)) for n in range(2, 6)},

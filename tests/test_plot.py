@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symosc import OutputError, ParameterError, load_scene, plot, scene_names, simulate
-from symosc.panels import BELT, END, MASS, ONSET, SWITCH
+from symosc.plot.panels import BELT, END, MASS, ONSET, SWITCH
 
 MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
 HUES = {"red": 0, "green": 1, "blue": 2}

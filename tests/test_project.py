@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 import symosc
 from symosc import citation
-from symosc.cli import main
+from symosc.cli.app import main
 from symosc.scenes import load_scene, scene_names
 
 ROOT = Path(__file__).parents[1]

@@ -13,7 +13,7 @@ import click
 import pytest
 
 import symosc
-from symosc.cli import main
+from symosc.cli.app import main
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

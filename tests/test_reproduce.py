@@ -15,9 +15,9 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-from symosc import cli_reproduce
-from symosc.cli import main
-from symosc.derivation.chapters import CHAPTERS
+from symosc.cli import reproduce
+from symosc.cli.app import main
+from symosc.derive.chapters import CHAPTERS
 from symosc.errors import OutputError, ParameterError
 from symosc.paper import report
 from symosc.paper.claims import FOLDER, Claim, ClaimsError, read_claims
@@ -160,7 +160,7 @@ def test_a_part_of_a_plan() -> None:
 
 def test_the_command_checks_every_chapter(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     plans: list[Plan] = []
-    monkeypatch.setattr(cli_reproduce, "carry_out", lambda plan, *rest: plans.append(plan) or 0)
+    monkeypatch.setattr(reproduce, "carry_out", lambda plan, *rest: plans.append(plan) or 0)
     for words in ([], ["--only", "fig5"]):
         assert CliRunner().invoke(main, ["reproduce", "-o", str(tmp_path), *words]).exit_code == 0
     assert [plan.subjects for plan in plans] == [tuple(CHAPTERS), ()]
@@ -223,7 +223,7 @@ def test_exit_codes(
 ) -> None:
     plan = Plan(read(CLAIM.format(id="one", check=check)), pictures(build))
     folder = tmp_path / "deep" / "report"
-    assert cli_reproduce.carry_out(plan, folder, workers=0) == code
+    assert reproduce.carry_out(plan, folder, workers=0) == code
     assert said in capsys.readouterr().out
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     assert files == {*report.NAMES} | ({"figures/fig1.svg"} if build is good_picture else set())
@@ -232,7 +232,7 @@ def test_exit_codes(
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = CLAIM.format(id="one", check="right") + 'figures = ["fig1"]\nderivation = "08_no_event_missed"\n'
     plan = Plan(read(text), pictures(good_picture))
-    assert cli_reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
+    assert reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
     content = json.loads(capsys.readouterr().out)
     assert content == json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     (claim,), (figure,), (derivation,) = (content[key] for key in ("claims", "figures", "derivations"))
@@ -259,7 +259,7 @@ def test_nothing_is_written_before_the_end(read: Any, tmp_path: Path, monkeypatc
     plan = Plan(read(CLAIM.format(id="one", check="right")), pictures(good_picture))
     monkeypatch.setattr(report, "files", lambda results: {"report.html": "new", "figures/\0": "not a name"})
     with pytest.raises(ValueError, match="null byte"):
-        cli_reproduce.carry_out(plan, old, workers=0)
+        reproduce.carry_out(plan, old, workers=0)
     assert [(path.name, path.read_text()) for path in old.iterdir()] == [("report.html", "old")]
 
 
@@ -279,7 +279,7 @@ def test_an_interrupt_leaves_the_folder_as_it_was(
 
     monkeypatch.setattr("symosc.paper.run.judge", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        cli_reproduce.carry_out(plan, folder, workers=0)
+        reproduce.carry_out(plan, folder, workers=0)
     if there:
         assert [(path.name, path.read_text()) for path in folder.iterdir()] == [("report.html", "old")]
     else:

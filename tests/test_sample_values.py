@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError, simulate
-from symosc.crosschecks import crosscheck
-from symosc.sample_files import read_samples
+from symosc.crosschecks.compare import crosscheck
+from symosc.crosschecks.files import read_samples
 
 T = np.linspace(0.1324, 3, 30)
 X, V = simulate("fig9", t_end=3)(T)

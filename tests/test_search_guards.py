@@ -12,9 +12,9 @@ import pytest
 from agreement import BASE
 from touches import tenths
 
-from symosc import bounds, events, flow
-from symosc.path import Path
-from symosc.start import Start
+from symosc.engine import first_exit, flow, gap_bounds, touches
+from symosc.engine.start import Start
+from symosc.simulation.run import Path
 
 
 def taylor(root: float, slope: float, bend: float) -> tuple[float, ...]:
@@ -25,48 +25,48 @@ def taylor(root: float, slope: float, bend: float) -> tuple[float, ...]:
 def test_a_root_is_near_only_if_it_is_the_only_one_there() -> None:
     """Each guard alone says no: a slope that is not down, a loose bound, a turn before what is missing is made up."""
     K = flow.constants(BASE)
-    assert bounds.is_near(0.01, *taylor(0.01, 1.0, 0.0), 4, 0.0, 1.0, K) == (True, True, True)
-    assert not bounds.is_near(0.01, *taylor(0.01, -1.0, 0.0), 4, 0.0, 1.0, K)[0]
-    assert not bounds.is_near(0.01, *taylor(0.01, 0.0, 0.0), 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(0.01, *taylor(0.01, 1.0, 0.0), 4, 0.0, 1.0, K) == (True, True, True)
+    assert not gap_bounds.is_near(0.01, *taylor(0.01, -1.0, 0.0), 4, 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(0.01, *taylor(0.01, 0.0, 0.0), 4, 0.0, 1.0, K)[0]
     # missing = M4 root^4/12 against ISOLATED slope/rate
-    edge = 12 * bounds.ISOLATED / (K.rate * 1.0)
-    assert bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[0]
+    edge = 12 * gap_bounds.ISOLATED / (K.rate * 1.0)
+    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[0]
     # 8 SHRINK root bend < slope: the slope keeps its sign on what a safe step leaves open
-    edge = 1 / (8 * bounds.SHRINK)
-    assert bounds.is_near(1.0, *taylor(1.0, 1.0, 0.9 * edge), 4, 0.0, 1.0, K)[0]
-    assert not bounds.is_near(1.0, *taylor(1.0, 1.0, 1.1 * edge), 4, 0.0, 1.0, K)[0]
+    edge = 1 / (8 * gap_bounds.SHRINK)
+    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.9 * edge), 4, 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 1.1 * edge), 4, 0.0, 1.0, K)[0]
     # 8 missing (bend root + slope) < slope^2 root
     edge = 12 / (8 * (100.0 + 1.0))
-    assert bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 0.9 * edge, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
 
 
 def test_a_root_is_close_if_taylor_reaches_it_and_clear_if_the_gap_is_deep_behind() -> None:
     K = flow.constants(BASE)
-    edge = 12 * bounds.NEAR / K.rate
-    assert bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[1]
-    assert not bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[1]
+    edge = 12 * gap_bounds.NEAR / K.rate
+    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[1]
+    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[1]
     size, bend = 3.0, 2.0  # depth behind the root: slope^2/(2 bend)
-    slope = math.sqrt(2 * bounds.CLEAR_DEPTH * size * bend)
-    assert bounds.is_near(1e-6, *taylor(1e-6, 1.01 * slope, bend), 4, 0.0, size, K)[2]
-    assert not bounds.is_near(1e-6, *taylor(1e-6, 0.99 * slope, bend), 4, 0.0, size, K)[2]
+    slope = math.sqrt(2 * gap_bounds.CLEAR_DEPTH * size * bend)
+    assert gap_bounds.is_near(1e-6, *taylor(1e-6, 1.01 * slope, bend), 4, 0.0, size, K)[2]
+    assert not gap_bounds.is_near(1e-6, *taylor(1e-6, 0.99 * slope, bend), 4, 0.0, size, K)[2]
     # a divided polynomial: the gap is root times it for each degree that is missing
     far = 1e-3
-    slope = math.sqrt(2 * bounds.CLEAR_DEPTH * size * bend / far)
-    assert bounds.is_near(far, *taylor(far, 1.01 * slope, bend), 3, 0.0, size, K)[2]
-    assert not bounds.is_near(far, *taylor(far, 0.99 * slope, bend), 3, 0.0, size, K)[2]
+    slope = math.sqrt(2 * gap_bounds.CLEAR_DEPTH * size * bend / far)
+    assert gap_bounds.is_near(far, *taylor(far, 1.01 * slope, bend), 3, 0.0, size, K)[2]
+    assert not gap_bounds.is_near(far, *taylor(far, 0.99 * slope, bend), 3, 0.0, size, K)[2]
 
 
 def test_what_is_missing_counts_the_rest_of_the_polynomial() -> None:
     """A root that Halley's method has not reached yet leaves a value, which counts like the bound."""
     K = flow.constants(BASE)
-    off = 0.9 * bounds.ISOLATED / K.rate
+    off = 0.9 * gap_bounds.ISOLATED / K.rate
     p0, *others = taylor(1.0, 1.0, 0.0)
-    assert bounds.is_near(1.0, p0 + off, *others, 4, 0.0, 1.0, K)[0]
-    assert bounds.is_near(1.0, p0 - off, *others, 4, 0.0, 1.0, K)[0]
-    assert not bounds.is_near(1.0, p0 + 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
-    assert not bounds.is_near(1.0, p0 - 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, p0 + off, *others, 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, p0 - off, *others, 4, 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, p0 + 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, p0 - 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
 
 
 def test_a_quartic_start_has_no_root_where_it_says() -> None:
@@ -80,7 +80,7 @@ def test_a_quartic_start_has_no_root_where_it_says() -> None:
         v, s0, c0 = K.fB / K.w0sq, -1.0, 0.0
         _, w, j = flow.derivatives(v, 0.0, s0, c0, K)
         assert abs(w) < 1e-9 * abs(j)
-        reach = bounds.quartic_start(j, w, s0, c0, K)
+        reach = gap_bounds.quartic_start(j, w, s0, c0, K)
         assert reach > 0
         for part in (0.01, 0.3, 0.7, 1.0):
             tau = reach * part
@@ -105,22 +105,22 @@ def test_the_reach_of_a_quartic_start_is_what_taylor_proves() -> None:
         K = flow.constants(BASE.replace(B0=0, c=0, k=k, m=m, Omega="0.01"))
         assert K.steady
         j, w = rng.uniform(-3, 3), rng.uniform(-1, 1)
-        reach = bounds.quartic_start(j, w, -1.0, 0.0, K)
+        reach = gap_bounds.quartic_start(j, w, -1.0, 0.0, K)
         assert 3 * abs(j) <= reach * fifth_at_most(j, w, K) <= 5 * abs(j)
 
 
 def test_the_reach_of_a_quartic_start_without_any_motion() -> None:
     K = flow.constants(BASE.replace(B0=0, c=0, Omega="0.01"))
     assert K.steady
-    assert bounds.quartic_start(0.0, 0.0, -1.0, 0.0, K) == K.chunk
+    assert gap_bounds.quartic_start(0.0, 0.0, -1.0, 0.0, K) == K.chunk
 
 
 def test_the_reach_of_a_quartic_start_at_resonance_is_no_longer_than_its_bound_holds() -> None:
     K = flow.constants(BASE.replace(m=1, c=0, k=4, Omega=2))
     assert not K.steady
-    assert bounds.quartic_start(1e9, 0.0, -1.0, 0.0, K) == 1 / K.Om
+    assert gap_bounds.quartic_start(1e9, 0.0, -1.0, 0.0, K) == 1 / K.Om
     j, w = 1e-3, 1e-3
-    reach = bounds.quartic_start(j, w, -1.0, 0.0, K)
+    reach = gap_bounds.quartic_start(j, w, -1.0, 0.0, K)
     assert reach * K.Om < 1
     assert 3 * j <= reach * (fifth_at_most(j, w, K) + K.fB * K.Om**3) <= 5.5 * j
 
@@ -136,16 +136,16 @@ def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True)
     K = flow.constants(BASE.replace(B0=0, c=0, k=1, m=1))
     if overshoot:
         steps = iter([1.0])
-        usual = events.safe_step
+        usual = first_exit.safe_step
         monkeypatch.setattr(
-            events,
+            first_exit,
             "safe_step",
             lambda cap, *p: (next(steps, None) or usual(cap, *p)[0], cap),  # and no root is known
         )
-        monkeypatch.setattr(events, "positive_on", lambda *_: True)
+        monkeypatch.setattr(first_exit, "positive_on", lambda *_: True)
     K = K._replace(apart=False)  # no marching
     # v = side * sin(tau): it meets the wall side * 1/2 at pi/6, the other one never
-    return events.first_exit(3.0, 0.0, float(side), 0.0, 1.0, 0.5 if side < 0 else 9.0, 0.5 if side > 0 else 9.0,
+    return first_exit.first_exit(3.0, 0.0, float(side), 0.0, 1.0, 0.5 if side < 0 else 9.0, 0.5 if side > 0 else 9.0,
                              True, True, False, False, 0.0, 0.0, 0.0, K)  # fmt: skip
 
 
@@ -153,12 +153,12 @@ def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True)
 def test_a_step_past_a_belt_goes_back_to_the_contact(side: int, monkeypatch: pytest.MonkeyPatch) -> None:
     for overshoot in (False, True):
         code, found, tau, *_ = searched(side, monkeypatch, overshoot)
-        assert (code, found) == (events.HIT, side)
+        assert (code, found) == (first_exit.HIT, side)
         assert abs(tau - math.pi / 6) < 1e-14
 
 
 @pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize(("verdict", "code"), [(events.TANGENCY, events.TANGENCY), (events.LOST, events.STALLED)])
+@pytest.mark.parametrize(("verdict", "code"), [(touches.TANGENCY, touches.TANGENCY), (touches.LOST, touches.STALLED)])
 def test_a_step_past_a_belt_may_have_met_a_touch(
     side: int, verdict: int, code: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -169,9 +169,9 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
         asked.append((tau, earliest, towards))
         return verdict, 0.25
 
-    monkeypatch.setattr(events, "closest_approach", nearest)
+    monkeypatch.setattr(first_exit, "closest_approach", nearest)
     found = searched(side, monkeypatch)
     assert asked[-1] == (1.0, 0.0, side)
     assert found[:2] == (code, side)
-    if verdict == events.TANGENCY:
+    if verdict == first_exit.TANGENCY:
         assert found[2] == 0.25

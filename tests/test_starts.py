@@ -15,9 +15,10 @@ from agreement import CONTACTS, NEAR, assert_agrees
 from oracle import flow_oracle, simulate_oracle
 from touches import tenths
 
-from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many, start
-from symosc.numerics import Arithmetic, MpArithmetic
-from symosc.start import Start, State, first_state
+from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
+from symosc.engine import start
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.start import Start, State, first_state
 
 
 class Aimed(NamedTuple):

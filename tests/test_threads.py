@@ -14,11 +14,11 @@ import pytest
 from mpmath.ctx_mp import MPContext
 
 from symosc import Parameters, find_orbit, grazing_start, grazing_window, jacobian, load_scene, simulate, solve_map
-from symosc.derivation.document import chapter_items
-from symosc.derivation.scope import Scope
-from symosc.derivation.steps import Step
-from symosc.multiprecision import mp_context
-from symosc.numerics import MpArithmetic
+from symosc.derive.document import chapter_items
+from symosc.derive.scope import Scope
+from symosc.derive.steps import Step
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.kernels.multiprecision import mp_context
 
 THREADS = 8
 Job = Callable[[], Any]

@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 from touches import SIDES, Touching, at_a_seam, free, ordinary, undriven, wild
 
-from symosc import Parameters, advance, events, simulate, sticks, touches
-from symosc.path import Path
-from symosc.start import Start
+from symosc import Parameters, simulate
+from symosc.engine import first_exit, next_event, stick_exit, touches
+from symosc.engine.start import Start
+from symosc.simulation.run import Path
 
 KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
     "ordinary": ordinary,
@@ -119,14 +120,14 @@ def test_many_touches_where_two_searches_meet(offset: float, mapping: str, digit
 # -- searches that fail ------------------------------------------------------------------------------------------------
 
 LIMITS = [
-    (events, "MOST_STEPS", 1),
-    (events, "MOST_STEPS", 3),
-    (events, "MOST_STALLS", 0),
+    (first_exit, "MOST_STEPS", 1),
+    (first_exit, "MOST_STEPS", 3),
+    (first_exit, "MOST_STALLS", 0),
     (touches, "MOST_DESCENTS", 1),
     (touches, "MOST_DESCENTS", 2),
-    (events, "MOST_HALVINGS", 1),
-    (events, "MOST_NEWTON", 0),
-    (sticks, "MOST_STEPS", 1),
+    (first_exit, "MOST_HALVINGS", 1),
+    (first_exit, "MOST_NEWTON", 0),
+    (stick_exit, "MOST_STEPS", 1),
 ]
 ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
 
@@ -159,7 +160,7 @@ def test_a_search_that_fails_is_no_end(
 @pytest.mark.parametrize("mapping", SIDES)
 def test_a_minimum_that_is_not_found_is_no_end(mapping: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = ordinary(random.Random(f"no minimum {mapping}"), mapping)
-    for module in (events, touches):
+    for module in (first_exit, touches):
         monkeypatch.setattr(module, "closest_approach", lambda tau, *_: (touches.LOST, tau))
     for digits in (None, 17):
         found = followed(scene, digits)
@@ -172,9 +173,9 @@ def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytes
     scene = undriven(random.Random(3), "P3")
     path = Path(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
     gave_up = (touches.STALLED, -1, behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    monkeypatch.setattr(advance, "first_exit", lambda *_: gave_up)
+    monkeypatch.setattr(next_event, "first_exit", lambda *_: gave_up)
     path.step()
-    assert (path.code, path.decided) == (advance.FAILED, False)
+    assert (path.code, path.decided) == (next_event.FAILED, False)
 
 
 @pytest.mark.parametrize("behind", [0.5, 1.5], ids=["before the end", "behind it"])
@@ -182,9 +183,9 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
     start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
     path = Path(start)
     assert path.state.mode == 4
-    monkeypatch.setattr(advance, "belt_exit", lambda *_: (touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
+    monkeypatch.setattr(next_event, "belt_exit", lambda *_: (touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
     path.step()
-    assert (path.code, path.decided) == (advance.FAILED, False)
+    assert (path.code, path.decided) == (next_event.FAILED, False)
 
 
 # -- contacts at the very end ------------------------------------------------------------------------------------------

@@ -127,7 +127,7 @@ def wild(rng: random.Random, mapping: str) -> Touching:
 def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50) -> Touching:
     """Return a lightly damped motion whose first touch lies `offset` beside the end of one search and the next's start.
 
-    A search is `length` over the natural frequency long (`symosc.flow.LONGEST_PHASE`); so the spring is chosen.
+    A search is `length` over the natural frequency long (`symosc.engine.flow.LONGEST_PHASE`); so the spring is chosen.
     """
     side = SIDES[mapping][2]
     n = rng.randint(1000, 9000)  # R/Q large: the motion is nearly that of a spring without a damper

@@ -15,9 +15,9 @@ from math import isfinite, pi
 from typing import Any
 
 from symosc.bench.solvers import Found
-from symosc.sample_events import WINDOW
+from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
-from symosc.trajectory import Event
+from symosc.simulation.trajectory import Event
 
 # A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
 FAR_MATCH = 0.6

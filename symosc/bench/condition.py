@@ -22,8 +22,8 @@ from typing import Any
 
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import Scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 # Relative differences, and the digits of the runs that they are made with. A start times (1 + 1/7^n) has no end as a
 # decimal. One with an end and this many digits would be taken for a number that somebody cut off there.

@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from symosc.flow import Constants, constants
+from symosc.engine.arithmetic import mp_context
+from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
 from symosc.kernels.entire_mp import BasisMP
 from symosc.model import Parameters
-from symosc.numerics import mp_context
 
 DIGITS = 50
 TAUS = (1e-6, 1e-2, 1.0, 6.0)

@@ -16,9 +16,9 @@ from math import cos, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 from symosc.bench.solvers import Found
+from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, SIDES, Parameters
-from symosc.numerics import mp_context
 from symosc.scenes import Scene
 
 State = Sequence[float]

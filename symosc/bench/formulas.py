@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from symosc.grazing import grazing_window
-from symosc.grazing_sweep import grazing_windows
-from symosc.maps import compiled_residual, residual
+from symosc.grazing.sweep import grazing_windows
+from symosc.grazing.window import grazing_window
+from symosc.mappings.equations import compiled_residual, residual
 from symosc.model import Parameters
-from symosc.orbits import find_orbit
+from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 
 POINTS = 1_000_000
@@ -67,7 +67,7 @@ def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
     """Return sympy's own printing of P3's residual: the closed form of the underdamped regime, with numbers put in."""
     import sympy
 
-    from symosc.flow import constants
+    from symosc.engine.flow import constants
     from symosc.symbolic import maps, solution
 
     K = constants(p)

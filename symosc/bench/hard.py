@@ -25,12 +25,12 @@ from symosc.bench.compare import compare, window_of
 from symosc.bench.condition import conditions, distance
 from symosc.bench.hard_cases import Case, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
-from symosc.bench.machine import machine
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import Found, Solver
 from symosc.bench.time_limit import HANG, Outcome, Worker
-from symosc.simulation import simulate
-from symosc.trajectory import Event
+from symosc.machine import machine
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 __all__ = ["judge", "legend", "run", "summary", "table"]
 

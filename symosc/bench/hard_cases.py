@@ -13,14 +13,14 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc.grazing_orbits import grazing_start
+from symosc.engine.arithmetic import mp_context
+from symosc.grazing.start import grazing_start
+from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
-from symosc.numerics import mp_context
-from symosc.orbits import find_orbit
+from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event
-from symosc.windows import place
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 REFERENCE_DIGITS = 40
 DIGITS_OF_A_NUMBER = 17

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from symosc.batch import simulate_many
 from symosc.bench.solvers import Found, Late, Solver
 from symosc.scenes import Scene
-from symosc.simulation import ACCURACY, simulate
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.simulate import ACCURACY, simulate
 
 #: One that doubles keep on all shipped scenes, and the default, for which fig8 is computed again with mpmath.
 TOLERANCES = (1e-9, ACCURACY)

@@ -17,21 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import DOP853
 
-from symosc import binding
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS, Motion
-from symosc.bench.scalar_logic import (
-    FAILED,
-    LAST_BIT,
-    OFFSET,
-    force,
-    margins,
-    root,
-    runner,
-    scalars,
-    turn,
-)
+from symosc.bench.scalar_logic import FAILED, LAST_BIT, OFFSET, force, margins, root, runner, scalars, turn
 from symosc.bench.solvers import Found, Solver
+from symosc.engine import binding
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages

@@ -16,11 +16,11 @@ from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import Any, NamedTuple
 
-from symosc import binding
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
 from symosc.bench.scalar_logic import FAILED, margins, root, runner, scalars
 from symosc.bench.solvers import Found, Solver
+from symosc.engine import binding
 from symosc.scenes import Scene
 
 POINTS, MANY_POINTS = 20, 200

@@ -15,7 +15,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from scipy.ndimage import distance_transform_edt, label
 
 from symosc.bench.error_map import NEAREST, place_of
-from symosc.plot import STYLE
+from symosc.plot.figures import STYLE
 
 #: Range of the colours, as powers of ten.
 COLOURS = (-17, 0)

@@ -9,10 +9,10 @@ from typing import Any
 
 from symosc import plot
 from symosc.bench import error_map, hard, plot_error_map, plot_work, speed, work_precision, work_table
-from symosc.bench.machine import sentence
 from symosc.errors import OutputError
 from symosc.files import write_text
-from symosc.simulation import ACCURACY
+from symosc.machine import sentence
+from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
 FOLDER = Path("docs/results")

@@ -169,7 +169,7 @@ def runner(
     ----------
     scene : Scene
     functions : dict
-        From `symosc.binding`.
+        From `symosc.engine.binding`.
     q : Scalars
     settings : tuple
         The argument `s` of `leave`.

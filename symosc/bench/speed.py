@@ -17,14 +17,14 @@ from math import cos, exp, sin
 from statistics import median
 from typing import Any
 
-from symosc.batch import simulate_many
 from symosc.bench import formulas
 from symosc.bench.formulas import best
-from symosc.bench.machine import machine, sentence
+from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
-from symosc.numerics import compiled
+from symosc.machine import machine, sentence
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.simulate import simulate
 
 SCENES = ("fig5", "fig9", "fig10")
 EVENTS = 200_000

@@ -15,15 +15,15 @@ from statistics import median
 from typing import Any
 
 from symosc.bench.compare import compare, window_of
-from symosc.bench.machine import machine
 from symosc.bench.peers import OURS, SOLVERS
 from symosc.bench.solvers import Found, Solver
 from symosc.bench.speed import floor_s
 from symosc.bench.time_limit import Outcome, Worker
 from symosc.exact import read_exact
+from symosc.machine import machine
 from symosc.scenes import Scene, load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 DIGITS = 40
 #: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What

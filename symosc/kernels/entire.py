@@ -33,7 +33,7 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
 def basis(tau, K):
-    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K` (`symosc.flow.Constants`), tau >= 0."""
+    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K` (`engine.flow.Constants`), tau >= 0."""
     return basis_at(tau, sin(K.Om * tau), cos(K.Om * tau), K)
 
 

@@ -10,8 +10,8 @@ import math
 from fractions import Fraction
 from typing import Any
 
+from symosc.kernels.multiprecision import with_bits
 from symosc.model import Parameters
-from symosc.multiprecision import with_bits
 
 SERIES_BELOW = 1
 SERIES_GUARD_BITS, ROOT_BITS = 10, 200

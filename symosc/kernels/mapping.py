@@ -1,8 +1,8 @@
 """Residuals and derivatives of one map between two points: scalar source for every kind of number.
 
-`symosc.maps` binds these functions to numpy's and mpmath's sin, cos and entire functions; numba compiles them;
-`symosc.symbolic.export` prints them in other languages. A flight goes from a belt of speed v_i to one of speed v_j
-through the domain with A = A_alpha/m.
+`symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire functions; numba compiles
+them; `symosc.symbolic.export` prints them in other languages. A flight goes from a belt of speed v_i to one of speed
+v_j through the domain with A = A_alpha/m.
 """
 
 from __future__ import annotations

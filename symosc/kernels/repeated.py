@@ -9,7 +9,7 @@ With the characteristic roots l1, l2 and e[...] the divided differences of z -> 
 difference over the pair of nodes that are farthest apart, if that is at least FAR / tau, and the Taylor series about
 their centre otherwise. A difference over a far pair loses at most a few bits, and a series over near nodes none.
 
-The functions run on floats, and with other globals (`symosc.maps`) on mpmath numbers.
+The functions run on floats, and with other globals (`symosc.mappings.equations`) on mpmath numbers.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NEAR_ZERO = 0.5
 
 
 def repeated(tau, K):
-    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.flow.Constants`)."""
+    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.engine.flow.Constants`)."""
     if K.under:
         l1, l2 = complex(-K.h, K.w), complex(-K.h, -K.w)
     else:

@@ -8,8 +8,7 @@ import numpy as np
 
 from symosc.exact import show
 from symosc.model import Parameters
-from symosc.orbits import find_orbit
-from symosc.panels import Contact, View, view_of
+from symosc.orbits.find import find_orbit
 from symosc.paper.drawings import MAPPING_PARAMETERS
 from symosc.paper.views import (
     SEVERAL_PERIODS,
@@ -25,6 +24,7 @@ from symosc.paper.views import (
     start_time,
     stick_view,
 )
+from symosc.plot.panels import Contact, View, view_of
 from symosc.scenes import load_scene
 
 RED_DOT = "Red dot: the contact, magnified in the inset."

@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from symosc.derivation.chapters import CHAPTERS
+from symosc.derive.chapters import CHAPTERS
 from symosc.errors import SymoscError
 from symosc.paper.evidence import CONFIRMED, UNDECIDED, VERDICTS, Evidence
 

@@ -16,11 +16,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
 from symosc.model import SIDES, Parameters
-from symosc.panels import BELT, END, MASS, ONSET
-from symosc.plot import STYLE
+from symosc.plot.figures import STYLE
+from symosc.plot.panels import BELT, END, MASS, ONSET
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Trajectory
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 from symosc.words import MAPS
 
 WIDTH = 3.6  # inches: one column of a page, and legible on a phone

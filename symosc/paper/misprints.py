@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from symosc.continuation import continue_orbit
 from symosc.errors import SymoscError
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits import find_orbit
-from symosc.periodic import PeriodicOrbit
+from symosc.orbits.continuation import continue_orbit
+from symosc.orbits.find import find_orbit
+from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene
 
 #: How far a parameter is varied: this many times its size (at least 1) both ways, as far as the model allows.

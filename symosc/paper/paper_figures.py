@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from symosc.panels import BELT, END, MASS, PANELS, Panel, View
 from symosc.paper.views import (
     first_period_view,
     grazing_view,
@@ -27,7 +26,8 @@ from symosc.paper.views import (
     stick_close_up,
     stick_view,
 )
-from symosc.plot import assemble
+from symosc.plot.figures import assemble
+from symosc.plot.panels import BELT, END, MASS, PANELS, Panel, View
 from symosc.scenes import load_scene
 
 # In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.

@@ -8,16 +8,10 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
+from symosc.mappings.theorem7_cases import place
 from symosc.paper import captions, drawings
-from symosc.paper.paper_figures import (
-    grazing_figure_P2,
-    grazing_figure_P3,
-    motion_figure,
-    orbit_figure,
-    stick_figure,
-)
+from symosc.paper.paper_figures import grazing_figure_P2, grazing_figure_P3, motion_figure, orbit_figure, stick_figure
 from symosc.paper.window_figures import SCENES, window_caption, window_sweep
-from symosc.windows import place
 
 
 @dataclass(frozen=True)

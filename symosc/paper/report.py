@@ -18,9 +18,9 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from symosc.bench.machine import machine
 from symosc.citation import paper_reference
 from symosc.errors import OutputError
+from symosc.machine import machine
 from symosc.paper.claims import PARTS
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED
 from symosc.paper.run import ERROR, Judged, Results
@@ -99,7 +99,7 @@ def _figure(key: str, results: Results) -> dict[str, Any]:
 
 
 def _derivation(subject: str, results: Results) -> dict[str, Any]:
-    from symosc.derivation.chapters import CHAPTERS
+    from symosc.derive.chapters import CHAPTERS
 
     done = results.chapters[subject]
     return {

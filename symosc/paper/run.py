@@ -288,8 +288,8 @@ def _svg(build: Callable[[], Figure]) -> str:
 
 def derive(subject: str) -> Chapter:
     """Return a chapter of derivations, checked."""
-    from symosc.derivation import document
-    from symosc.derivation.scope import Scope
+    from symosc.derive import document
+    from symosc.derive.scope import Scope
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)

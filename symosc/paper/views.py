@@ -9,10 +9,10 @@ from math import pi
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from symosc.panels import END, ONSET, SWITCH, Contact, Mark, View, view_of
-from symosc.plot import default_end
+from symosc.plot.figures import default_end
+from symosc.plot.panels import END, ONSET, SWITCH, Contact, Mark, View, view_of
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
+from symosc.simulation.simulate import simulate
 
 # Fig. 7 shows a little more than the first period, its panel (c) several; Figs. 9 and 10 a little more than two.
 FIRST_PERIOD, SEVERAL_PERIODS, TWO_PERIODS = 1.25, 4.0, 2.2

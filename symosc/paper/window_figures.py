@@ -9,17 +9,17 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from symosc.grazing import grazing_window
+from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
-from symosc.panels import SWITCH
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
-from symosc.plot import STYLE
-from symosc.plot_grazing import sweep_figure
+from symosc.plot.figures import STYLE
+from symosc.plot.panels import SWITCH
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event
-from symosc.windows import place
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 #: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
 #: the one that is about that belt.

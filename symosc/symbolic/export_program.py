@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from symosc.flow import constants
+from symosc.engine.flow import constants
 from symosc.kernels import _generated, entire, entire_array, mapping
 from symosc.model import SIDES, Parameters
 from symosc.words import Map, Word
@@ -20,7 +20,7 @@ from symosc.words import Map, Word
 SETTINGS = ("EPS", "SERIES_BELOW", "APART_ABOVE", "TERMS")
 FLAGS = ("under", "apart")
 
-#: `symosc.flow.constants` in double precision, in the syntax that can be printed.
+#: `symosc.engine.flow.constants` in double precision, in the syntax that can be printed.
 SETUP = """
 h = c / (2.0 * m)
 w0sq = k / m

@@ -7,8 +7,8 @@ over theta in |B0|. So each answer is a half line or an interval whose end is kn
     empty            iff side k v_lambda <= -|B0| Omega
     everything       iff side k v_lambda >= |B0| Omega and side k v_lambda > 0    (order 1: > |B0| Omega)
 
-In full order (see `symosc.grazing.grazing_window`) a theta at the top or bottom of the sine belongs to the window at
-equality as well, if side k v_lambda > 0: the tangency of fourth order.
+In full order (see `symosc.grazing.window.grazing_window`) a theta at the top or bottom of the sine belongs to the
+window at equality as well, if side k v_lambda > 0: the tangency of fourth order.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.errors import ParameterError
+from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
 from symosc.model import Parameters
 from symosc.symbolic.theorem7 import rational, real, sign_of
-from symosc.windows import Place, check_order, check_parameters, place
 
 Expr = Any  # sympy ships no types
 

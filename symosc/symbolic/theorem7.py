@@ -18,7 +18,7 @@ import sympy as sp
 
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
-from symosc.windows import (
+from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     EMPTY,
     EVERYTHING,
@@ -45,7 +45,7 @@ class Case(NamedTuple):
     Attributes
     ----------
     label : str
-        "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see `symosc.windows.case_label`.
+        "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see `theorem7_cases.case_label`.
     condition : sympy Boolean
         When it holds, in gamma and the amplitude.
     phases : sympy Set

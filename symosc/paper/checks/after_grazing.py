@@ -12,7 +12,7 @@ from symosc.paper.checks.grazing_figures import HALF_UNIT, LATE, Graze, exact, f
 from symosc.paper.checks.stick_figures import ends_above, flight_after, forces_hold, together
 from symosc.paper.evidence import Evidence
 from symosc.scenes import Scene
-from symosc.trajectory import Trajectory
+from symosc.simulation.trajectory import Trajectory
 
 # --- Fig. 7 ---
 

@@ -6,15 +6,15 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
 
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.engine.flow import BeltConstants
 from symosc.exact import show
-from symosc.flow import BeltConstants
 from symosc.kernels._generated import acceleration
 from symosc.model import SIDES, Parameters
-from symosc.numerics import MpArithmetic
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED
 from symosc.scenes import Scene
-from symosc.simulation import simulate
-from symosc.trajectory import Trajectory
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 
 DIGITS = 30
 #: A force (acceleration) below this at a contact that is known to 30 digits is 0.

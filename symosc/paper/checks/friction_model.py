@@ -13,8 +13,8 @@ from symosc.paper.checks import dop853
 from symosc.paper.checks.rational_cases import Contact, contacts, friction_on_mass
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Trajectory
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 
 CASES = 240
 #: Scenes of the paper whose motions have every state between them.

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from symosc.flow import constants
-from symosc.grazing import grazing_window
-from symosc.grazing_orbits import GrazingStart, grazing_start
-from symosc.grazing_state import is_grazing
+from symosc.engine.arithmetic import mp_context
+from symosc.engine.flow import constants
+from symosc.engine.rests import never_leaves
+from symosc.grazing.start import GrazingStart, grazing_start
+from symosc.grazing.state import is_grazing
+from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import place
 from symosc.model import SIDES, Parameters
-from symosc.numerics import mp_context
 from symosc.paper.checks.contacts import (
     contacts,
     force_name,
@@ -29,10 +31,8 @@ from symosc.paper.checks.contacts import (
     verdict,
 )
 from symosc.paper.evidence import UNDECIDED, Evidence
-from symosc.rests import never_leaves
 from symosc.scenes import Scene, load_scene
-from symosc.trajectory import Trajectory
-from symosc.windows import place
+from symosc.simulation.trajectory import Trajectory
 
 #: Half a unit of the fourth decimal, to which the paper prints its starts.
 HALF_UNIT = Fraction(1, 20000)

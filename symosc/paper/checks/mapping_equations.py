@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from symosc.maps import residual
+from symosc.mappings.equations import residual
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import SIDES, Parameters
 from symosc.paper.checks import dop853
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Trajectory
-from symosc.windows import PLACES
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 
 SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
 FLIGHTS = ("P2", "P3", "P5", "P6", "P7", "P8")

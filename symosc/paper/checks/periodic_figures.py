@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import cache
 from itertools import cycle, pairwise
 
-from symosc.closing import ConvergenceError
-from symosc.maps import residual
+from symosc.mappings.equations import residual
 from symosc.model import SIDES
-from symosc.orbits import find_orbit
+from symosc.orbits.closing_equations import ConvergenceError
+from symosc.orbits.find import find_orbit
+from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.contacts import (
     DIGITS,
     ZERO,
@@ -30,7 +31,6 @@ from symosc.paper.checks.contacts import (
 from symosc.paper.checks.grazing_figures import HALF_UNIT
 from symosc.paper.checks.stick_figures import sticks_at_start
 from symosc.paper.evidence import Evidence
-from symosc.periodic import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
 from symosc.words import read_word
 

@@ -7,9 +7,9 @@ from functools import cache
 from math import isqrt, sqrt
 from typing import Any, NamedTuple
 
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
 from symosc.paper.checks.rational_cases import PHASES, Contact
-from symosc.windows import PLACES
 
 #: Angles are written as rational numbers, a turn as 4: pi/2 is 1, pi is 2. (See `turn`.)
 HALF, FULL = Fraction(2), Fraction(4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scipy.optimize import brentq
 
-from symosc.maps import residual
+from symosc.mappings.equations import residual
 from symosc.model import SIDES
 from symosc.paper.checks.contacts import (
     ZERO,

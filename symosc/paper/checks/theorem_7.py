@@ -6,13 +6,13 @@ from fractions import Fraction
 from math import atan2, pi
 from typing import Any
 
-from symosc.grazing import grazing_window
-from symosc.grazing_check import check_grazing
+from symosc.grazing.check import check_grazing
+from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.paper.checks.printed_cases import DRIVES, RATIOS, contains, printed_window, rows_of, touching, turn
 from symosc.paper.checks.rational_cases import PHASES
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
-from symosc.windows import PLACES
 
 CHECKED_PHASES = 100
 # Ends of computed windows are the nearest doubles.

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from symosc.grazing import grazing_window
-from symosc.grazing_orbits import grazing_start
-from symosc.maps import jacobian
+from symosc.grazing.start import grazing_start
+from symosc.grazing.window import grazing_window
+from symosc.mappings.equations import jacobian
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
 from symosc.paper.checks.printed_cases import RATIOS, contains, printed_window, touching, turn
 from symosc.paper.checks.rational_cases import PHASES
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event
-from symosc.windows import PLACES
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 #: Every contact in these scenes is looked at.
 SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10")

@@ -12,8 +12,8 @@ from symosc.model import SIDES
 from symosc.paper.checks.rational_cases import Contact, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
-from symosc.simulation import simulate
-from symosc.trajectory import Event, Trajectory
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event, Trajectory
 
 CASES = 360
 # The motion is asked for so long after a start at t = 0; by then it is as it was at the beginning.
@@ -231,8 +231,8 @@ def no_third_way() -> Evidence:
 
 def g_functions() -> Evidence:
     """Eqs. (25), (30), (31), (46) to (48): G^(0) = F and G^(1) = grad F . F + dF/dt, against the series of (5)."""
-    from symosc.derivation.document import check_chapter
-    from symosc.derivation.scope import Scope
+    from symosc.derive.document import check_chapter
+    from symosc.derive.scope import Scope
 
     worst_value = worst_slope = Fraction(0)
     count = 0

@@ -1,0 +1,107 @@
+# The public names of symosc and where each is written: the only list of them. Loaded on first use.
+from . import plot as plot
+from .crosschecks.compare import CrossCheck as CrossCheck
+from .crosschecks.compare import crosscheck as crosscheck
+from .crosschecks.events import FoundEvent as FoundEvent
+from .crosschecks.faults import Fault as Fault
+from .crosschecks.matching import Match as Match
+from .errors import (
+    MissingExtraError as MissingExtraError,
+)
+from .errors import (
+    OutputError as OutputError,
+)
+from .errors import (
+    ParameterError as ParameterError,
+)
+from .errors import (
+    SceneError as SceneError,
+)
+from .errors import (
+    SymoscError as SymoscError,
+)
+from .grazing.check import GrazingReport as GrazingReport
+from .grazing.check import check_grazing as check_grazing
+from .grazing.curve import (
+    CurveEnd as CurveEnd,
+)
+from .grazing.curve import (
+    CurvePiece as CurvePiece,
+)
+from .grazing.curve import (
+    GrazingCurve as GrazingCurve,
+)
+from .grazing.curve import (
+    grazing_curve as grazing_curve,
+)
+from .grazing.solve import GrazingSolutions as GrazingSolutions
+from .grazing.solve import solve_grazing as solve_grazing
+from .grazing.start import GrazingStart as GrazingStart
+from .grazing.start import grazing_start as grazing_start
+from .grazing.state import GrazingVerdict as GrazingVerdict
+from .grazing.state import is_grazing as is_grazing
+from .grazing.sweep import WindowColumns as WindowColumns
+from .grazing.sweep import grazing_windows as grazing_windows
+from .grazing.window import GrazingWindow as GrazingWindow
+from .grazing.window import grazing_window as grazing_window
+from .mappings.equations import (
+    compiled_residual as compiled_residual,
+)
+from .mappings.equations import (
+    jacobian as jacobian,
+)
+from .mappings.equations import (
+    parameter_jacobian as parameter_jacobian,
+)
+from .mappings.equations import (
+    residual as residual,
+)
+from .mappings.solve import MapError as MapError
+from .mappings.solve import MapPoint as MapPoint
+from .mappings.solve import solve_map as solve_map
+from .mappings.theorem7_cases import Place as Place
+from .model import Parameters as Parameters
+from .orbits.admissibility import Condition as Condition
+from .orbits.branch import Branch as Branch
+from .orbits.branch import BranchEnd as BranchEnd
+from .orbits.branch import BranchError as BranchError
+from .orbits.closing_equations import ConvergenceError as ConvergenceError
+from .orbits.continuation import continue_orbit as continue_orbit
+from .orbits.find import find_orbit as find_orbit
+from .orbits.periodic_orbit import (
+    Approach as Approach,
+)
+from .orbits.periodic_orbit import (
+    PeriodicOrbit as PeriodicOrbit,
+)
+from .orbits.periodic_orbit import (
+    SwitchingPoint as SwitchingPoint,
+)
+from .scenes import Scene as Scene
+from .scenes import load_scene as load_scene
+from .scenes import scene_names as scene_names
+from .simulation.ensemble import EventTable as EventTable
+from .simulation.ensemble import simulate_many as simulate_many
+from .simulation.simulate import simulate as simulate
+from .simulation.trajectory import Event as Event
+from .simulation.trajectory import Segment as Segment
+from .simulation.trajectory import Trajectory as Trajectory
+from .symbolic.grazing_queries import (
+    Answer as Answer,
+)
+from .symbolic.grazing_queries import (
+    values_containing as values_containing,
+)
+from .symbolic.grazing_queries import (
+    values_empty as values_empty,
+)
+from .symbolic.grazing_queries import (
+    values_everything as values_everything,
+)
+from .symbolic.theorem7 import Case as Case
+from .symbolic.theorem7 import theorem7 as theorem7
+from .words import Word as Word
+from .words import WordError as WordError
+from .words import read_word as read_word
+
+__version__: str

@@ -1,0 +1,105 @@
+"""The command line. Each command loads what it needs when it runs, so that `simulate` starts fast.
+
+Exit codes: 0 success, 1 a check failed, 2 bad input (one line on stderr).
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import Any, NoReturn
+
+import click
+
+import symosc
+from symosc.cli.output import write
+from symosc.errors import SymoscError
+from symosc.files import drop_stdout
+
+BAD_INPUT, INTERRUPTED = 2, 130
+
+
+#: The commands, each in a module of its name that is loaded when it is used.
+COMMANDS = ("simulate", "figure", "scenes", "orbit", "grazing", "codegen", "check", "derive", "bench", "reproduce")
+
+
+class CommandLine(click.Group):
+    """A group of commands whose errors are one line each, click's own usage errors included."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands."""
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command, from its module if it has one."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(f"symosc.cli.{cmd_name}"), cmd_name)
+        return command
+
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        """Run a command; in standalone mode report errors and exit."""
+        run: Any = super().main
+        if not standalone_mode:
+            return run(*args, standalone_mode=False, **extra)
+        try:
+            code = run(*args, standalone_mode=False, **extra)
+        except click.ClickException as error:
+            context = getattr(error, "ctx", None)
+            hint = f" (see {context.command_path} --help)" if context else ""
+            _fail(error.format_message().rstrip(".") + hint)
+        except SymoscError as error:
+            _fail(str(error))
+        except OverflowError as error:
+            _fail(f"a number is beyond the range of double precision ({error})")
+        except OSError as error:
+            drop_stdout()
+            _fail(f"{error.filename or 'cannot write standard output'}: {error.strerror or error}")
+        except click.Abort:
+            sys.exit(INTERRUPTED)
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; an interrupt ends it quietly."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            ctx.exit(INTERRUPTED)
+
+
+def _fail(message: str) -> NoReturn:
+    click.echo(f"symosc: error: {' '.join(message.split())}", err=True)
+    sys.exit(BAD_INPUT)
+
+
+def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+    if not wanted:
+        return
+    from symosc.citation import bibtex
+
+    write(bibtex())
+    context.exit()
+
+
+@click.group(cls=CommandLine, no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(symosc.__version__, prog_name="symosc")
+@click.option(
+    "--cite",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_cite,
+    help="Print BibTeX of symosc and the paper.",
+)
+def main() -> None:
+    """Exact solutions of the double-belt friction oscillator.
+
+    SCENE is the name of a shipped scene (see symosc scenes) or the path of a TOML file of the same form. Numbers are
+    read exactly: 0.8 and 4/5 are the same.
+
+    Exit codes: 0 success, 1 a check failed, 2 bad input.
+
+    \b
+    Example:
+      symosc simulate fig5
+    """

@@ -1,0 +1,123 @@
+"""The command `symosc bench`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from functools import partial
+from math import isfinite
+from typing import Any
+
+import click
+
+from symosc.cli.output import json_option, write, write_json
+from symosc.cli.settings import goes_to_stdout
+
+
+@click.command()
+@click.option("--quick", is_flag=True, help="Fewer scenes, tolerances, cases and repeats: half a minute.")
+@click.option("--hard", "hard_cases", is_flag=True, help="The hard cases in place of speed, work and precision.")
+@json_option
+@click.option(
+    "-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout."
+)
+@click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
+def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
+    """Measure speed beside error, of symosc and of other solvers.
+
+    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of
+    one closed-form evaluation. Solvers that are not installed are skipped with a word (extra bench); one that hangs or
+    fails is shown as such. With --hard: what the solvers make of the cases that are hard to get right, and -o draws
+    the error of symosc's kernels over damping ratio and drive instead; the exit code is 1 if symosc itself misses or
+    invents an event, or errs by more than 1e-12 (where a case is ill-conditioned, 100 * condition * 1e-16).
+
+    --results writes tables, pictures and machine into a README with the lines '<!-- results: begin -->' and
+    '<!-- results: end -->'; pictures and full tables go to docs/results beside it.
+
+    \b
+    Examples:
+      symosc bench --quick
+      symosc bench -o work.svg --json > bench.json
+      symosc bench --hard
+      symosc bench --results README.md
+    """
+    piped = goes_to_stdout(output, "--output", as_json)
+    from symosc import plot
+    from symosc.bench import results
+
+    if readme is not None and (hard_cases or output is not None):
+        raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
+    if output is not None:
+        plot.check_suffix(output)  # before the work
+    if readme is not None:
+        results.check(readme)
+    result: dict[str, Any] = {"quick": quick}
+    if readme is not None or not hard_cases:
+        result |= _speed(quick)
+    if readme is not None or hard_cases:
+        result |= _hard(quick, with_map=readme is not None or output is not None)
+    written = [] if readme is None else results.write(readme, result)
+    if output is not None:
+        written.append(plot.save(_picture(result), output))
+    code = 0 if "hard" not in result or result["hard"]["ok"] else 1
+    if as_json:
+        write_json(_plain(result))
+    if as_json or piped:
+        return code
+    if readme is None:
+        write(_tables(result))
+    for path in written:
+        write(f"wrote {click.format_filename(path)}")
+    return code
+
+
+def _speed(quick: bool) -> dict[str, Any]:
+    from symosc.bench import speed, work_precision
+
+    return {
+        "speed": speed.run(quick=quick),
+        "work_precision": work_precision.run(quick=quick, progress=partial(_bar, "solvers")),
+    }
+
+
+def _hard(quick: bool, with_map: bool) -> dict[str, Any]:
+    from symosc.bench import error_map, hard
+
+    result = {"hard": hard.run(quick=quick, progress=partial(_bar, "hard cases"))}
+    if with_map:
+        result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
+    return result
+
+
+def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
+    """Go through the steps, with a progress bar on stderr if that is a terminal."""
+    with click.progressbar(steps, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as shown:
+        yield from shown
+
+
+def _picture(result: dict[str, Any]) -> Any:
+    from symosc.bench import plot_error_map, plot_work
+
+    if "error_map" in result:
+        return plot_error_map.figure(result["error_map"])
+    return plot_work.figure(result["work_precision"])
+
+
+def _tables(result: dict[str, Any]) -> str:
+    from symosc.bench import hard, speed, work_table
+
+    if "hard" not in result:
+        return f"{speed.table(result['speed'])}\n\n{work_table.table(result['work_precision'])}"
+    parts = [hard.table(result["hard"])]
+    if any(solver["raw"] for solver in result["hard"]["solvers"]):
+        parts += ["The peers as they come:", hard.table(result["hard"], raw=True)]
+    return "\n\n".join([*parts, *hard.legend(result["hard"])])
+
+
+def _plain(value: Any) -> Any:
+    """Return data with None for what JSON has no number for."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

@@ -1,0 +1,41 @@
+"""The command `symosc figure`."""
+
+from __future__ import annotations
+
+import click
+
+from symosc.cli.output import counted, undecidable, write
+from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+
+
+@click.command()
+@scene_argument
+@click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png. -: SVG to stdout.")
+@click.option("--t-end", metavar="T", help="End of the time axis; default: what the paper shows, else the scene's end.")
+@set_option
+@click.option("--panels", metavar="LETTERS", help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v).")
+@click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
+def figure(
+    scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, columns: int
+) -> int:
+    """Draw a scene in panels like those of the paper's figures 5 to 10.
+
+    \b
+    Examples:
+      symosc figure fig5 -o fig5.pdf
+      symosc figure fig8 -o phase.svg --panels c --t-end 22
+    """
+    piped = goes_to_stdout(output, "--output")
+    problem = scene_with(scene, settings, {})
+    from symosc import plot
+
+    plot.check_suffix(output)
+    panels = plot.default_panels(problem) if panels is None else panels
+    plot.check_panels(panels)
+    trajectory = plot.simulated(problem, t_end)
+    plot.save(plot.figure(trajectory, panels=panels, columns=columns), output)
+    if piped:
+        return int(undecidable(trajectory))
+    span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
+    write(f"{click.format_filename(output)}: {span}, {counted(trajectory.events)}")
+    return int(undecidable(trajectory))

@@ -1,0 +1,187 @@
+"""The command `symosc grazing`: Theorem 7's windows of a scene, exactly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.cli.output import json_option, write, write_json, write_table
+from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings
+from symosc.errors import ParameterError
+from symosc.exact import show
+from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.scenes import load_scene
+
+if TYPE_CHECKING:
+    from symosc.grazing.window import GrazingWindow
+
+
+@click.command()
+@click.argument("scene", required=False)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Change a parameter, such as k=3. Repeatable; all of them in place of SCENE.",
+)
+@click.option("--map", "mappings", multiple=True, metavar="MAP", help="P2, P3, P5 or P6. Repeatable. Default: all.")
+@click.option(
+    "--order",
+    type=click.Choice(ORDERS),
+    default="full",
+    help="paper: as printed, by the sign of G1. full: by the first G-function that is not 0 (default).",
+)
+@click.option("--latex", "as_latex", is_flag=True, help="Print LaTeX, one window a line.")
+@json_option
+@click.option("--check", "phases", metavar="N", type=WholeNumber(min=1), help="Check the windows at N phases each.")
+@click.option(
+    "--plot", "output", metavar="FILE", help="Draw windows, contact curves and grazing curves: .pdf, .svg or .png."
+)
+@click.option(
+    "--against", metavar="NAME[=LOW:HIGH]", help="With --plot and one --map: the window against Omega, B0, k, v1 or v2."
+)
+def grazing(
+    scene: str | None,
+    settings: tuple[str, ...],
+    mappings: tuple[str, ...],
+    order: str,
+    as_latex: bool,
+    as_json: bool,
+    phases: int | None,
+    output: str | None,
+    against: str | None,
+) -> int:
+    """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
+
+    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks;
+    gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is no decimal.
+
+    With --check each window is compared with three independent ways to tell a graze, at random phases and close to its
+    ends: the signs of the G-functions, the exact flow around the contact, and scipy's DOP853. A mismatch gives exit
+    code 1.
+
+    \b
+    Examples:
+      symosc grazing fig9
+      symosc grazing fig9 --check 10000
+      symosc grazing fig8 --map P3 --order paper --latex
+      symosc grazing fig9 --set k=4 --map P2 --plot window.pdf
+      symosc grazing fig9 --map P2 --against Omega=0.1:4 --plot sweep.pdf
+    """
+    piped = goes_to_stdout(output, "--plot", as_json or as_latex)
+    name, p = _parameters(scene, settings)
+    if as_latex and as_json:
+        raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
+    if against is not None and (output is None or len(mappings) != 1):
+        raise click.UsageError("--against needs --plot FILE and one --map")
+    for mapping in mappings:
+        place(mapping)
+    chosen = list(dict.fromkeys(mappings)) or list(PLACES)
+    from symosc.grazing.window import grazing_window
+
+    windows = [grazing_window(p, mapping, order) for mapping in chosen]
+    reports = []
+    if phases is not None:
+        from symosc.grazing.check import check_grazing
+
+        reports = [check_grazing(p, mapping, n=phases) for mapping in chosen]
+    if output is not None:
+        _draw(windows, against, output)
+    failed = int(any(not report.ok for report in reports))
+    if piped:
+        return failed
+    if as_json:
+        data: dict[str, Any] = {"scene": name, "parameters": p.as_dict(), "order": order}
+        data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
+        write_json(data | {"windows": [_data(window) for window in windows]})
+    elif as_latex:
+        for window in windows:
+            write(window.latex())
+    else:
+        write_table([_row(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
+        for window in windows:
+            if p.k == 0 and window.kind:
+                fixed = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
+                write(f"{window.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}")
+        for report in reports:
+            write("\n" + report.summary())
+    return failed
+
+
+def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | None, Parameters]:
+    """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
+    changes = read_settings(settings)
+    if scene is not None:
+        problem = load_scene(scene)
+        return problem.name, problem.parameters.replace(**changes)
+    for name in changes:
+        if name not in PARAMETER_NAMES:
+            raise ParameterError(name, changes[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+    missing = [name for name in PARAMETER_NAMES if name not in changes]
+    if missing:
+        raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
+    return None, Parameters(**changes)
+
+
+def _row(window: GrazingWindow) -> list[str]:
+    theta_cr = "none" if window.theta_cr is None else str(window.theta_cr)
+    numbers = [show(window.gamma), show(window.amplitude)]
+    return [window.mapping, window.case, *numbers, theta_cr, _set_text(window.phases)]
+
+
+def _set_text(phases: Any) -> str:
+    """Return a set in the notation of the paper."""
+    if phases.is_empty:
+        return "empty"
+    parts = phases.args if phases.is_Union else [phases]
+    return " U ".join(
+        f"{'(' if part.left_open else '['}{part.start}, {part.end}{')' if part.right_open else ']'}" for part in parts
+    )
+
+
+def _data(window: GrazingWindow) -> dict[str, Any]:
+    theta_cr = None
+    if window.theta_cr is not None:
+        theta_cr = {"exact": str(window.theta_cr), "value": float(window.critical_phase())}
+    names = ("low", "high", "low_closed", "high_closed")
+    return {
+        "map": window.mapping,
+        "domain": window.place.domain,
+        "boundary": window.place.boundary,
+        "case": window.case,
+        "gamma": show(window.gamma),
+        "amplitude": show(window.amplitude),
+        "theta_cr": theta_cr,
+        "phases": _set_text(window.phases),
+        "intervals": [dict(zip(names, interval, strict=True)) for interval in window.intervals],
+        "latex": window.latex(),
+    }
+
+
+def _plane(axes: Any, window: GrazingWindow) -> None:
+    from symosc.grazing.curve import grazing_curve
+    from symosc.plot.curve import draw_plane
+
+    draw_plane(axes, grazing_curve(window.parameters, window.mapping))
+
+
+def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
+    from symosc.plot.figures import check_suffix, save
+
+    check_suffix(output)
+    from symosc.plot.windows import sweep_figure, window_figure
+
+    if against is None:
+        save(window_figure(windows, _plane if windows[0].parameters.k else None), output)
+        return
+    name, equals, span = against.partition("=")
+    low, colon, high = span.partition(":")
+    if equals and not (colon and low and high):
+        form = "is not NAME or NAME=LOW:HIGH, such as Omega=0.1:4"
+        raise click.BadParameter(f"{against!r} {form}", param_hint="--against")
+    window = windows[0]
+    drawing = sweep_figure(window.parameters, window.mapping, name, low or None, high or None, window.order)
+    save(drawing, output)

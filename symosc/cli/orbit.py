@@ -1,0 +1,177 @@
+"""The command `symosc orbit`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.cli.output import FLOAT_FORMAT, json_option, write, write_json
+from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.exact import show
+
+if TYPE_CHECKING:
+    from symosc.orbits.branch import Branch
+    from symosc.orbits.periodic_orbit import PeriodicOrbit
+    from symosc.scenes import Scene
+
+NOT_FOUND = 1
+
+
+@click.command()
+@scene_argument
+@click.option("--structure", metavar="WORD", help="Mapping structure, such as P32. Default: the scene's.")
+@set_option
+@click.option(
+    "--periods", type=WholeNumber(), metavar="N", help="Close after N forcing periods. Default: what simulations do."
+)
+@click.option("--digits", type=WholeNumber(), metavar="N", help="N correct digits, instead of double precision.")
+@click.option("--continue", "span", metavar="NAME=LOW:HIGH", help="Follow it over a parameter, such as Omega=3:5.")
+@click.option(
+    "-o", "--output", metavar="FILE", help="Draw the orbit, or the branch: .pdf, .svg or .png. -: SVG to stdout."
+)
+@json_option
+def orbit(
+    scene: str,
+    structure: str | None,
+    settings: tuple[str, ...],
+    periods: int | None,
+    digits: int | None,
+    span: str | None,
+    output: str | None,
+    as_json: bool,
+) -> int:
+    """Find the periodic orbit with a mapping structure, and say whether it is stable.
+
+    Prints the switching points, the multipliers, and how the scene's start lies to the orbit. With --continue the orbit
+    is followed both ways until it ends or leaves the range; the reason for each end is located and named, with the
+    structure of the orbit behind it. A structure without an orbit at these parameters gives exit code 1.
+
+    \b
+    Examples:
+      symosc orbit fig9
+      symosc orbit fig10 --structure P4645 --digits 30
+      symosc orbit fig9 --structure P32 --continue Omega=3:5 -o branch.pdf
+    """
+    from symosc.orbits.closing_equations import ConvergenceError
+    from symosc.orbits.find import find_orbit
+
+    piped = goes_to_stdout(output, "--output", as_json)
+    problem = scene_with(scene, settings, {})
+    word = problem.structure if structure is None else structure
+    if word is None:
+        raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
+    if output is not None:
+        _check_suffix(output)
+    try:
+        found = find_orbit(problem.parameters, word, digits=digits, periods=periods)
+    except ConvergenceError as error:
+        click.echo(f"symosc: {error}", err=True)
+        return NOT_FOUND
+    branch = None if span is None or not found.admissible else _branch(found, span, periods)
+    if output is not None and found.admissible:
+        _draw(found, branch, output)
+    if piped:
+        if not found.admissible:
+            click.echo(_report(problem, found, branch), err=True)
+        return 0 if found.admissible else NOT_FOUND
+    if as_json:
+        write_json(_data(problem, found, branch))
+    else:
+        write(_report(problem, found, branch))
+    return 0 if found.admissible else NOT_FOUND
+
+
+def _pair(text: str, option: str, form: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not (equals and name and value):
+        raise click.BadParameter(f"{text!r} is not {form}", param_hint=option)
+    return name, value
+
+
+def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
+    from symosc.orbits.continuation import continue_orbit
+
+    form = "NAME=LOW:HIGH, such as Omega=3:5"
+    name, limits = _pair(span, "--continue", form)
+    low, colon, high = limits.partition(":")
+    if not colon:
+        raise click.BadParameter(f"{span!r} is not {form}", param_hint="--continue")
+    return continue_orbit(found.parameters, found.word, name, (low, high), found, periods=periods)
+
+
+def _check_suffix(output: str) -> None:
+    from symosc.plot.figures import check_suffix
+
+    check_suffix(output)
+
+
+def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
+    from symosc.plot.figures import figure, save
+    from symosc.simulation.simulate import simulate
+
+    if branch is not None:
+        from symosc.plot.branch import branch_figure
+
+        save(branch_figure(branch), output)
+        return
+    (t0, x0), belt = found.points[0], found.equations().pieces[0].start
+    start = {"t0": t0, "x0": x0, "v0": found.parameters.belt(belt), "t_end": float(t0) + 2.5 * float(found.period)}
+    save(figure(simulate(found.parameters, **start), panels="abcdef", boundary=belt), output)
+
+
+def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> dict[str, Any]:
+    data = {"scene": scene.name, **found.as_dict()}
+    if found.admissible:
+        data["start"] = found.approach(scene)._asdict()
+        for name in ("dt", "dx"):
+            data["start"][name] = None if data["start"][name] != data["start"][name] else data["start"][name]
+    return data if branch is None else data | {"branch": branch.as_dict()}
+
+
+def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+    from tabulate import tabulate
+
+    rows = []
+    for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
+        does = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
+        if piece.sticks:
+            does = f"sticks to belt {piece.start}"
+        rows.append([_number(t, found.digits), _number(x, found.digits), piece.label, does])
+    table = tabulate(rows, ["t", "x", "map", "from here it"], tablefmt="simple", disable_numparse=True)
+    sizes = ", ".join(_complex(value) for value in found.multipliers)
+    lines = [table, "", f"{found.word}: {found.message}"]
+    lines.append(f"period {_number(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
+    if found.admissible:
+        lines.append(_start(scene, found))
+    if branch is not None:
+        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:", *(_end(branch, i) for i in (0, 1))]
+    return "\n".join(lines)
+
+
+def _start(scene: Scene, found: PeriodicOrbit) -> str:
+    near = found.approach(scene)
+    place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
+    place += f" {near.offset_v:.3g} in v"
+    if near.dt == near.dt:
+        place += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"
+    if near.periods is None:
+        return f"{place}; the motion from it does not come within {near.within:g}"
+    periods = f"{near.periods} period{'' if near.periods == 1 else 's'}"
+    return f"{place}; the motion from it is within {near.within:g} after {periods}"
+
+
+def _end(branch: Branch, i: int) -> str:
+    end = branch.ends[i]
+    behind = f"; behind it {end.beyond}" if end.beyond else ""
+    return f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{behind}"
+
+
+def _number(value: Any, digits: int | None) -> str:
+    return FLOAT_FORMAT.format(value) if digits is None else value.context.nstr(value, digits)
+
+
+def _complex(value: Any) -> str:
+    if abs(value.imag) == 0:
+        return f"{float(value.real):.12g}"
+    return f"{float(value.real):.12g} {'+' if value.imag > 0 else '-'} {float(abs(value.imag)):.12g} i"

@@ -1,0 +1,51 @@
+"""What commands print: text, JSON and tables on stdout, and a word on stderr where a motion could not be decided."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.files import drop_stdout
+
+if TYPE_CHECKING:
+    from symosc.simulation.trajectory import Trajectory
+
+FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
+
+
+def write(text: str) -> None:
+    """Print to stdout. A reader that closed the pipe has had enough."""
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        drop_stdout()
+
+
+def write_json(data: Any) -> None:
+    """Print plain data as JSON."""
+    write(json.dumps(data, indent=1))
+
+
+def write_table(rows: list[list[str]], heads: list[str]) -> None:
+    """Print a table; numbers are aligned at their points."""
+    from tabulate import tabulate
+
+    align = ["decimal" if head in ("t", "x", "v", "theta") else "left" for head in heads]
+    write(tabulate(rows, heads, tablefmt="simple", disable_numparse=True, colalign=align))
+
+
+def undecidable(trajectory: Trajectory) -> bool:
+    """Report a trajectory that ended because its precision did not suffice."""
+    if trajectory.status != "undecidable":
+        return False
+    click.echo(f"symosc: undecidable: {trajectory.message}", err=True)
+    return True
+
+
+def counted(events: Sequence[Any]) -> str:
+    """Return how many events these are, in words."""
+    return f"{len(events)} event{'' if len(events) == 1 else 's'}"

@@ -1,0 +1,70 @@
+"""The command `symosc scenes`."""
+
+from __future__ import annotations
+
+import json
+from itertools import takewhile
+from typing import Any
+
+import click
+
+from symosc.cli.output import json_option, write, write_json, write_table
+from symosc.exact import show
+from symosc.model import PARAMETER_NAMES
+from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
+
+
+@click.command()
+@click.argument("scene", required=False)
+@json_option
+def scenes(scene: str | None, as_json: bool) -> None:
+    """List the shipped scenes, or print one as a TOML file.
+
+    \b
+    Examples:
+      symosc scenes
+      symosc scenes fig9 > mine.toml
+    """
+    if scene is not None:
+        chosen = load_scene(scene)
+        if as_json:
+            write_json(_scene_data(chosen))
+        else:
+            write(_as_toml(chosen))
+        return
+    listed = [load_scene(name) for name in scene_names()]
+    if as_json:
+        write_json([_scene_data(each) for each in listed])
+        return
+    # Every source begins with the paper; once is enough.
+    sources = [each.source for each in listed]
+    same = takewhile(lambda pair: pair[0] == pair[1], zip(min(sources), max(sources), strict=False))
+    common = "".join(letter for letter, _ in same).rpartition(", ")[0]
+    rows = []
+    for each in listed:
+        since, until = (f"{float(time):.6g}" for time in (each.t0, each.t_end))
+        rows.append([each.name, since, until, each.structure or "", each.source.removeprefix(f"{common}, ")])
+    write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
+    write(f"\nsource: {common}")
+
+
+def _scene_data(scene: Scene) -> dict[str, Any]:
+    start = {name: show(getattr(scene, name)) for name in START_NAMES}
+    about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
+    error = None if scene.start_error is None else [show(each) for each in scene.start_error]
+    return {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
+
+
+def _as_toml(scene: Scene) -> str:
+    def number(text: str) -> str:
+        return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly
+
+    data = _scene_data(scene)
+    # A JSON string is a TOML string too.
+    lines = [f"{key} = {json.dumps(data[key])}" for key in ("name", "source", "structure") if data[key]]
+    lines += [f"t_end = {number(data['t_end'])}", "", "[parameters]"]
+    lines += [f"{name} = {number(data['parameters'][name])}" for name in PARAMETER_NAMES]
+    lines += ["", "[start]", *(f"{name} = {number(data[name])}" for name in START_NAMES[:3])]
+    if data["start_error"] is not None:
+        lines.append(f"start_error = [{', '.join(map(number, data['start_error']))}]")
+    return "\n".join(lines)

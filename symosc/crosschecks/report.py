@@ -1,0 +1,191 @@
+"""What a cross-check found: as values, as text and as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields, is_dataclass
+from math import isnan
+from typing import Any
+
+import numpy as np
+
+from symosc.crosschecks.events import FoundEvent
+from symosc.crosschecks.faults import REASONS, Fault
+from symosc.crosschecks.matching import Match
+from symosc.simulation.trajectory import Event, Trajectory
+
+LISTED = 5  # events of a kind in a summary
+
+
+@dataclass(frozen=True, eq=False)
+class CrossCheck:
+    """How samples compare with the exact motion.
+
+    Attributes
+    ----------
+    ok : bool
+        No step is wrong, no event missed or invented, and the global error within its tolerance.
+    max_error_x, max_error_v : float
+        Largest global error: samples minus the exact motion from the same start.
+    errors : (n, 2) array
+        Global errors of x and v; NaN after the end of the exact motion (`compared_until`).
+    defects : (n - 1, 2) array
+        Local errors: the exact motion from a sample over the step, minus the next sample.
+    wrong_steps : int array
+        Steps whose defect is larger than `allowed`.
+    allowed : (n - 1, 2) array
+        The tolerance in units of x and v, plus the rounding of the times, and of samples with few digits.
+    matched : tuple of Match
+        Exact events that the samples have too.
+    missed : tuple of Event
+        Exact events that wrong steps passed over, or that a given list does not have at their time.
+    invented : tuple of FoundEvent
+        Events of wrong steps, or of a given list, that the exact motion does not have at their time.
+    unresolved : tuple of Event or FoundEvent
+        Events on one side only, where each step is right: the samples are on a neighbouring path, within global error,
+        or the tolerance cannot tell whether there is such an event.
+    decisions : tuple of Fault
+        Wrong steps that stick, slip or pass where the exact motion does something else.
+    faults : tuple of Fault
+        Wrong steps with guesses why: the first 500 and those with a missed or invented event.
+    first_wrong : Fault or None
+        The first wrong step.
+    first_switching : Fault or None
+        The first wrong step that has to do with a belt: more than a local error.
+    compared_until : float
+        Where the exact motion ends: the last sample, or earlier if its status is "undecidable".
+    tolerance, global_tolerance : float
+    scales : tuple of two floats
+        Units of x and v for the tolerances: the largest of the exact motion.
+    rounded : dict
+        How the columns "t", "x", "v" and the times of the list, "events", were rounded, such as "6 decimals".
+    notes : tuple of str
+    modes : (n,) int array
+        What the samples do, by the codes of `symosc.model.MODE_NAMES`; 0 where they only pass or touch a belt.
+    t, x, v : (n,) arrays
+    trajectory : Trajectory
+        The exact motion.
+    """
+
+    ok: bool
+    max_error_x: float
+    max_error_v: float
+    errors: np.ndarray
+    defects: np.ndarray
+    wrong_steps: np.ndarray
+    allowed: np.ndarray
+    matched: tuple[Match, ...]
+    missed: tuple[Event, ...]
+    invented: tuple[FoundEvent, ...]
+    unresolved: tuple[Event | FoundEvent, ...]
+    decisions: tuple[Fault, ...]
+    faults: tuple[Fault, ...]
+    first_wrong: Fault | None
+    first_switching: Fault | None
+    compared_until: float
+    tolerance: float
+    global_tolerance: float
+    scales: tuple[float, float]
+    rounded: dict[str, str]
+    notes: tuple[str, ...]
+    modes: np.ndarray
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    trajectory: Trajectory
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all findings and samples are equal; NaN equals NaN."""
+        return _same(self, other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def summary(self) -> str:
+        """Return the findings as lines of text."""
+        worst = np.max(np.abs(self.defects), axis=0)
+        lines = [
+            f"{'ok' if self.ok else 'FAILED'}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
+            f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
+            f"wrong steps: {len(self.wrong_steps)} of {len(self.defects)}",
+            f"largest global error: {self.max_error_x:.2e} in x, {self.max_error_v:.2e} in v "
+            f"(allowed {self.global_tolerance * self.scales[0]:.1e} and {self.global_tolerance * self.scales[1]:.1e})",
+            f"events: {len(self.matched)} matched, {len(self.missed)} missed, {len(self.invented)} invented, "
+            f"{len(self.unresolved)} within the global error",
+        ]
+        if self.matched:
+            late = max(self.matched, key=lambda match: abs(match.error))
+            lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
+        for name, events in (("missed", self.missed), ("invented", self.invented)):
+            for event in events[:LISTED]:
+                on = f" on belt {event.boundary}" if event.boundary else ""
+                lines.append(f"{name}: {event.kind}{on} at t = {float(event.t):.10g}")
+            if len(events) > LISTED:
+                lines.append(f"{name}: and {len(events) - LISTED} more")
+        if self.first_wrong:
+            lines.append(f"first wrong step: {_words(self.first_wrong)}")
+        if self.first_switching and self.first_switching != self.first_wrong:
+            lines.append(f"first wrong step at a belt: {_words(self.first_switching)}")
+        for fault in self.decisions[:LISTED]:
+            what = f"{fault.found} where {fault.expected} is right"
+            lines.append(f"wrong decision: step {fault.step}, t = {fault.t_next:.10g}: {what}")
+        if len(self.decisions) > LISTED:
+            lines.append(f"wrong decision: and {len(self.decisions) - LISTED} more")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the findings as plain values, without the samples."""
+        exact = ("t", "x", "v", "kind", "boundary", "source", "target")
+
+        def plain(event: Event | FoundEvent) -> dict[str, Any]:
+            if isinstance(event, FoundEvent):
+                return asdict(event)
+            return {name: getattr(event, name) for name in exact}
+
+        def fault(item: Fault | None) -> dict[str, Any] | None:
+            values = asdict(item) if item else {}
+            return {name: None if value != value else value for name, value in values.items()} or None
+
+        # JSON has no NaN: a step that cannot be decided has none.
+        worst = [None if np.isnan(value) else float(value) for value in np.max(np.abs(self.defects), axis=0)]
+        return {
+            "ok": self.ok,
+            "samples": len(self.t),
+            "tolerance": self.tolerance,
+            "global_tolerance": self.global_tolerance,
+            "scales": list(self.scales),
+            "max_error_x": self.max_error_x,
+            "max_error_v": self.max_error_v,
+            "max_defect_x": worst[0],
+            "max_defect_v": worst[1],
+            "wrong_steps": self.wrong_steps.tolist(),
+            "matched": [{**plain(match.event), "found_t": match.t, "error": match.error} for match in self.matched],
+            "missed": [plain(event) for event in self.missed],
+            "invented": [plain(event) for event in self.invented],
+            "unresolved": [plain(event) for event in self.unresolved],
+            "decisions": [fault(item) for item in self.decisions],
+            "first_wrong": fault(self.first_wrong),
+            "first_switching": fault(self.first_switching),
+            "compared_until": self.compared_until,
+            "rounded": dict(self.rounded),
+            "notes": list(self.notes),
+        }
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Compare values of any depth; NaN equals NaN, arrays are compared as wholes."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
+    if isinstance(one, (tuple, list)):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if is_dataclass(one):
+        return all(_same(getattr(one, item.name), getattr(other, item.name)) for item in fields(one))
+    if isinstance(one, Trajectory):
+        return _same(list(vars(one).items()), list(vars(other).items()))
+    return bool(one == other) or (isinstance(one, float) and isnan(one) and isnan(other))
+
+
+def _words(fault: Fault) -> str:
+    size = f"defect {fault.defect_x:.1e} in x, {fault.defect_v:.1e} in v"
+    guess = f"{REASONS[fault.reason]} ({fault.words})"
+    return f"{fault.step}, t = {fault.t:.10g} to {fault.t_next:.10g}, {size}; guess: {guess}"

@@ -1,0 +1,140 @@
+"""Samples that were written with few digits: how many, and what they leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from symosc.crosschecks.samples import Samples
+
+# Significant digits. Hardly a double has so few by chance (one of a thousand).
+MOST_DIGITS = 13
+# Numbers that show the rounding; 0, the belts' speeds and the start may be short by nature.
+LEAST_SHOWN = 3
+ROUNDING = 4.0 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class Digits:
+    """How the numbers of a column were rounded.
+
+    Attributes
+    ----------
+    words : str
+        For example "6 decimals", "6 significant digits".
+    units : (n,) float array
+        One unit of the last digit of each number.
+    """
+
+    words: str
+    units: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """How samples were rounded; a column is None if it has all digits of a double.
+
+    Attributes
+    ----------
+    t, x, v, events : Digits or None
+        `events` are the times of a list of events.
+    """
+
+    t: Digits | None
+    x: Digits | None
+    v: Digits | None
+    events: Digits | None
+
+    def units(self, count: int) -> np.ndarray:
+        """Return the units of the last digits of t, x and v, shape (3, n); 0 where nothing was rounded."""
+        return np.array([np.zeros(count) if digits is None else digits.units for digits in (self.t, self.x, self.v)])
+
+    def of_events(self, count: int) -> np.ndarray:
+        """Return the units of the last digits of the listed times."""
+        return np.zeros(count) if self.events is None else self.events.units
+
+    @property
+    def words(self) -> dict[str, str]:
+        """What is rounded, and to how many digits."""
+        columns = {"t": self.t, "x": self.x, "v": self.v, "events": self.events}
+        return {name: digits.words for name, digits in columns.items() if digits is not None}
+
+
+def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
+    """Return how samples were rounded.
+
+    Times are taken as rounded only if x or v are and the times are no even grid: a time such as 0.05 is exact as it is.
+
+    Parameters
+    ----------
+    samples : Samples
+    speeds : floats
+        Speeds of the belts: v has them in a stick, with as few digits as they have.
+    """
+    x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
+    t = None
+    if x is not None or v is not None:
+        t = find_digits(samples.t, samples.t[:1])
+        t = None if t is None or _even(samples.t, t.units) else t
+    listed = np.array([time for time, _ in samples.events or ()])
+    # A list beside rounded samples is likely to be rounded too: one time shows it.
+    least = LEAST_SHOWN if x is None and v is None else 1
+    return Rounding(t, x, v, find_digits(listed, samples.t[:1], least))
+
+
+def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
+    """Return how `values` were rounded, or None if they have the digits of doubles, or too few of them show it.
+
+    Both fixed decimals and significant digits are tried. Any rounded numbers fit both, one of them with more digits
+    than were written; the coarser unit is the right one for every number. At least `least` numbers must be other than
+    0 and the `natural` ones.
+    """
+    shown = values[(values != 0.0) & ~np.isin(values, list(natural))]
+    if len(shown) < least:
+        return None
+    exponents = _exponents(shown)
+    significant = next((n for n in range(1, MOST_DIGITS + 1) if _fits(shown, n - 1 - exponents)), None)
+    if significant is None:
+        return _single(values, shown)
+    places = significant - 1 - exponents
+    tried = range(int(np.min(places)), int(np.max(places)))
+    decimals = next((d for d in tried if _fits(shown, np.full(len(shown), float(d)))), int(np.max(places)))
+    fixed = 10.0 ** -float(decimals)
+    floating = 10.0 ** (_exponents(values) + 1 - significant)
+    if np.any(floating[values != 0.0] > fixed * 1.5):
+        return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
+    words = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
+    return Digits(words, np.full(len(values), fixed))
+
+
+def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:
+    """Return the digits of numbers in single or half precision."""
+    for kind, name in ((np.float16, "half"), (np.float32, "single")):
+        with np.errstate(over="ignore"):
+            fits = np.array_equal(shown.astype(kind), shown)
+        if fits:
+            return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
+    return None
+
+
+def _exponents(values: np.ndarray) -> np.ndarray:
+    """Return the decimal exponents of numbers; 0 for 0."""
+    sizes = np.abs(values)
+    exponents = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
+    # A logarithm just below a whole number is the next decade.
+    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - ROUNDING)))
+
+
+def _fits(values: np.ndarray, places: np.ndarray) -> bool:
+    """Tell whether all values are whole multiples of 10^-places."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        units = 10.0**-places
+        return bool(np.all(np.abs(np.rint(values / units) * units - values) <= ROUNDING * np.abs(values)))
+
+
+def _even(times: np.ndarray, units: np.ndarray) -> bool:
+    """Tell whether times are an even grid, exactly."""
+    gaps = np.diff(np.rint(times / np.min(units)))
+    return bool(np.all(gaps == gaps[0]))

@@ -1,0 +1,262 @@
+"""The exact motion over each step of somebody's samples, restarted from every sample: local errors, not global ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+
+from symosc.engine import compiled_loop as compiled_loop_module
+from symosc.engine.arithmetic import Arithmetic, compiled, mp_context
+from symosc.engine.flow import Constants
+from symosc.engine.next_event import CROSS, END, FAILED, GRAZE, REST, TWO_PI, advance
+from symosc.errors import MissingExtraError
+from symosc.kernels import entire_array
+from symosc.kernels._generated import acceleration, motion
+from symosc.model import Parameters
+
+# Fewer steps than this are done before compiled code is loaded.
+COMPILE_FROM = 4000
+MOST_EVENTS = 10_000  # in one step
+EPS = 2.0**-53
+
+
+@dataclass(frozen=True)
+class StepEvents:
+    """Events of the exact motion inside steps, in order of step and time.
+
+    Attributes
+    ----------
+    step : (rows,) int array
+    t, x, theta : (rows,) float arrays
+        Times, positions, phases.
+    kind, boundary, target : (rows,) int arrays
+        Codes of `symosc.simulation.ensemble.KIND_NAMES`, 1 or 2, codes of `symosc.model.MODE_NAMES`.
+    """
+
+    step: np.ndarray
+    t: np.ndarray
+    x: np.ndarray
+    theta: np.ndarray
+    kind: np.ndarray
+    boundary: np.ndarray
+    target: np.ndarray
+
+    def rows(self, first: int, last: int) -> slice:
+        """Return where the events of steps `first` to `last` (included) are."""
+        return slice(*np.searchsorted(self.step, [first, last + 1]))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What the exact motion does between one sample and the next.
+
+    Attributes
+    ----------
+    parameters, K : Parameters, Constants
+    t, x, v : (n,) arrays, the samples
+    theta : (n,) array, phases
+    defects : (n - 1, 2) array
+        Exact motion from a sample over the step, minus the next sample: x and v.
+    first, last : (n - 1,) int arrays
+        Codes of the motion (MODE_NAMES) just after the sample and at the end of the step.
+    events : StepEvents
+    """
+
+    parameters: Parameters
+    K: Constants
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    theta: np.ndarray
+    defects: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    events: StepEvents
+
+    def at(self, time: float, slack: float = 0.0) -> tuple[int, int]:
+        """Return the first and the last step within `slack` of a time."""
+        low, high = np.searchsorted(self.t, [time - slack, time + slack], "right") - 1
+        last = len(self.first) - 1
+        return min(max(int(low), 0), last), min(max(int(high), 0), last)
+
+    def flight(self, domain: int, since: Any, until: Any) -> np.ndarray:
+        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since` (index arrays)."""
+        K, tau = self.K, self.t[until] - self.t[since]
+        s0, c0 = np.sin(self.theta[since]), np.cos(self.theta[since])
+        x0, v0 = self.x[since], self.v[since]
+        a0 = acceleration(x0, v0, c0, (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
+        dx, dv, _ = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        return np.stack([x0 + dx, v0 + dv], axis=-1)
+
+
+def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> Steps:
+    """Restart the exact motion from every sample and follow it to the time of the next one.
+
+    A sample with |v - v_lambda| <= near may be meant to be on the belt or beside it. Both are tried, and the one that
+    agrees better with the next sample counts. Where a time is repeated nothing moves: the defect is the jump.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    t, x, v : (n,) float arrays, t never decreasing
+    near : float or (n,) array
+        Unit of velocity.
+    scales : (2,) array
+        Units in which the defects of x and v are compared with each other.
+    """
+    K = Arithmetic(parameters).K._replace(sigmas=0.0)
+    _, theta = phases(parameters, t)
+    belts = np.array([K.belt1.v, K.belt2.v])
+    gaps = np.abs(v[:-1, None] - belts)
+    closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
+    ahead = np.column_stack([x[1:], v[1:]])
+
+    def follow(steps: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
+        start_v = np.where(at > 0, belts[at - 1], v[steps])
+        rows = _rows(theta[steps], x[steps], start_v, at, t[steps + 1] - t[steps], K)
+        first = rows[:, 0].astype(int)
+        last, end, events = _follow(rows, t[steps + 1] - t[steps], K)
+        defects, origin = end - ahead[steps], steps[events.step]
+        events = replace(events, step=origin, t=t[origin] + events.t)
+        return defects, first, last, np.max(np.abs(defects) / scales, axis=1), events
+
+    moving = np.flatnonzero(np.diff(t) > 0.0)
+    near = np.broadcast_to(near, len(t))[:-1]
+    defects = np.column_stack([x[:-1], v[:-1]]) - ahead
+    first, last, size = np.zeros(len(t) - 1, int), np.zeros(len(t) - 1, int), np.zeros(len(t) - 1)
+    at = np.where(beside == 0.0, closest, 0)
+    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, at[moving])
+    doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
+    if len(doubtful):
+        others = follow(doubtful, closest[doubtful])
+        # On a belt both agree, but for rounding: then the belt it is.
+        better = ~(others[3] > size[doubtful] * (1.0 + 1e-6) + EPS)
+        chosen = doubtful[better]
+        defects[chosen], first[chosen], last[chosen] = (values[better] for values in others[:3])
+        events = _joined(events, others[4], chosen)
+    for i in np.flatnonzero(np.diff(t) == 0.0).tolist():  # as the motion arrives there, or leaves the first sample
+        first[i] = last[i] = last[i - 1] if i else first[moving[0]]
+    return Steps(parameters, K, t, x, v, theta, defects, first, last, events)
+
+
+def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return (periods, theta) with Omega t = 2 pi periods + theta for an array of times, however large they are."""
+    context = mp_context(60)
+    Om = parameters.Omega
+    exact = context.mpf(Om.numerator) / Om.denominator / (2 * context.pi)  # turns per time
+    high = float(exact)
+    low = float(exact - high)
+    turns = t * high
+    # Dekker's product: what the rounding of t * high lost.
+    t_big, high_big = _upper_half(t), _upper_half(np.float64(high))
+    t_rest, high_rest = t - t_big, high - high_big
+    lost = ((t_big * high_big - turns) + t_big * high_rest + t_rest * high_big) + t_rest * high_rest
+    whole = np.floor(turns)
+    part = (turns - whole) + (lost + t * low)
+    shift = np.floor(part)
+    theta = (part - shift) * (2.0 * pi)
+    over = theta >= TWO_PI
+    return (whole + shift + over).astype(np.int64), np.where(over, 0.0, theta)
+
+
+def _upper_half(value: Any) -> Any:
+    shifted = value * 134217729.0  # 2^27 + 1
+    return shifted - (shifted - value)
+
+
+def _rows(theta: Any, x: Any, v: Any, at: Any, left: Any, K: Constants) -> np.ndarray:
+    """Return states of the compiled loop from time 0; on a belt (`at`) the forces decide where the motion goes."""
+    mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
+    A = np.array([K.A1, K.A2, K.A3, K.A3])
+    Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
+    above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
+    held = (at > 0) & ~above & ~below
+    mode = np.where(held, 3 + at, mode + above)
+    Fb, Fa = np.where(above, Fa, Fb), np.where(above | held, Fa, Fb)
+    rows = np.zeros((len(x), compiled_loop_module.STATE_WIDTH))
+    rows[:, 0], rows[:, 1], rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6], rows[:, 7] = mode, at, theta, x, v, Fb, Fa
+    rows[:, 8], rows[:, 10] = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
+    rows[:, 13] = left
+    return rows
+
+
+def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+    """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
+    states, count = rows.copy(), len(rows)
+    events_of, codes = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    follow_all, begin = _loop(count), 0
+    floats, ints = [], []
+    while begin < count:
+        out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
+        begin, filled = follow_all(begin, states, events_of, codes, MOST_EVENTS, inf, out_float, out_int, K)
+        floats.append(out_float[:filled, [0, 1, 3]])
+        ints.append(out_int[:filled])
+    numbers, table = np.concatenate(floats), np.concatenate(ints)
+    t, x, theta = numbers.T
+    found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
+    doubtful = np.flatnonzero((codes != END) & (codes != REST))
+    if len(doubtful):
+        singles = [_follow_one(states, rows[i], i, codes, K) for i in doubtful.tolist()]
+        columns = np.array([event for single in singles for event in single], dtype=float).reshape(-1, 7).T
+        step, kind, boundary, target = (columns[k].astype(int) for k in (0, 4, 5, 6))
+        found = _joined(found, StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target), doubtful)
+    modes = states[:, 0].astype(int)
+    ends = _ends(rows, modes, left, found, K)
+    ends[codes == FAILED] = np.nan
+    return modes, ends, found
+
+
+def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants) -> np.ndarray:
+    """Return the states [x, v] at the ends, in one piece from the last event of each row or from its start."""
+    theta, x, v, a, left = rows[:, 3].copy(), rows[:, 4].copy(), rows[:, 5].copy(), rows[:, 6].copy(), left.copy()
+    lasts = np.flatnonzero(np.diff(events.step, append=-1))
+    i, belt = events.step[lasts], np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
+    theta[i], x[i], v[i], left[i] = events.theta[lasts], events.x[lasts], belt, left[i] - events.t[lasts]
+    # After a slip and a graze the acceleration begins with 0.
+    A = np.array([K.A1, K.A2, K.A3, 0.0, 0.0])[modes[i] - 1]
+    a[i] = (events.kind[lasts] == CROSS) * acceleration(x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0)
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(left, K)
+    dx, dv, _ = motion(v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    held = modes > 3
+    return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
+
+
+def _loop(count: int) -> Callable[..., Any]:
+    if count < COMPILE_FROM:
+        return compiled_loop_module.follow_all
+    try:
+        compiled_loop: Callable[..., Any] = compiled()["follow_all"]
+    except MissingExtraError:
+        return compiled_loop_module.follow_all
+    return compiled_loop
+
+
+def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, K: Constants) -> list[Any]:
+    """Follow a row with a contact within rounding: what it is makes no difference beyond rounding, so it is taken."""
+    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:13]))
+    end = row[13:15].tolist()
+    events: list[Any] = []
+    code = 0
+    while code not in (END, REST, FAILED) and len(events) < MOST_EVENTS:
+        # The types of a state's entries are lost in unpacking.
+        code, boundary, _, _, *state = advance(*state, *end, K)  # type: ignore[call-arg]
+        if code <= GRAZE:
+            events.append((i, state[11], state[4], state[3], code, boundary, state[0]))
+    codes[i] = code if code in (END, REST) else FAILED
+    states[i, :13] = state
+    return events
+
+
+def _joined(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
+    """Return `events` with those of `steps` taken from `others`."""
+    kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
+    columns = {
+        name: np.concatenate([getattr(events, name)[kept], getattr(others, name)[taken]]) for name in vars(events)
+    }
+    order = np.lexsort((columns["t"], columns["step"]))
+    return StepEvents(**{name: column[order] for name, column in columns.items()})

@@ -1,0 +1,407 @@
+"""Prints formulas in the paper's notation: parameters in front, terms in the paper's order, lines that fit the page."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.str import StrPrinter
+
+from symosc.derive.steps import Relation
+from symosc.exact import show
+from symosc.symbolic import maps, solution
+
+Expr = Any  # sympy ships no types
+
+# Width of a line of mathematics, in units of a digit; the text is 16 cm wide and a number stands behind.
+LINE = 70.0
+
+_dot, _x = r"\dot{x}", "x_{i+1}"
+NAMES = {
+    solution.v: _dot,
+    solution.v_i: rf"{_dot}_{{i}}",
+    solution.a_i: r"\ddot{x}_{i}",
+    maps.x_j: _x,
+    maps.v_j: rf"{_dot}_{{i+1}}",
+    maps.theta_j: r"\theta_{i+1}",
+    maps.v_end: rf"{_dot}(\tau)",
+    maps.a_end: r"\ddot{x}(\tau)",
+    solution.A: r"A_\alpha",
+    solution.A_m: r"\tfrac{A_\alpha}{m}",
+    **{symbol: f"{symbol.name[0]}_{symbol.name[1]}" for symbol in solution.BASIS},
+}
+
+#: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
+ORDER = ["a_i", "A_m", "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2"]
+#: A term with x_i or one of these, and none of `ORDER`, stands in front.
+SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
+#: What stands in front of a product as a fraction of its own, such as k/m.
+PARAMETERS = {"m", "c", "k", "A", "A_0", "B_0", "Omega", "mu_1", "mu_2", "F_N", "cm", "w0sq", "f0", "h", "v_lambda"}
+
+
+def named(latex: str, **assumptions: Any) -> Expr:
+    """Return a real letter that prints as the given LaTeX."""
+    return sp.Symbol(latex, **({"real": True} | assumptions))
+
+
+def _rank(term: Expr) -> tuple[float, bool, Any]:
+    outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add]
+    letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
+    if not letters:
+        letters = {symbol.name for symbol in term.free_symbols}
+    first: float = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
+    if first == len(ORDER):
+        first = -2 if "x_i" in letters else -1 if letters & SPEEDS else first
+    return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
+
+
+def terms(expr: Expr) -> list[Expr]:
+    """Return the terms of a sum in the order of printing."""
+    return sorted(sp.Add.make_args(expr), key=_rank)
+
+
+class PaperPrinter(LatexPrinter):
+    """sympy's LaTeX printer with the paper's letters, order and fractions."""
+
+    def __init__(self, decimals: bool = False) -> None:
+        super().__init__({"mul_symbol": "", "inv_trig_style": "full"})
+        self.decimals = decimals
+
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        if expr in NAMES:
+            return NAMES[expr]
+        return expr.name if re.search(r"[\\{^]", expr.name) else super()._print_Symbol(expr)
+
+    def _print_Rational(self, expr: Expr) -> str:
+        text = show(Fraction(int(expr.p), int(expr.q)))
+        return text if self.decimals and "/" not in text else super()._print_Rational(expr)
+
+    def _print_Add(self, expr: Expr, order: Any = None) -> str:
+        text = ""
+        for term in terms(expr):
+            part = self._print(term)
+            text += part if not text else f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}"
+        return text
+
+    def _print_Mul(self, expr: Expr) -> str:
+        sign, expr = ("- ", -expr) if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0 else ("", expr)
+        if not expr.is_Mul:
+            return sign + self._print(expr)
+        front_above: list[Expr] = []
+        front_below: list[Expr] = []
+        rest_above: list[Expr] = []
+        rest_below: list[Expr] = []
+        for factor in expr.args:
+            if factor.is_Rational:
+                if self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q))):
+                    front_above.append(factor)
+                    continue
+                front_above += [sp.Integer(factor.p)] if factor.p != 1 else []
+                front_below += [sp.Integer(factor.q)] if factor.q != 1 else []
+                continue
+            base, power = factor.as_base_exp()
+            below = power.is_Rational and power < 0 and not factor.has(sp.exp)
+            known = {symbol.name for symbol in base.free_symbols} <= PARAMETERS
+            kept = sp.Pow(base, -power) if below else factor
+            if below:
+                (front_below if known else rest_below).append(kept)
+            else:
+                (front_above if known and not base.is_Add and not base.is_Function else rest_above).append(kept)
+        if rest_below or not rest_above:
+            return sign + self._fraction([*front_above, *rest_above], [*front_below, *rest_below])
+        if not front_below or (not front_above and len(rest_above) == 1):
+            return sign + self._fraction([*front_above, *rest_above], front_below)
+        return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
+
+    def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
+        if not below:
+            return self._product(above)
+        top = self._print(above[0]) if len(above) == 1 else self._product(above)
+        bottom = self._print(below[0]) if len(below) == 1 else self._product(below)
+        return rf"\frac{{{top}}}{{{bottom}}}"
+
+    def _product(self, factors: list[Expr], alone: bool = True) -> str:
+        if not factors:
+            return "1"
+        single = alone and len(factors) == 1
+        ordered = sorted(factors, key=_factor_key)
+        parts: list[str] = []
+        for factor in ordered:
+            text = self._print(factor)
+            if factor.is_Add and not single:
+                text = _parentheses(text)
+            elif parts and re.match(r"[\d.]", text):
+                text = rf"\cdot {text}"
+            parts.append(text)
+        return r" \, ".join(parts) if _long_names(parts) else " ".join(parts)
+
+    def _print_Pow(self, expr: Expr) -> str:
+        base, power = expr.as_base_exp()
+        if base.is_Symbol and power.is_Integer and power > 1 and "^" in self._print(base):
+            return rf"\bigl({self._print(base)}\bigr)^{{{power}}}"
+        if power.is_Rational and power < 0 and base != sp.E:
+            return rf"\frac{{1}}{{{self._print(sp.Pow(base, -power))}}}"
+        if base.is_Add and power.is_Integer:
+            return rf"{_parentheses(self._print(base))}^{{{power}}}"
+        return str(super()._print_Pow(expr))
+
+    def _print_ExpBase(self, expr: Expr, exp: Any = None) -> str:
+        return rf"e^{{{self._print(expr.args[0])}}}"
+
+    def _print_sin(self, expr: Expr, exp: Any = None) -> str:
+        return self._trig(r"\sin", expr, exp)
+
+    def _print_cos(self, expr: Expr, exp: Any = None) -> str:
+        return self._trig(r"\cos", expr, exp)
+
+    def _print_sinh(self, expr: Expr, exp: Any = None) -> str:
+        return self._trig(r"\sinh", expr, exp)
+
+    def _print_cosh(self, expr: Expr, exp: Any = None) -> str:
+        return self._trig(r"\cosh", expr, exp)
+
+    def _print_asin(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
+
+    def _print_sign(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\operatorname{{sgn}}({self._print(expr.args[0])})"
+
+    def _trig(self, name: str, expr: Expr, exp: Any) -> str:
+        name = f"{name}^{{{exp}}}" if exp else name
+        argument = expr.args[0]
+        text = self._print(argument)
+        return f"{name} {text}" if argument.is_Symbol or argument.is_Mul else f"{name}{_parentheses(text)}"
+
+    def _print_Interval(self, expr: Expr) -> str:
+        low, high, left_open, right_open = expr.args
+        opening, closing = ("(" if left_open else "["), (")" if right_open else "]")
+        return f"{opening} {self._print(low)}, {self._print(high)} {closing}"
+
+    def _print_Union(self, expr: Expr) -> str:
+        parts = sorted(expr.args, key=lambda part: (part.args[0] != 0, sp.default_sort_key(part)))
+        return r" \cup ".join(self._print(part) for part in parts)
+
+    def _print_EmptySet(self, expr: Expr) -> str:
+        return r"\varnothing"
+
+    def _print_Derivative(self, expr: Expr) -> str:
+        (variable, count), *_ = expr.variable_count
+        power = "" if count == 1 else f"^{{{count}}}"
+        letter = self._print(variable)
+        what = self._print(expr.expr)
+        return rf"\frac{{d{power}}}{{d {letter}{power}}} {what if not expr.expr.is_Add else _parentheses(what)}"
+
+    def _print_Function(self, expr: Expr, exp: Any = None) -> str:
+        if isinstance(expr, AppliedUndef):
+            name, power = expr.func.__name__, f"^{{{exp}}}" if exp else ""
+            return rf"{name}{power}({', '.join(self._print(a) for a in expr.args)})"
+        return str(super()._print_Function(expr, exp))
+
+
+def _factor_key(factor: Expr) -> tuple[int, int, Any]:
+    """Order numbers, parameters, other letters, functions, sums."""
+    base = factor.as_base_exp()[0]
+    if factor.is_Rational:
+        return 0, 0, sp.default_sort_key(factor)
+    if isinstance(factor, sp.exp):
+        return 3, 0, sp.default_sort_key(factor)
+    if base.is_Add and {symbol.name for symbol in base.free_symbols} <= {"mu_1", "mu_2"}:
+        return 0, 1, sp.default_sort_key(factor)
+    if base.is_Add:
+        return 2 if factor.is_Pow else 5, 0, sp.default_sort_key(factor)
+    if base.is_Function:
+        return 4, 0, sp.default_sort_key(factor)
+    letters = {symbol.name for symbol in base.free_symbols}
+    place = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
+    if letters <= PARAMETERS:
+        return 1, place, sp.default_sort_key(factor)
+    return 2, int(not letters & {"x_i", "v_i", "a_i"}), sp.default_sort_key(factor)
+
+
+def _long_names(parts: list[str]) -> bool:
+    return any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
+
+
+def _parentheses(text: str) -> str:
+    return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
+
+
+def latex(expr: Expr, decimals: bool = False) -> str:
+    """Return the LaTeX of an expression in the paper's notation."""
+    return str(PaperPrinter(decimals).doprint(sp.sympify(expr)))
+
+
+# --- lines that fit the page ---
+
+_NARROW = {",": 0.6, ".": 0.6, "(": 0.8, ")": 0.8, "|": 0.6, "'": 0.5, "[": 0.6, "]": 0.6}
+_WIDE = {r"\Omega": 1.5, r"\quad": 2.0, r"\qquad": 4.0, r"\,": 0.4, r"\;": 0.6, r"\omega": 1.3, r"\theta": 1.0}
+_OPERATOR = {"=": 2.7, "+": 2.5, "-": 2.5, "<": 2.7, ">": 2.7}
+_TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|[{}^_]|\S")
+
+
+def width(text: str) -> float:
+    """Estimate how wide LaTeX mathematics prints, in units of a digit."""
+    tokens = _TOKEN.findall(text)
+    total, _ = _width(tokens, 0)
+    return total
+
+
+def _width(tokens: list[str], place: int) -> tuple[float, int]:
+    total = 0.0
+    while place < len(tokens) and tokens[place] != "}":
+        token = tokens[place]
+        if token in (r"\frac", r"\tfrac"):
+            above, place = _group(tokens, place + 1)
+            below, place = _group(tokens, place)
+            total += (0.8 if token == r"\tfrac" else 1.0) * max(above, below) + 0.5
+            continue
+        if token in ("^", "_"):
+            script, place = _group(tokens, place + 1)
+            total += 0.75 * script
+            continue
+        if token in (r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
+            inner, place = _group(tokens, place + 1)
+            total += inner
+            continue
+        if token == "{":
+            inner, place = _width(tokens, place + 1)
+            total += inner
+            place += 1
+            continue
+        total += _single(token)
+        place += 1
+    return total, place
+
+
+def _group(tokens: list[str], place: int) -> tuple[float, int]:
+    if place < len(tokens) and tokens[place] == "{":
+        inner, place = _width(tokens, place + 1)
+        return inner, place + 1
+    return (_single(tokens[place]), place + 1) if place < len(tokens) else (0.0, place)
+
+
+def _single(token: str) -> float:
+    if token in (r"\left", r"\right", r"\bigl", r"\bigr"):
+        return 0.3
+    if token in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim"):
+        return len(token) * 1.0
+    if token in _WIDE:
+        return _WIDE[token]
+    if token in _OPERATOR:
+        return _OPERATOR[token]
+    if token in _NARROW:
+        return _NARROW[token]
+    return 1.7 if token.isupper() or token == "m" else 1.1
+
+
+OPERATORS = {"=": "=", ">": ">", "<": "<", ">=": r"\ge", "<=": r"\le", "in": r"\in"}
+
+
+def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
+    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed.
+
+    `left_width` is the width of the column left of the relation sign, if other statements share it.
+    """
+    left = latex(statement.left, decimals)
+    taken = width(left) if left_width is None else left_width
+    rows = _broken(statement.right, decimals, max(LINE - taken - 4.0, 0.3 * LINE))
+    return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
+
+
+def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
+    """Break a sum into rows before its terms; a product with a long sum is broken inside its parentheses."""
+    whole = latex(expr, decimals)
+    if not isinstance(expr, sp.Expr):
+        return [whole]
+    if width(whole) <= room:
+        return [whole]
+    pieces: list[str] = []
+    for term in terms(expr):
+        pieces += _pieces(term, decimals, room, first=not pieces)
+    rows: list[str] = []
+    for piece in pieces:
+        if rows and width(f"{rows[-1]} {piece}") <= room:
+            rows[-1] = f"{rows[-1]} {piece}"
+        else:
+            rows.append(piece)
+    return rows
+
+
+def _pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+    text = _signed(latex(term, decimals), first)
+    if width(text) <= room:
+        return [text]
+    sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
+    if not sums:
+        return [text]
+    longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
+    rest = latex(term / longest, decimals)
+    rest = {"1": "", "- 1": "- "}.get(rest, rest)
+    inner: list[str] = []
+    for part in terms(longest):
+        inner += _pieces(part, decimals, room, first=not inner)
+    head = _signed(rest, first) if rest else ("" if first else "+ ")
+    if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
+        return [rf"{head} \Bigl(", *inner[:-1], rf"{inner[-1]} \Bigr)"]
+    return [rf"{head} \Bigl( {inner[0]}", *inner[1:-1], rf"{inner[-1]} \Bigr)"]
+
+
+def _signed(text: str, first: bool) -> str:
+    return text if first or text.startswith("-") else f"+ {text}"
+
+
+# --- plain text ---
+
+
+class PlainPrinter(StrPrinter):
+    """sympy's text with the letters of the LaTeX output, without its braces; numbers as decimals where they end."""
+
+    def _print_Symbol(self, expr: Expr) -> str:
+        return plain_words(NAMES.get(expr, expr.name))
+
+    def _print_Interval(self, expr: Expr) -> str:
+        low, high, left_open, right_open = expr.args
+        opening, closing = ("(" if left_open else "["), (")" if right_open else "]")
+        return f"{opening}{self._print(low)}, {self._print(high)}{closing}"
+
+    def _print_Union(self, expr: Expr) -> str:
+        return " or ".join(self._print(part) for part in expr.args)
+
+    def _print_EmptySet(self, expr: Expr) -> str:
+        return "nothing"
+
+    def _print_Rational(self, expr: Expr) -> str:
+        text = show(Fraction(int(expr.p), int(expr.q)))
+        return text if len(text) > 12 and "/" not in text else str(super()._print_Rational(expr))
+
+    def _print_Add(self, expr: Expr, order: Any = None) -> str:
+        text = ""
+        for term in terms(expr):
+            part = self._print(term)
+            text += part if not text else f" - {part[1:]}" if part.startswith("-") else f" + {part}"
+        return text
+
+    def _print_Function(self, expr: Expr) -> str:
+        return plain_words(str(super()._print_Function(expr)))
+
+
+def plain(expr: Expr) -> str:
+    """Return an expression as text."""
+    return str(PlainPrinter().doprint(sp.sympify(expr)))
+
+
+def plain_words(text: str) -> str:
+    """Return LaTeX text as readable plain text."""
+    text = re.sub(r"\\ddot\{x\}", "x''", text)
+    text = re.sub(r"\\dot\{x\}", "x'", text)
+    text = re.sub(r"\\t?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)", text)
+    text = re.sub(r"\\(?:text|mathrm|operatorname|emph|textbf)\{([^{}]*)\}", r"\1", text)
+    text = re.sub(r"\\(?:left|right|bigl|bigr|Bigl|Bigr)", "", text)
+    text = re.sub(r"\\[,;!]|~|\\q?quad", " ", text)
+    swaps = {r"\ge": ">=", r"\le": "<=", r"\ne": "!=", r"\to": "->", r"\infty": "inf", r"\cdot": "*", r"\in": "in"}
+    text = re.sub(r"\\([a-zA-Z]+)", lambda found: swaps.get(found[0], found[1]), text)
+    return text.replace("{", "").replace("}", "").replace("$", "").replace("\\", "")

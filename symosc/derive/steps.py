@@ -1,0 +1,391 @@
+"""A derivation is a list of steps: a statement, the reason for it in words, and the check that it has to pass.
+
+The check is run on the statement itself, so what is printed is what was checked. A check ends as
+
+    exact     sympy reduces a difference to 0, or the solution of an equation is verified exactly
+    sign      the sign of an expression follows from the signs of its letters, or from exact numbers
+    numeric   both sides agree with 50 digits at the root that is meant, or a printed decimal to its last digit
+
+or it raises `StepError`: then nothing is printed.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+from symosc.errors import SymoscError
+from symosc.kernels.multiprecision import mp_context
+from symosc.symbolic import solution
+
+Expr = Any  # sympy ships no types
+
+DIGITS = 50
+CONTEXT = mp_context(DIGITS + 10)
+POINTS = 24
+# What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
+AGREEMENT = CONTEXT.mpf(10) ** -45
+# Enough to refute a wrong statement without a proof attempt.
+REFUTATION_POINTS = 3
+DIFFERENT = CONTEXT.mpf(10) ** -30
+
+
+class StepError(SymoscError):
+    """A step whose check failed or could not be decided.
+
+    Attributes
+    ----------
+    statement : str
+        What could not be shown.
+    """
+
+    def __init__(self, statement: str, reason: str) -> None:
+        self.statement, self.reason = statement, reason
+        super().__init__(f"{statement}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.statement, self.reason)
+
+
+class Relation(NamedTuple):
+    """What a step states: left, one of = > < >= <= in, right (a set after "in")."""
+
+    left: Expr
+    op: str
+    right: Expr
+
+    def __str__(self) -> str:
+        return f"{self.left} {self.op} {self.right}"
+
+
+class Evidence(NamedTuple):
+    """How a step was checked.
+
+    Attributes
+    ----------
+    kind : {"exact", "sign", "numeric"}
+    margin : str
+        exact: "0". numeric: the largest relative difference. sign: what decided it.
+    points : int
+        Random points, 0 for a proof.
+    """
+
+    kind: str
+    margin: str
+    points: int = 0
+
+
+class Check:
+    """Base class of the checks; `run` returns the evidence or raises StepError."""
+
+    def run(self, statement: Relation) -> Evidence:
+        """Check a statement."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Step:
+    """One displayed line. An empty reason continues the display of the step before.
+
+    Attributes
+    ----------
+    statement : Relation
+    reason : str
+        LaTeX text that stands before the display.
+    check : Check
+    note : str
+        LaTeX text behind the formula, such as a condition.
+    decimals : bool
+        Print numbers as decimals where they end, also outside scenes.
+    """
+
+    statement: Relation
+    reason: str
+    check: Check
+    note: str = ""
+    decimals: bool = False
+
+    def verify(self) -> Evidence:
+        """Run the check."""
+        return self.check.run(self.statement)
+
+
+class Heading(NamedTuple):
+    """A subsection's title (LaTeX text)."""
+
+    text: str
+
+
+class Prose(NamedTuple):
+    """A paragraph between steps (LaTeX text)."""
+
+    text: str
+
+
+def equation(left: Expr, right: Expr, reason: str, check: Check, note: str = "") -> Step:
+    """Return the step left = right."""
+    return Step(Relation(sp.sympify(left), "=", sp.sympify(right)), reason, check, note)
+
+
+# --- checks ---
+
+
+@dataclass(frozen=True)
+class Exact(Check):
+    """The sides are equal once each name is replaced by what it stands for.
+
+    Attributes
+    ----------
+    meaning : dict
+        Name -> independent expression (or a function that returns it), applied again until nothing changes.
+    tidy : callable
+        Reduces a difference that vanishes to 0.
+    independent : bool
+        Whether the letters that are left are independent of each other, so that random values may refute a statement.
+    """
+
+    meaning: dict[Expr, Any] = field(default_factory=dict)
+    tidy: Callable[[Expr], Expr] = sp.simplify
+    independent: bool = True
+
+    def run(self, statement: Relation) -> Evidence:
+        """See `Check`."""
+        difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
+        if self.independent:
+            _refute(statement, difference)
+        rest = self.tidy(difference)
+        if rest != 0 and sp.simplify(rest) != 0:
+            raise StepError(str(statement), f"the difference {rest} does not vanish")
+        return Evidence("exact", "0")
+
+
+@dataclass(frozen=True)
+class Solves(Check):
+    """The right side, plus `shift`, is the solution y of D y = force with y(0), y'(0) given.
+
+    With D = d^2/dtau^2 + cm d/dtau + w0sq. Only one function does this, so the check pins down every sign.
+    """
+
+    force: Expr
+    start: Expr
+    rate: Expr
+    cm: Expr = solution.cm
+    w0sq: Expr = solution.w0sq
+    shift: Expr = sp.S.Zero
+    general: bool = False
+    meaning: dict[Expr, Expr] = field(default_factory=dict)
+
+    def run(self, statement: Relation) -> Evidence:
+        """See `Check`."""
+        y = resolve(statement.right + self.shift, self.meaning)
+        differentiate = solution.time_derivative if self.general else _by_tau
+        first = differentiate(y)
+        second = differentiate(first)
+        at_start = solution.start_values() | {solution.tau: sp.Integer(0)}
+        residuals = (
+            second + self.cm * first + self.w0sq * y - resolve(self.force, self.meaning),
+            y.subs(at_start) - self.start,
+            first.subs(at_start) - self.rate,
+        )
+        tidy = solution.use_relations if self.general else _modes
+        for residual in residuals:
+            if not self.general:
+                _refute(statement, residual)
+            rest = tidy(resolve(residual, self.meaning))
+            if rest != 0 and sp.simplify(rest) != 0:
+                raise StepError(str(statement), f"does not solve its equation: {rest} is left over")
+        return Evidence("exact", "0")
+
+
+def _by_tau(expr: Expr) -> Expr:
+    return expr.diff(solution.tau)
+
+
+def _modes(expr: Expr) -> Expr:
+    return solution.collect_modes(sp.expand_trig(expr))
+
+
+@dataclass(frozen=True)
+class Sign(Check):
+    """An inequality that follows from the signs of the letters, or is between exact numbers."""
+
+    meaning: dict[Expr, Any] = field(default_factory=dict)
+
+    def run(self, statement: Relation) -> Evidence:
+        """See `Check`."""
+        difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
+        difference = sp.factor(sp.simplify(difference))
+        holds = {
+            ">": difference.is_positive,
+            "<": difference.is_negative,
+            ">=": difference.is_nonnegative,
+            "<=": difference.is_nonpositive,
+        }[statement.op]
+        if not holds:
+            raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
+        return Evidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")
+
+
+@dataclass(frozen=True)
+class Close(Check):
+    """The printed decimal on the right is the computed value on the left to half a unit of its last digit."""
+
+    value: Callable[[], Any]
+    decimals: int
+
+    def run(self, statement: Relation) -> Evidence:
+        """See `Check`."""
+        off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
+        if not off <= CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"):
+            raise StepError(str(statement), f"the value is off by {CONTEXT.nstr(off, 3)}")
+        return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
+
+
+@dataclass(frozen=True)
+class AtRoot(Check):
+    """The sides agree with 50 digits at a given point; `tolerance` is absolute."""
+
+    meaning: Callable[[], dict[Expr, Any]]
+    tolerance: Any = AGREEMENT
+
+    def run(self, statement: Relation) -> Evidence:
+        """See `Check`."""
+        values = self.meaning()
+        left, right = (evaluate(side, values) for side in (statement.left, statement.right))
+        if statement.op == "=":
+            off = abs(left - right)
+            if not off < self.tolerance:
+                raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
+            return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
+        if not {">": left > right, "<": left < right}[statement.op]:
+            raise StepError(str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}")
+        return Evidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
+
+
+# --- tools ---
+
+
+def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
+    """Replace names by their meanings until none is left."""
+    expr = sp.sympify(expr)
+    for _ in range(10):
+        used = {name: value for name, value in meaning.items() if name in expr.free_symbols}
+        if not used:
+            return expr
+        expr = expr.xreplace({name: sp.sympify(value() if callable(value) else value) for name, value in used.items()})
+        expr = expr.doit(deep=False) if expr.has(sp.Derivative) else expr
+    return expr
+
+
+def points(expr: Expr, sample: Any = None, count: int = POINTS) -> Iterator[dict[Expr, Any]]:
+    """Yield random points that the assumptions on the letters (or `sample`) allow, always the same ones."""
+    letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
+    dice = random.Random(20161031)
+    for _ in range(count):
+        if sample is not None:
+            point = sample(dice)
+        else:
+            point = {letter: sp.Rational(dice.randint(100, 4999), 1009) for letter in letters}
+            point = {q: z if q.is_nonnegative else z * dice.choice((-1, 1)) for q, z in point.items()}
+        yield point
+
+
+def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
+    """Return an expression at a point with 60 digits."""
+    value = expr.subs(point, simultaneous=True)
+    if value.free_symbols:
+        raise StepError(str(expr), f"{sorted(map(str, value.free_symbols))} have no value")
+    number = sp.N(value, DIGITS + 10, maxn=400)
+    if not number.is_real:
+        raise StepError(str(expr), f"is not real at {point}")
+    return CONTEXT.mpf(number._to_mpmath(CONTEXT.prec))
+
+
+def rounded(number: Any, decimals: int) -> Any:
+    """Return a number as an exact decimal."""
+    return sp.Rational(int(CONTEXT.nint(CONTEXT.mpf(number) * 10**decimals)), 10**decimals)
+
+
+def _refute(statement: Relation, difference: Expr) -> None:
+    """Raise StepError if a difference that should vanish clearly does not: no proof is tried then."""
+    if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*_KNOWN) or difference.has(sp.Derivative):
+        return
+    for point in points(difference, count=REFUTATION_POINTS):
+        value = sp.N(difference.subs(point, simultaneous=True), 40, maxn=120)
+        if value.is_number and value.is_finite and abs(value) > DIFFERENT:
+            raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
+
+
+_KNOWN = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.sign, sp.asin, sp.Abs)
+
+
+def mutations(step: Step) -> Iterator[Step]:
+    """Yield the step with one sign changed: of a term anywhere in a side, of a side, or with < and > exchanged.
+
+    Changes that change nothing, such as cos(-x), are left out.
+    """
+    statement = step.statement
+    if statement.op not in ("=", "in"):
+        turned = {">": "<", "<": ">", ">=": "<", "<=": ">"}[statement.op]
+        yield replace(step, statement=statement._replace(op=turned))
+        return
+    for name in ("left", "right"):
+        side = getattr(statement, name)
+        if side.is_Symbol:
+            continue
+        for changed in _sign_changes(side):
+            if _differs(side, changed):
+                yield replace(step, statement=statement._replace(**{name: changed}))
+
+
+def _sign_changes(expr: Expr) -> Iterator[Expr]:
+    if isinstance(expr, sp.Expr) and not expr.is_Add and expr != 0:
+        yield -expr
+    yield from _inner_changes(expr)
+
+
+def _inner_changes(expr: Expr) -> Iterator[Expr]:
+    if isinstance(expr, (sp.Derivative, sp.Integral, sp.Limit)):
+        return
+    if isinstance(expr, sp.Set):
+        yield from _set_changes(expr)
+        return
+    if isinstance(expr, sp.Function):
+        yield expr.func(-expr.args[0])
+    if expr.is_Add:
+        for term in expr.args:
+            yield sp.Add(*(-other if other is term else other for other in expr.args))
+    for position, part in enumerate(expr.args):
+        for changed in _inner_changes(part):
+            yield expr.func(*(changed if place == position else other for place, other in enumerate(expr.args)))
+
+
+def _set_changes(phases: Expr) -> Iterator[Expr]:
+    """Yield the set with the sign of one part of an end changed; the empty set becomes everything and vice versa."""
+    circle = sp.Interval.Ropen(0, 2 * sp.pi)
+    if phases in (sp.S.EmptySet, circle):
+        yield circle if phases == sp.S.EmptySet else sp.S.EmptySet
+        return
+    parts = phases.args if isinstance(phases, sp.Union) else (phases,)
+    for place, part in enumerate(parts):
+        for end in (0, 1):
+            for changed in _inner_changes(part.args[end]):
+                new = [*part.args]
+                new[end] = changed
+                others = [sp.Basic.__new__(sp.Interval, *new) if at == place else p for at, p in enumerate(parts)]
+                yield others[0] if len(others) == 1 else sp.Union(*others, evaluate=False)
+
+
+def _differs(one: Expr, other: Expr) -> bool:
+    if isinstance(one, sp.Set):
+        return bool(one != other)
+    if one.has(sp.Function) and one.atoms(sp.Function) - one.atoms(*_KNOWN):
+        return bool(sp.simplify(one - other) != 0)
+    return any(
+        abs(sp.N((one - other).subs(point, simultaneous=True), 30)) > DIFFERENT
+        for point in points(one - other, count=2)
+    )

@@ -1,0 +1,166 @@
+"""The same scalar source as CPython floats, as compiled code and in any number of digits.
+
+The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here they are
+bound (`symosc.engine.binding`) to mpmath's sin, cos, sqrt and precision, or to compiled versions of each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from symosc.engine import (
+    binding,
+    compiled_loop,
+    first_exit,
+    flow,
+    gap_bounds,
+    next_event,
+    rests,
+    stick_exit,
+    switching,
+    touches,
+)
+from symosc.engine.flow import Constants, constants, with_march
+from symosc.kernels import _generated, entire
+from symosc.model import Parameters
+
+SOURCES = (
+    _generated,
+    entire,
+    flow,
+    switching,
+    gap_bounds,
+    touches,
+    first_exit,
+    rests,
+    stick_exit,
+    next_event,
+    compiled_loop,
+)
+
+
+# What decisions must exceed with mpmath, instead of `events.ROUNDING` and `flow.SIGMAS`.
+MP_ROUNDING = 2**16
+MP_SIGMAS = 2**10
+
+# Called from several places and rarely: not worth a copy in each.
+OUTLINED = {
+    "closest_approach",
+    "quartic_start",
+    "series",
+    "careful",
+    "resolve",
+    "tolerance",
+    "parts_again",
+    "hidden",
+    "follow_all",
+}
+
+
+#: The fast paths' names as they are: for floats.
+IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).items() if not name.startswith("__")}
+
+
+class Arithmetic:
+    """Numbers of one kind, with the fast paths bound to them.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    K : Constants
+    advance : callable
+        `symosc.engine.next_event.advance` for these numbers.
+    number : callable
+        Rounds a Fraction to such a number.
+    """
+
+    K: Constants
+    advance: Callable[..., Any]
+    digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
+
+    def __init__(self, parameters: Parameters) -> None:
+        self.parameters = parameters
+        self.K = _float_constants(parameters)
+        self.namespace: dict[str, Any] = IN_DOUBLES
+        self.advance = next_event.advance
+
+    number: Callable[[Fraction], Any] = staticmethod(float)
+
+    def phase(self, t: Fraction) -> tuple[int, Any]:
+        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
+        angle = self.parameters.Omega * t
+        if angle == 0:
+            return 0, self.number(Fraction(0))
+        context = mp_context(self.digits + 20 + len(str(abs(int(angle)))))
+        turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
+        periods = int(context.floor(turns))
+        return periods, self.rounded((turns - periods) * 2 * context.pi)
+
+    def time(self, t: Fraction) -> tuple[Any, Any]:
+        """Return a time as the sum of two such numbers."""
+        high = float(t)
+        return high, float(t - Fraction(high))
+
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf to such a number."""
+        return float(value)
+
+
+class MpArithmetic(Arithmetic):
+    """The fast paths with `digits` decimal digits (mpmath)."""
+
+    def __init__(self, parameters: Parameters, digits: int) -> None:
+        from symosc.kernels.entire_mp import BasisMP
+
+        context = mp_context(digits)
+        self.parameters, self.context, self.digits = parameters, context, digits
+        basis = BasisMP(context, parameters)
+        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
+        eps = context.ldexp(1, -context.prec)
+        replaced = {name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")}
+        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
+        replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
+        replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
+        self.namespace = binding.bind(SOURCES, replaced)
+        self.advance = self.namespace["advance"]
+
+    def number(self, value: Fraction) -> Any:
+        """Round a Fraction to an mpf of this precision."""
+        return self.context.mpf(value.numerator) / value.denominator
+
+    def time(self, t: Fraction) -> tuple[Any, Any]:
+        """Return a time and 0."""
+        return self.number(t), self.number(Fraction(0))
+
+    def rounded(self, value: Any) -> Any:
+        """Round an mpf of any precision to one of this precision."""
+        return self.context.mpf(value)
+
+
+@lru_cache(maxsize=1024)
+def _float_constants(parameters: Parameters) -> Constants:
+    """Return the constants in floats; their derivation in rational numbers takes longer than many a short run."""
+    return with_march(constants(parameters), entire.basis)
+
+
+def mp_context(digits: int) -> Any:
+    """Return an mpmath context of fixed precision (`symosc.kernels.multiprecision`, which loads mpmath)."""
+    from symosc.kernels.multiprecision import mp_context
+
+    return mp_context(digits)
+
+
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Any]:
+    """Return the fast paths compiled by numba.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    """
+    return binding.compiled(SOURCES, OUTLINED)

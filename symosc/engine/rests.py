@@ -1,0 +1,66 @@
+"""Flights without an end: what shows that a motion meets no belt any more.
+
+Three arguments, each for all times to come:
+
+- the steady velocity and the energy of the transient bound the velocity (`never_leaves`);
+- without a spring the transient is one exponential, which does the same;
+- without a drive and without oscillation (B0 = 0, critical or overdamped) the gap g = +-(v - v_lambda) obeys
+  L g = r with a constant r = -+(k/m) v_lambda. With the fast root l2 of L the function u = g' - l2 g obeys
+  u' = l1 u + r. So u >= 0 and r >= 0 keep u >= 0, and g' >= l2 g keeps g > 0: the gap may shrink without end, but it
+  never closes (`creeps_for_ever`). For k = 0 u is constant, a rational number whose sign is exact.
+
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on mpmath numbers.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from symosc.engine.first_exit import MARCH_SLACK
+from symosc.engine.touches import ROUNDING
+from symosc.kernels.entire import EPS
+
+# A gap below this part of the velocities in question is too small to begin a new search with.
+BESIDE = 1e-6
+
+
+def never_leaves(v, a, s, c, S11, S22, lower, upper, has_below, has_above, mode, K):
+    """Return whether v stays between the walls for ever, from the steady amplitude and the transient's size."""
+    if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
+        return False
+    free = v - (K.Ss * s + K.Sc * c)
+    if K.w0 == 0.0:
+        mean = (K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3) / K.cm
+        free = free - mean
+        highest, lowest = mean + K.V0 + (free if free > 0.0 else 0.0), mean - K.V0 + (free if free < 0.0 else 0.0)
+    else:
+        a_free = a - K.Om * (K.Ss * c - K.Sc * s)
+        highest = K.V0 + sqrt(a_free * a_free + K.w0sq * free * free) / K.w0
+        lowest = -highest
+    # A swing that just touches a belt is an event.
+    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S22 + K.w0sq * S11)
+    return not (has_below and lowest - slack <= lower) and not (has_above and highest + slack >= upper)
+
+
+def creeps_for_ever(v, a, x, S11, S22, lower, upper, has_below, has_above, mode, K):
+    """Return whether a flight without drive and oscillation (K.creeps) never reaches a wall; see the module."""
+    A = K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3
+    terms = abs(A) + abs(K.w0sq * x) + (K.cm - K.l2) * abs(v)
+    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S11) + (K.cm - K.l2) * sqrt(S22))
+    if has_below:
+        kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else a - K.l2 * (v - lower.v) > noise
+        kept = kept or (v == lower.v and a == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
+        if not kept or lower.drift < 0.0:
+            return False
+    if has_above:
+        kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -a - K.l2 * (upper.v - v) > noise
+        kept = kept or (v == upper.v and a == 0.0 and upper.drift < 0.0)
+        if not kept or upper.drift > 0.0:
+            return False
+    return True
+
+
+def beside_a_wall(v, size, lower, upper, has_below, has_above):
+    """Return whether v is so near a wall, compared with the velocities of `size`, that a touch may be here."""
+    near = BESIDE * size
+    return (has_below and v - lower <= near) or (has_above and upper - v <= near)

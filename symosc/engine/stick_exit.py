@@ -1,0 +1,168 @@
+"""The end of a stick: the first of its two exits.
+
+On belt lambda both forces change alike, dF/dt = -(k v_lambda + B0 Omega sin(theta))/m, so that after a time tau
+
+    F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
+    Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
+
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each).
+Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7, where its
+value needs no trigonometric function. So each monotone piece is decided by the value at its end. In real arithmetic no
+exit is missed so, and the exit in a piece is its only root there. With rounding, a value within ROUNDING errors of 0 is
+no decision; that this margin is wide enough in doubles was measured, not proven (`symosc.engine.first_exit`).
+"""
+
+from __future__ import annotations
+
+from math import acos, cos, sin, sqrt
+
+from symosc.engine.first_exit import MOST_STEPS
+from symosc.engine.touches import HIT, NOTHING, ROUNDING, STALLED, TANGENCY
+from symosc.kernels._generated import stick_acceleration
+from symosc.kernels.entire import EPS, SIXTH
+
+PI = acos(-1.0)
+# Phases closer than this times EPS are one.
+SAME_PHASE = 64.0
+
+
+def gain(tau, s0, c0, belt, K):
+    """Return Delta, Delta' and Delta'' at tau, without cancellation at small tau; s0, c0 belong to the start."""
+    half = 0.5 * K.Om * tau
+    s, c = sin(half), cos(half)
+    swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
+    Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
+    s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
+    return Delta, belt.drift - K.fB * (s0 * c_Om + c0 * s_Om), -K.fB * K.Om * (c0 * c_Om - s0 * s_Om)
+
+
+def wrapped(angle):
+    """Return an angle moved into [0, 2 pi)."""
+    while angle < 0.0:
+        angle = angle + 2.0 * PI
+    while angle >= 2.0 * PI:
+        angle = angle - 2.0 * PI
+    return angle
+
+
+def ahead(angle):
+    """Return how far a turning phase lies ahead, in [0, 2 pi); one within rounding is here, and its piece is behind."""
+    angle = wrapped(angle)
+    return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
+
+
+def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
+    """Find the end of a stick within `tau_max` <= one forcing period.
+
+    Parameters
+    ----------
+    tau_max : time to search.
+    F_below, F_above : accelerations F^(below) >= 0 >= F^(above) at the start.
+    theta, s0, c0 : phase at the start in [0, 2 pi), its sine and cosine.
+    S11 : variance of the error of the position.
+    belt, K : BeltConstants, Constants
+
+    Returns
+    -------
+    (code, side, tau, Delta, slope, bend)
+        NOTHING: the stick lasts (Delta at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1),
+        where Delta has `slope` and `bend`. TANGENCY: a force touches 0 at tau as far as this precision tells.
+    """
+    zero = 0.0 * tau_max
+    tau, Delta, s, c, c_end = zero, zero, s0, c0, c0
+    first, second, turns_at_period = tau_max, tau_max, False
+    if belt.turns:
+        first = ahead(belt.angle - theta) / K.Om
+        second = ahead(PI - belt.angle - theta) / K.Om
+        turns_at_period = first == 0.0 or second == 0.0
+    c_first = belt.c_cr
+    if second < first:
+        first, second, c_first = second, first, -belt.c_cr
+    for piece in range(3):
+        end = first if piece == 0 else second if piece == 1 else tau_max
+        if end > tau_max:
+            end = tau_max
+        if end <= tau:
+            continue
+        if belt.turns and end < tau_max:
+            c_end = c_first if piece == 0 else -c_first
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - c0, K.w0sq, K.f0)
+        elif end == K.period:
+            Delta_end = belt.drift * end
+        else:
+            Delta_end, _, _ = gain(end, s0, c0, belt, K)
+        if Delta_end == Delta:  # constant forces
+            tau = end
+            continue
+        rising = Delta_end > Delta
+        force, side = (F_above, 1) if rising else (F_below, -1)
+        over = force + Delta_end if rising else -force - Delta_end
+        noise = force_noise(F_below, end, S11, belt, K)
+        turning = end < tau_max or (turns_at_period and end == K.period)
+        if turning and abs(over) <= noise:
+            return TANGENCY, side, end, Delta_end, zero, zero
+        if over >= 0.0:
+            return exit_root(force, side, tau, end, Delta, s, c, theta, s0, c0, belt, K)
+        tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
+    return NOTHING, 0, tau_max, Delta, zero, zero
+
+
+def force_noise(F_below, tau, S11, belt, K):
+    """Return how far a force on the belt may be wrong `tau` after the start of the stick."""
+    size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
+    return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
+
+
+def exit_root(force, side, low, high, Delta, s, c, theta, s0, c0, belt, K):
+    """Return the only root of force + Delta in [low, high], on which Delta is monotone, as `belt_exit` does.
+
+    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative;
+    the first from `low` or from the inflection of Delta (cos(theta) = 0), where it is steepest, whichever is nearer to
+    the root: there sine and cosine of the phase are known (s and c at `low`). Halving when a step leaves the bracket
+    or the steps do not shrink.
+    """
+    sine = 1.0 if side * K.fB < 0.0 else -1.0
+    inflection = wrapped(0.5 * sine * PI - theta) / K.Om
+    tau, over = low, force + Delta
+    if low < inflection < high:
+        there = stick_acceleration(force, belt.v, inflection, -c0, K.w0sq, K.f0)
+        if abs(there) < abs(over):
+            tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
+        if side * there > 0.0:
+            high = inflection
+        else:
+            low = inflection
+    slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
+    Om2 = K.Om * K.Om
+    fourth, step_before, exact = abs(K.fB) * K.Om * Om2, 2.0 * (high - low), False
+    for _ in range(MOST_STEPS):
+        third = Om2 * (belt.drift - slope)
+        square = slope * slope - 2.0 * over * bend
+        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
+        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
+        incline = slope + (bend + 0.5 * third * step) * step
+        useful = steepness > 0.0 and side * incline > 0.0
+        if useful:
+            change = -SIXTH * third * step * step * step / incline
+            step = step + change
+        size = abs(step)
+        if exact:  # the first point is a guess, for which digits may have been lost
+            if over == 0.0:
+                return HIT, side, tau, -force, slope, bend
+            if useful:
+                missing = fourth * size * size * size * size + change * change * (abs(bend) + abs(third) * size)
+                if missing <= EPS * tau * abs(incline) or tau + step == tau:
+                    return HIT, side, tau + step, -force, incline, bend + third * step
+        if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
+            step = 0.5 * (low + high) - tau
+        step_before = abs(step) if exact else step_before
+        if tau + step == tau:  # the bracket is as narrow as it gets
+            return HIT, side, tau, -force, slope, bend
+        tau, exact = tau + step, True
+        Delta, slope, bend = gain(tau, s0, c0, belt, K)
+        over = force + Delta
+        if side * over > 0.0:
+            high = tau
+        else:
+            low = tau
+    return STALLED, side, tau, -force, slope, bend

@@ -1,0 +1,265 @@
+"""Theorem 7 against numerics: does a contact at a phase graze? Decided in three ways and compared with the window.
+
+A contact is built at each phase (x_m from F = 0), and whether the flow of the domain turns back there is decided by the
+signs of the G-functions, by the exact flow a short time before and after, and by scipy's DOP853
+(`symosc.grazing.deciders`).
+
+The phases are random ones, in double precision, and adversarial ones, exact: the ends of the window, the points of
+equality and the quarters of the circle themselves, and 1e-3 to 1e-14 beside them on both sides.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+
+from symosc.errors import ParameterError
+from symosc.exact import whole_number
+from symosc.grazing.deciders import EPS, FLOW_DIGITS, OPEN, ROUNDING, YES, Ways
+from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.model import Parameters
+
+PHASES, MOST_PHASES = 10_000, 1_000_000
+DECADES = range(3, 15)
+#: The three ways, and why they leave a phase open.
+G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
+WHY_OPEN = {
+    G_SIGNS: "an interval contains 0",
+    EXACT_FLOW: "the gap is 0 to all digits, or its sign depends on the time",
+    DOP853: "the gap before or after is within the solver's error and the third-order term",
+}
+MOST_SHOWN = 20
+
+
+@dataclass(frozen=True)
+class GrazingReport:
+    """What `check_grazing` found.
+
+    Attributes
+    ----------
+    mapping, window, case : str
+    n_random, n_adversarial : int
+        Phases that were tried.
+    n_grazing : int
+        Those in the window.
+    agreements : dict
+        Per way, the phases that it decided as the window does.
+    undecided : dict
+        Per way and reason, the phases that it could not decide.
+    mismatches : tuple of dict
+        Every phase where a way contradicts the window, or where x_m of the window does not make F = 0: phase, way, what
+        the window says and what the way says.
+    closest : dict
+        Per way, the smallest |G^(1)| that was decided, over the sum of the sizes of its terms.
+    closest_phase : float
+        The smallest distance of a decided phase from a phase with G^(1) = 0, but for those phases themselves; inf where
+        there are none.
+    orders : dict
+        The phases by the order of the G-function that decided.
+    finely : int
+        Phases that needed intervals.
+    seconds : float
+        That it took. Two reports that differ in nothing else are equal.
+    """
+
+    mapping: str
+    window: str
+    case: str
+    seed: int
+    n_random: int
+    n_adversarial: int
+    n_grazing: int
+    agreements: dict[str, int]
+    undecided: dict[str, dict[str, int]]
+    mismatches: tuple[dict[str, str], ...]
+    closest: dict[str, float]
+    closest_phase: float
+    orders: dict[int, int]
+    finely: int
+    seconds: float = field(compare=False)
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing contradicts the window, and the first two ways decided every phase."""
+        return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data."""
+        return {"ok": self.ok, **{name: getattr(self, name) for name in self.__dataclass_fields__}}
+
+    def summary(self) -> str:
+        """Return the report as text."""
+        total = self.n_random + self.n_adversarial
+        lines = [
+            f"{self.mapping} {self.case}: {self.window}",
+            f"{'ok' if self.ok else 'FAILED'}: {len(self.mismatches)} mismatches at {total} phases "
+            f"({self.n_random} random, seed {self.seed}; {self.n_adversarial} adversarial); {self.n_grazing} graze",
+        ]
+        for way in (G_SIGNS, EXACT_FLOW, DOP853):
+            line = f"  {way:11s} agrees at {self.agreements[way]}, down to |G1|/size = {self.closest[way]:.1e}"
+            lines.append(line + "".join(f"; cannot decide {n}: {why}" for why, n in self.undecided[way].items()))
+        orders = ", ".join(f"order {order}: {count}" for order, count in sorted(self.orders.items()))
+        lines.append(f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s")
+        lines += [f"  mismatch: {each}" for each in self.mismatches[:MOST_SHOWN]]
+        return "\n".join(lines)
+
+
+def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -> GrazingReport:
+    """Compare the grazing window of a mapping with three independent numerical decisions.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6".
+    n : int
+        Random phases, at most a million; some hundred adversarial ones come on top.
+    seed : int
+        Of the random phases.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
+        k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+    """
+    n, seed = whole_number("n", n, 1, MOST_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
+    begin = time.perf_counter()
+    window = grazing_window(p, mapping)
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
+    if p.B0 == 0 and window.speed == 0:
+        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
+    check = _Check(window)
+    check.random(np.random.default_rng(seed).uniform(0.0, 2 * pi, n))
+    check.adversarial()
+    return GrazingReport(
+        mapping=mapping,
+        window=repr(window),
+        case=window.case,
+        seed=seed,
+        n_random=n,
+        n_adversarial=check.n_adversarial,
+        n_grazing=check.n_grazing,
+        agreements=check.agreements,
+        undecided={way: {WHY_OPEN[way]: count} if count else {} for way, count in check.undecided.items()},
+        mismatches=tuple(check.mismatches),
+        closest=check.closest,
+        closest_phase=check.closest_phase,
+        orders={order: count for order, count in check.orders.items() if count},
+        finely=check.finely,
+        seconds=time.perf_counter() - begin,
+    )
+
+
+class _Check:
+    """The counters of a check."""
+
+    def __init__(self, window: GrazingWindow) -> None:
+        self.window, self.ways = window, Ways(window)
+        self.agreements = dict.fromkeys(WHY_OPEN, 0)
+        self.undecided = dict.fromkeys(WHY_OPEN, 0)
+        self.closest = dict.fromkeys(WHY_OPEN, inf)
+        self.mismatches: list[dict[str, str]] = []
+        self.closest_phase = inf
+        self.orders: Counter[int] = Counter()
+        self.n_grazing = self.n_adversarial = self.finely = 0
+
+    def random(self, theta: np.ndarray) -> None:
+        """Decide phases in double precision; what that leaves open, one by one."""
+        ways = self.ways
+        inside = self.window.contains(theta)
+        self._check_contacts(theta, inside)
+        signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
+        unclear = (signs == OPEN) | (flow == OPEN)
+        self.orders[1] += int((~unclear).sum())
+        for i in np.nonzero(unclear)[0]:
+            exact = ways.fine.context.mpf(float(theta[i]))
+            signs[i], flow[i] = self._fine(exact, False)
+        self._count(theta, inside, np.abs(ways.slope(theta)), signs, flow, solver)
+
+    def adversarial(self) -> None:
+        """Decide the special phases themselves and 1e-3 to 1e-14 beside them."""
+        import sympy
+
+        ways = self.ways
+        context = ways.fine.context
+        zeros, special = self._special(sympy)
+        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in DECADES for sign in (1, -1)]
+        phases, inside, margins, signs, flow, floats = [], [], [], [], [], []
+        for base in special:
+            number = context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
+            for offset in offsets:
+                phase = base + sympy.Rational(offset.numerator, offset.denominator)
+                value = number + ways.fine.number(offset)
+                zero = offset == 0 and base in zeros
+                verdicts = self._fine(value, zero)
+                phases.append(phase)
+                inside.append(bool(self.window.contains(phase)))
+                margins.append(0.0 if zero else abs(ways.fine_slope(value)))
+                signs.append(verdicts[0])
+                flow.append(verdicts[1])
+                floats.append(float(value))
+                if base in zeros and offset and OPEN not in verdicts:
+                    self.closest_phase = min(self.closest_phase, float(abs(offset)))
+        solver = ways.solver(np.array(floats))
+        self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
+        self.n_adversarial = len(phases)
+
+    def _special(self, sympy: Any) -> tuple[set[Any], list[Any]]:
+        """Return the phases where G^(1) = 0 exactly, and all special phases."""
+        quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
+        zeros: set[Any] = set()
+        if self.window.amplitude != 0:
+            sine = -self.window.gamma / self.window.amplitude
+            if abs(sine) <= 1:
+                angle = sympy.asin(sympy.Rational(sine.numerator, sine.denominator))
+                zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
+        return zeros, sorted(zeros | quarters, key=float)
+
+    def _fine(self, theta: Any, zero: bool) -> tuple[int, int]:
+        """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
+        self.finely += 1
+        verdict, order = self.ways.fine_signs(theta, zero)
+        self.orders[order] += verdict != OPEN
+        return verdict, self.ways.fine_flow(theta)
+
+    def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
+        """Check that F vanishes at the window's x_m."""
+        if not inside.any():
+            return
+        K, v = self.ways.K, self.ways.v
+        drive = K.f0 * np.cos(theta[inside])
+        A = (K.A1, K.A2, K.A3)[self.window.place.domain - 1]
+        x = self.window.contact(theta[inside])
+        F = A + drive - K.w0sq * x - K.cm * v
+        size = abs(A) + np.abs(drive) + np.abs(K.w0sq * x) + abs(K.cm * v)
+        for i in np.nonzero(np.abs(F) > ROUNDING * EPS * size)[0]:
+            self.mismatches.append(_mismatch(theta[inside][i], "contact", "F = 0", f"F = {F[i]}"))
+
+    def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
+        """Compare what the ways say with the window."""
+        self.n_grazing += int(inside.sum())
+        for way, verdict in zip(WHY_OPEN, verdicts, strict=True):
+            decided = verdict != OPEN
+            right = decided & ((verdict == YES) == inside)
+            self.agreements[way] += int(right.sum())
+            self.undecided[way] += int((~decided).sum())
+            measured = margins[right & (margins > 0)]
+            self.closest[way] = min(self.closest[way], float(measured.min(initial=inf)))
+            for i in np.nonzero(decided & ~right)[0]:
+                self.mismatches.append(_mismatch(phases[i], way, _word(inside[i]), _word(verdict[i] == YES)))
+
+
+def _mismatch(theta: Any, way: str, expected: str, found: str) -> dict[str, str]:
+    return {"theta": str(theta), "way": way, "window": expected, "found": found}
+
+
+def _word(grazing: Any) -> str:
+    return "grazes" if grazing else "does not graze"

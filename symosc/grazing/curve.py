@@ -1,0 +1,306 @@
+"""The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
+
+Theorem 7's window gives the phases theta_m of the tangencies, the flow back from each gives the start
+(`symosc.grazing.backward_flow`, in double precision with error bounds, with more digits where these leave a contact
+open). The curve ends where the window ends, or where the flow begins to come from elsewhere: it touches the other belt
+or its own on the way, or has met none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from symosc.exact import whole_number
+from symosc.grazing.origin import Origins
+from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
+from symosc.grazing.window import grazing_window
+from symosc.model import Parameters
+
+POINTS = 400
+LEAST_POINTS, MOST_POINTS = 8, 20_000
+PIECE_POINTS = 33
+# Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
+HALVINGS = 50
+# ... but not where the search ends in one of them: that is no end of the curve.
+ROUGH_HALVINGS = 8
+# Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
+STRIDE = 0.2
+# ... unless the slopes explain it, but for this part of it ...
+AGREEMENT = 0.25
+# ... and it is one if so much is left of it at the end.
+JUMP = 1e-3
+# Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
+FINEST = 1e-6
+# How near to an open end of the window the curve is sampled.
+END_GAP = 1e-7
+
+
+@dataclass(frozen=True)
+class CurveEnd:
+    """An end of a piece of the curve.
+
+    Attributes
+    ----------
+    theta_m : float
+        Phase of the tangency there.
+    x, theta : float
+        The start on the switching plane.
+    reason : str
+        Why the curve ends.
+    """
+
+    theta_m: float
+    x: float
+    theta: float
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePiece:
+    """A stretch of theta_m over which the start moves continuously; columns in order of theta_m.
+
+    Attributes
+    ----------
+    theta_m, x_m : (n,) arrays
+        Phase (may exceed [0, 2 pi) by being continuous) and place of the tangency.
+    theta, x : (n,) arrays
+        The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
+    slope_theta, slope_x : (n,) arrays
+        Their derivatives by theta_m.
+    low, high : CurveEnd
+        Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
+    """
+
+    theta_m: np.ndarray
+    x_m: np.ndarray
+    theta: np.ndarray
+    x: np.ndarray
+    slope_theta: np.ndarray
+    slope_x: np.ndarray
+    low: CurveEnd
+    high: CurveEnd
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, CurvePiece):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class GrazingCurve:
+    """The grazing curve of a mapping.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    mapping : str
+    pieces : tuple of CurvePiece
+        Empty where no flow from the mapping's belt grazes.
+    gaps : tuple of (low, high, origin)
+        Stretches of theta_m in the window without a start, and where the flow comes from there.
+    windows : tuple of (low, high)
+        The window of theta_m, an arc through 0 in one piece.
+    """
+
+    parameters: Parameters
+    mapping: str
+    pieces: tuple[CurvePiece, ...]
+    gaps: tuple[tuple[float, float, str], ...]
+    windows: tuple[tuple[float, float], ...]
+    _source: Tracer = field(repr=False, compare=False)
+
+    def sample(self, theta_m: float) -> Sample:
+        """Return the sample at any phase of the window, computed anew."""
+        return self._source.sample(theta_m)
+
+    @property
+    def origins(self) -> Origins:
+        """The searches that the samples come from."""
+        return self._source.origins
+
+
+def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
+    """Return the curve of the starts from which a mapping grazes, with its ends located.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6".
+    n : int
+        Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
+        the other belt jumps, and may be overlooked elsewhere; one shorter than 1e-6 always is.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, k = 0, or too small an n.
+    """
+    window = grazing_window(p, mapping)
+    n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
+    tracer = Tracer(p, mapping)
+    arcs = _arcs(window.intervals)
+    runs: list[Run] = []
+    for arc in arcs:
+        runs += _cut(tracer, [tracer.sample(float(theta)) for theta in _phases(*arc, n)], arc)
+    pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
+    gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
+    return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
+
+
+def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
+    """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
+    arcs = [(low, high) for low, high, _, _ in intervals]
+    if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
+        return [(0.0, 2 * pi, True)]
+    if len(arcs) == 2 and arcs[0][0] == 0.0 and arcs[1][1] == 2 * pi:
+        return [(arcs[1][0] - 2 * pi, arcs[0][1], False)]
+    return [(low, high, False) for low, high in arcs]
+
+
+def _phases(low: float, high: float, closed: bool, n: int) -> Any:
+    if closed:
+        return low + (high - low) * (np.arange(n + 1) / n)
+    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
+    gap = END_GAP * (high - low)
+    return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
+
+
+@dataclass
+class Run:
+    """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
+
+    samples: list[Sample]
+    span: tuple[float, float]
+    reasons: tuple[str, str]
+
+    @property
+    def origin(self) -> str:
+        """Where the flow back from these tangencies comes from."""
+        return self.samples[0].origin
+
+
+def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[Run]:
+    """Cut the samples over an arc where the origin changes or the start jumps."""
+    low, high, closed = arc
+    limit = "closed" if closed else "end of the window"
+    runs: list[Run] = []
+    run, begin, reason = [samples[0]], low, limit
+    ahead = samples[:0:-1]
+    while ahead:
+        if _needs_middle(run[-1], ahead[-1]):
+            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+            continue
+        edges = _edge(tracer, run[-1], ahead[-1])
+        if edges is None:
+            run.append(ahead.pop())
+            continue
+        before, behind, border = edges
+        run += before
+        runs.append(Run(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        begin, reason = border, _reason(tracer, behind[-1], run[-1])
+        ahead[-1:] = behind
+        run = [ahead.pop()]
+    runs.append(Run(run, (begin, high), (reason, limit)))
+    return _joined(runs) if closed and len(runs) > 1 else runs
+
+
+def _joined(runs: list[Run]) -> list[Run]:
+    """Join the last run over a full circle with the first, a turn later, if they are one."""
+    first, last = runs[0], runs[-1]
+    if first.origin != last.origin:
+        return runs
+    turn = 2 * pi
+    later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
+    both = Run(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
+    return [*runs[1:-1], both]
+
+
+def _continuous(left: Sample, right: Sample) -> bool:
+    """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
+    change = right.theta - left.theta
+    expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
+    return not abs(change) > STRIDE or abs(change - expected) <= AGREEMENT * abs(change)
+
+
+def _needs_middle(left: Sample, right: Sample) -> bool:
+    """Return whether a steep stretch of the curve needs another sample."""
+    if not left.origin == right.origin == OWN or _continuous(left, right):
+        return False
+    return right.theta_m - left.theta_m > FINEST
+
+
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
+    """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
+
+    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    """
+    if left.origin == right.origin and _continuous(left, right):
+        return None
+    lefts: list[Sample] = []
+    rights = [right]
+    unknown = UNKNOWN in (left.origin, right.origin)
+    for _ in range(ROUGH_HALVINGS if unknown else HALVINGS):
+        theta = 0.5 * (left.theta_m + right.theta_m)
+        if not left.theta_m < theta < right.theta_m:
+            break
+        if left.origin == right.origin and abs(right.theta - left.theta) < JUMP:
+            return None
+        middle = tracer.sample(theta, careful=False)
+        to_left = middle.origin == left.origin
+        if left.origin == right.origin:
+            if not to_left and right.theta_m - left.theta_m < FINEST:
+                return None
+            to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
+        if to_left:
+            left = middle
+            lefts.append(middle)
+        else:
+            right = middle
+            rights.append(middle)
+    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < JUMP):
+        return None
+    border = 0.5 * (left.theta_m + right.theta_m)
+    return [each for each in lefts if not each.is_open], [each for each in rights if not each.is_open], border
+
+
+def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
+    own = tracer.place.boundary
+    if beyond.origin == OTHER:
+        return f"beyond, the flow comes from belt {3 - own}"
+    if beyond.origin in (NOWHERE, UNKNOWN):
+        return f"beyond, the flow met no belt before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
+    if here.origin != OWN:
+        return f"beyond, the flow comes from belt {own}"
+    return f"the flow touches belt {own} on the way"
+
+
+def _filled(tracer: Tracer, run: Run) -> Run:
+    """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
+    first, last = run.samples[0].theta_m, run.samples[-1].theta_m
+    margin = 0.1 * (last - first)
+    if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
+        return run
+    if last - first < FINEST:
+        return run
+    between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
+    inner = [each for each in between if each.origin == OWN]
+    samples = sorted([*run.samples, *inner], key=lambda each: each.theta_m)
+    return replace(run, samples=samples)
+
+
+def _piece(run: Run) -> CurvePiece:
+    names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
+    columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
+    ends = [
+        CurveEnd(at, sample.x, sample.theta, reason)
+        for at, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
+    ]
+    return CurvePiece(**columns, low=ends[0], high=ends[1])

@@ -1,0 +1,160 @@
+"""The grazing conditions with one unknown given: equations (54) with F = 0 at the end of the map.
+
+Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
+which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the grazing curve
+shows between which of its samples the value lies; there Newton's method solves for the phase of the tangency and the
+time of the flight (`symosc.grazing.newton`), and the solution is flown back from anew.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from symosc.engine.arithmetic import mp_context
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, whole_number
+from symosc.grazing.angles import number_of, phase_of, read_phase, times
+from symosc.grazing.curve import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curve
+from symosc.grazing.newton import Candidates
+from symosc.grazing.start import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
+from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.mappings.theorem7_cases import check_parameters, place
+from symosc.model import Parameters
+
+UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
+# Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
+CLOSE = 100
+MOST_NOTES = 3
+
+
+class GrazingSolutions(list[GrazingStart]):
+    """Solutions of the grazing conditions, in order of theta_m: a list that says what it leaves out.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether the search met nothing that it had to leave out. Solutions that lie nearer to each other than the
+        samples of the curve may hide even so.
+    message : str
+        Why there is no solution, or what was left out; "" if there is nothing to say.
+    """
+
+    def __init__(self, starts: Any = (), complete: bool = True, message: str = "") -> None:
+        super().__init__(starts)
+        self.complete, self.message = complete, message
+
+
+def solve_grazing(
+    p: Parameters, mapping: str, *, n: int = POINTS, digits: int | None = None, **given: Any
+) -> GrazingSolutions:
+    """Solve the grazing conditions of a mapping with one of the unknowns given.
+
+    The map leads from (x_i, theta_i) to the tangency (x_j, theta_j), theta = Omega t mod 2 pi; theta_j is theta_m.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6".
+    n : int
+        Samples of the curve for x_i and theta_i (`grazing_curve`).
+    digits : int, optional
+        Correct digits of the results; None: floats.
+    **given : number
+        Exactly one of x_i, theta_i, x_j, theta_j, theta_m.
+
+    Returns
+    -------
+    GrazingSolutions
+        A list of GrazingStart, in order of theta_m, with `complete` and `message`. Each start has the value asked for
+        in all its digits. Where a curve runs to minus infinity, theta_i has infinitely many solutions, which gather at
+        its end: those are listed whose theta_m double precision tells from the end.
+
+    Raises
+    ------
+    ParameterError
+        If not exactly one unknown is given, the mapping has no grazing, k = 0, or the unknown does not fix the
+        tangency: x_i or x_j with B0 = 0.
+    """
+    check_parameters(p), place(mapping)
+    if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
+        raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
+    name, value = next(iter(given.items()))
+    whole_number("n", n, LEAST_POINTS, MOST_POINTS)
+    check_digits(digits)
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+    if p.B0 == 0 and name in ("x_i", "x_j"):
+        raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
+    window = grazing_window(p, mapping)
+    exact = read_exact(name, value) if name in ("x_i", "x_j") else read_phase(name, value)
+    if name in ("theta_m", "theta_j"):
+        solutions = _at_phases(window, [phase_of(exact)], digits)
+    elif name == "x_j":
+        solutions = _at_phases(window, _phases_of_contact(p, mapping, exact), digits)
+    else:
+        solutions = _on_curve(window, name, exact, n, digits)
+    if not solutions and not window.kind:
+        solutions.message = "the grazing window is empty"
+    return solutions
+
+
+def _at_phases(window: GrazingWindow, phases: list[Any], digits: int | None) -> GrazingSolutions:
+    """Return the starts of tangencies at exact phases."""
+    inside = [phase for phase in phases if window.contains(phase)]
+    starts = [grazing_start(window.parameters, window.mapping, phase, digits=digits) for phase in inside]
+    found = sorted((start for start in starts if start.found), key=lambda start: float(start.theta_m))
+    lost = [f"theta_m = {float(start.theta_m):.12g}: {start.reason}" for start in starts if not start.found]
+    message = "; ".join(lost)
+    if not inside:
+        message = f"no tangency in the grazing window has this value: {window!r}"
+    return GrazingSolutions(found, not any(start.undecided for start in starts), message)
+
+
+def _phases_of_contact(p: Parameters, mapping: str, value: Any) -> list[Any]:
+    """Return the phases theta with x_m(theta) = value, exactly."""
+    import sympy
+
+    where = place(mapping)
+    cosine = (p.k * value + p.c * p.belt(where.boundary) - p.A(where.domain)) / p.B0
+    if abs(cosine) > 1:
+        return []
+    theta = sympy.acos(sympy.Rational(cosine.numerator, cosine.denominator))
+    return [theta] if cosine in (1, -1) else [theta, 2 * sympy.pi - theta]
+
+
+def _on_curve(window: GrazingWindow, name: str, value: Any, n: int, digits: int | None) -> GrazingSolutions:
+    """Return the starts on the grazing curve that have a value of x_i or theta_i."""
+    p, mapping = window.parameters, window.mapping
+    curve = grazing_curve(p, mapping, n)
+    candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
+    found: list[GrazingStart] = []
+    notes = list(candidates.notes)
+    for phase in candidates.phases:
+        if not window.contains(phase):
+            continue
+        start = start_of(curve.origins, times(phase, 1 / p.Omega), phase, digits=digits)
+        if start.found and has_value(start, p, name, value, digits or DEFAULT_DIGITS):
+            found.append(start)
+        else:
+            notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
+    found.sort(key=lambda start: float(start.theta_m))
+    complete = not notes
+    if not found and complete:
+        notes.append(candidates.why_none())
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
+    return GrazingSolutions(found, complete, "; ".join(notes))
+
+
+def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
+    """Return whether a start has a value of x_i or theta_i (mod 2 pi) to the digits of its `start`."""
+    context = mp_context(digits + 30)
+    if name == "x_i":
+        gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
+    else:
+        angle = number_of(Fraction(start.start["t0"]) * p.Omega, context)
+        turns = (angle - number_of(value, context)) / (2 * context.pi)
+        gap, size = (turns - context.nint(turns)) * 2 * context.pi, max(float(p.Omega), abs(float(value)))
+    return bool(abs(gap) <= CLOSE * context.mpf(10) ** -digits * max(1.0, size))

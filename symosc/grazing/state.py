@@ -1,0 +1,105 @@
+"""Theorem 6 at a given state, to any order: does the flow touch the belt there?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from symosc.engine.arithmetic import mp_context
+from symosc.errors import ParameterError
+from symosc.exact import read_exact
+from symosc.grazing.angles import number_of, read_angle, read_phase
+from symosc.kernels._generated import next_derivative
+from symosc.mappings.theorem7_cases import check_parameters, place
+from symosc.model import Parameters
+
+# G-functions up to this part of the size of their terms count as 0.
+TOLERANCE = 1e-12
+ORDERS = 6
+
+
+@dataclass(frozen=True)
+class GrazingVerdict:
+    """Theorem 6 at a state, to any order.
+
+    Attributes
+    ----------
+    grazing : bool
+    order : int
+        Of the first G-function that does not vanish (0 is F); ORDERS if none was found.
+    values : tuple of float
+        G^(0), G^(1), ... up to that order; a value that counts as 0 enters the next one as 0.
+    margins : tuple of float
+        Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts as 0.
+    tolerance : float
+    reason : str
+    """
+
+    grazing: bool
+    order: int
+    values: tuple[float, ...]
+    margins: tuple[float, ...]
+    tolerance: float
+    reason: str
+
+
+def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = TOLERANCE) -> GrazingVerdict:
+    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
+
+    Grazing is F = 0 and a first non-vanishing G-function of odd order with the sign that leads back into the domain
+    (order 1 is the theorem as printed). Values come from 50-digit arithmetic; what counts as 0 is up to `tolerance`.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6": belt and domain.
+    x, theta : number
+        Position and phase; strings and sympy constants are exact.
+    tolerance : float
+        Part of the size of its terms up to which a G-function counts as 0; less than 1.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, and for values that are no numbers or out of range.
+    """
+    where = place(mapping)
+    check_parameters(p)
+    limit = read_exact("tolerance", tolerance)
+    if not 0 <= limit < 1:
+        raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
+    tolerance = float(limit)
+    context = mp_context(50)
+    angle = number_of(read_phase("theta", theta), context)
+    position, v = number_of(read_angle("x", x), context), number_of(p.belt(where.boundary), context)
+    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
+    Om = number_of(p.Omega, context)
+    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(angle), -w0sq * position, -cm * v]
+    value, size = sum(terms), sum(abs(term) for term in terms)
+    values, margins = [], []
+    before, sines = v, (context.sin(angle), context.cos(angle))
+    for order in range(ORDERS):
+        margin = abs(value) / size if size > 0 else abs(value)
+        values.append(float(value))
+        margins.append(float(margin))
+        if margin > tolerance:
+            grazing = order % 2 == 1 and where.side * value < 0
+            return GrazingVerdict(grazing, order, tuple(values), tuple(margins), tolerance, _why(order, grazing))
+        now = 0 * value
+        forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
+        value = next_derivative(now, before, forcing, cm, w0sq)
+        size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
+        before = now
+    reason = "F and all its derivatives vanish: the flow stays on the belt"
+    return GrazingVerdict(False, ORDERS, tuple(values), tuple(margins), tolerance, reason)
+
+
+def _why(order: int, grazing: bool) -> str:
+    if order == 0:
+        return "F does not vanish: the flow is transversal"
+    if order % 2 == 0:
+        return f"the first G-function that does not vanish has even order {order}: the flow passes with an inflection"
+    if grazing:
+        return f"F = 0 and G^({order}) leads back into the domain"
+    return f"G^({order}) leads out of the domain: there is no flow of it near"

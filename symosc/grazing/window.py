@@ -1,0 +1,333 @@
+"""Grazing windows: at which phases a flow that touches a belt's speed turns back (Theorem 7).
+
+At a contact x'' = 0 and x' = v_lambda, so gamma = k v_lambda/m and the contact's place x_m(theta) are given by the
+parameters: a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from symosc.engine.arithmetic import mp_context
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, show
+from symosc.kernels import double_double
+from symosc.mappings.theorem7_cases import (
+    ALL_BUT_ONE,
+    ARC,
+    EMPTY,
+    EVERYTHING,
+    Place,
+    case_label,
+    check_order,
+    check_parameters,
+    place,
+    window_kind,
+)
+from symosc.model import Parameters
+
+# Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
+CLEAR = 1e-12
+DIGITS = 30
+
+
+def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingWindow:
+    """Return the phases at which the flow of a map grazes its boundary (Theorem 7).
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : {"P2", "P3", "P5", "P6"}
+        P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt 2.
+    order : {"full", "paper"}
+        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first G-function that does not
+        vanish: it adds the tangency of fourth order at |k v_lambda| = |B0| Omega.
+
+    Raises
+    ------
+    ParameterError
+        For a map without grazing, or another order.
+    """
+    return GrazingWindow(check_parameters(p), mapping, check_order(order), place(mapping))
+
+
+@dataclass(frozen=True, repr=False)
+class GrazingWindow:
+    """The grazing window of a map; see `grazing_window`, which makes it.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    mapping : str
+    order : {"full", "paper"}
+    place : Place
+        Domain and boundary of the contact, side (1 from below, -1 from above) and the paper's equation.
+    """
+
+    parameters: Parameters
+    mapping: str
+    order: str
+    place: Place
+
+    @cached_property
+    def gamma(self) -> Fraction:
+        """gamma = (c/m) x'' + (k/m) x' at a contact, which is k v_lambda/m (acceleration per time)."""
+        return self.parameters.k * self.speed / self.parameters.m
+
+    @cached_property
+    def amplitude(self) -> Fraction:
+        """B0 Omega/m, what gamma is compared with."""
+        return self.parameters.B0 * self.parameters.Omega / self.parameters.m
+
+    @property
+    def speed(self) -> Fraction:
+        """Speed v_lambda of the belt."""
+        return self.parameters.belt(self.place.boundary)
+
+    @cached_property
+    def signs(self) -> tuple[int, int, int]:
+        """Signs of gamma, of the amplitude and of |gamma| - |amplitude|, which make the case."""
+        numbers = self.gamma, self.amplitude, abs(self.gamma) - abs(self.amplitude)
+        return tuple((number > 0) - (number < 0) for number in numbers)  # type: ignore[return-value]
+
+    @cached_property
+    def kind(self) -> int:
+        """What the window is: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of `theorem7_cases`."""
+        return window_kind(self.place.side, *self.signs, self.order == "full")
+
+    @property
+    def case(self) -> str:
+        """The paper's case: "(55.1)" is the first case of (55).
+
+        Letters are cases that the paper lacks: a, |gamma| = |B0| Omega/m with nothing; b and c, B0 = 0 with everything
+        and nothing. B0 < 0 adds "shifted by pi".
+        """
+        return case_label(self.place, *self.signs)
+
+    @cached_property
+    def phases(self) -> Any:
+        """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact sympy set."""
+        from symosc.symbolic.theorem7 import rational, window_phases
+
+        return window_phases(self.place, rational(self.gamma), rational(self.amplitude), self.order == "full")
+
+    @cached_property
+    def theta_cr(self) -> Any:
+        """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly; None where it does not exist."""
+        from symosc.symbolic.theorem7 import critical_phase, rational
+
+        return critical_phase(rational(self.gamma), rational(self.amplitude))
+
+    @cached_property
+    def intervals(self) -> tuple[tuple[float, float, bool, bool], ...]:
+        """The window as (low, high, low_closed, high_closed) in double precision, each end the nearest double.
+
+        Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2 pi (open).
+        """
+        end = double_double.TWO_PI[0]
+        if self.kind in (EMPTY, EVERYTHING):
+            return ((0.0, end, True, False),) if self.kind == EVERYTHING else ()
+        low, high = self.ends
+        if self.kind == ARC:
+            return ((low, high, False, False),)
+        return (0.0, high, True, False), (low, end, False, False)
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the arc, going up from the first to the second, through 0 if wrapped."""
+        if self.kind == ALL_BUT_ONE:
+            point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
+            return point, point
+        context, theta_cr = mp_context(DIGITS), self.critical_phase()
+        ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
+        low, high = ends if self.place.side * self.signs[1] < 0 else ends[::-1]
+        return float(low), float(high) if high != 0 else double_double.TWO_PI[0]
+
+    def critical_phase(self) -> Any:
+        """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
+        context = mp_context(DIGITS)
+        if self.amplitude == 0 or self.signs[2] > 0:
+            return context.nan
+        sine = -self.gamma / self.amplitude
+        # In whole numbers, where the difference cancels: next to 1 the arcsine loses half the digits of its argument.
+        square = (sine.denominator - sine.numerator) * (sine.denominator + sine.numerator)
+        return context.atan2(sine.numerator, context.sqrt(square))
+
+    # --- phases and places ---
+
+    def contains(self, theta: Any) -> Any:
+        """Return whether a contact at the phase `theta` grazes, decided exactly.
+
+        Parameters
+        ----------
+        theta : number, sympy expression or numpy array
+            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. Phases
+            are computed, not typed: a float is the binary number that it is.
+
+        Returns
+        -------
+        bool, or numpy array of bool
+
+        Raises
+        ------
+        ParameterError
+            If theta is no real number.
+        """
+        if isinstance(theta, np.ndarray) and theta.ndim:
+            return self._contains_array(theta)
+        return self._sign_at(theta) > 0
+
+    def contact(self, theta: Any) -> Any:
+        """Return the place x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
+
+        Parameters
+        ----------
+        theta : number, sympy expression or numpy array
+            A phase in the window.
+
+        Returns
+        -------
+        sympy expression, float or numpy array
+            A float for a float, an array for an array, otherwise exact.
+
+        Raises
+        ------
+        ParameterError
+            If theta is outside the window, or if k = 0: then F = 0 fixes theta (see `contact_phases`), and x_m is free.
+        """
+        inside = self.contains(theta)
+        if not np.all(inside):
+            outside = theta[~inside][0] if isinstance(inside, np.ndarray) else theta
+            raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._shown()}")
+        p = self.parameters
+        if p.k == 0:
+            free = f"k = 0: x_m is free, F = 0 fixes theta; the phases are {self.contact_phases}"
+            raise ParameterError("theta", theta, free)
+        rest, gain = (p.A(self.place.domain) - p.c * self.speed) / p.k, p.B0 / p.k
+        if isinstance(theta, np.ndarray) and theta.ndim:
+            return float(rest) + float(gain) * np.cos(theta)
+        if isinstance(theta, float | np.floating):
+            context = mp_context(DIGITS)
+            wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator
+            return float(wave + context.mpf(rest.numerator) / rest.denominator)
+        from symosc.symbolic.theorem7 import rational, real, sp
+
+        return rational(rest) + rational(gain) * sp.cos(real("theta", theta))
+
+    @cached_property
+    def contact_phases(self) -> Any:
+        """The phases at which a grazing contact exists: `phases`, or for k = 0 those of them with F = 0.
+
+        Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
+        """
+        if self.parameters.k != 0:
+            return self.phases
+        from symosc.symbolic.theorem7 import rational, sp
+
+        p = self.parameters
+        if p.B0 == 0:
+            return sp.S.EmptySet  # F = 0 would be an equilibrium: the flow stays in the boundary
+        cosine = (p.c * self.speed - p.A(self.place.domain)) / p.B0
+        if abs(cosine) >= 1:
+            return sp.S.EmptySet  # at |cosine| = 1 the sine is 0: an inflection
+        theta = sp.acos(rational(cosine))
+        return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
+
+    def _sign_at(self, theta: Any) -> int:
+        """Return the sign of side (gamma + amplitude sin theta), with the tangency counted as `order` says."""
+        exact = _read_phase(theta)
+        if self.kind in (EMPTY, EVERYTHING):
+            return 1 if self.kind == EVERYTHING else -1
+        if isinstance(exact, Fraction):
+            return self.place.side * self._rational_sign(exact)
+        from symosc.symbolic.theorem7 import rational, sign_of, sp
+
+        return self.place.side * sign_of(rational(self.gamma) + rational(self.amplitude) * sp.sin(exact))
+
+    def _rational_sign(self, theta: Fraction) -> int:
+        """Return the sign of gamma + amplitude sin(theta); amplitude != 0.
+
+        The sine of a rational number other than 0 is transcendental (Lindemann): the sum is never 0, and enough
+        digits show its sign.
+        """
+        if theta == 0:
+            return self.signs[0]
+        ratio = self.gamma / self.amplitude
+        digits = DIGITS
+        while True:
+            context = mp_context(digits + len(str(abs(theta.numerator))))
+            sine = context.sin(context.mpf(theta.numerator) / theta.denominator)
+            total = sine + context.mpf(ratio.numerator) / ratio.denominator
+            if abs(total) > context.mpf(10) ** (5 - digits):
+                return self.signs[1] * (1 if total > 0 else -1)
+            digits *= 2
+
+    def _contains_array(self, theta: np.ndarray) -> np.ndarray:
+        if theta.dtype.kind not in "fiu":
+            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(theta.shape)
+        if not np.all(np.isfinite(theta)):
+            raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
+        if self.kind in (EMPTY, EVERYTHING):
+            return np.full(theta.shape, self.kind == EVERYTHING)
+        distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
+        inside = distance * (self.place.side * self.signs[1]) > 0
+        for index in zip(*np.nonzero(np.abs(distance) <= CLEAR), strict=True):
+            inside[index] = self._sign_at(theta[index]) > 0
+        return inside
+
+    # --- faces ---
+
+    def latex(self) -> str:
+        """Return the window with its case as LaTeX (no dollar signs)."""
+        from symosc.symbolic.theorem7 import rational, sp
+
+        p, number = self.place, _latex_number(self.mapping)
+        relation = "=><"[self.signs[2]]
+        phases = sp.latex(self.phases, inv_trig_style="full")
+        sizes = [sp.latex(rational(abs(value))) for value in (self.gamma, self.amplitude)]
+        return (
+            rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{p.boundary}}} = "
+            rf"{sp.latex(rational(self.gamma))},\quad |\gamma_{{{number}}}| = {sizes[0]} {relation} {sizes[1]} = "
+            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {phases}"
+        )
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
+
+    def __repr__(self) -> str:
+        return f"GrazingWindow({self.mapping}, gamma={show(self.gamma)}, case={self.case}, {self._shown()})"
+
+    def _shown(self) -> str:
+        """Return the intervals as short text."""
+        parts = [
+            f"{'[' if low_closed else '('}{low:.6g}, {high:.6g}{']' if high_closed else ')'}"
+            for low, high, low_closed, high_closed in self.intervals
+        ]
+        return " or ".join(parts) or "empty"
+
+
+def _latex_number(mapping: str) -> str:
+    return mapping.removeprefix("P")
+
+
+def _read_phase(theta: Any) -> Any:
+    """Return a phase as an exact Fraction, or as a sympy expression if it is one."""
+    if isinstance(theta, np.ndarray):
+        theta = theta[()]  # an array of dimension 0
+    if isinstance(theta, float | np.floating):
+        if not math.isfinite(theta):
+            raise ParameterError("theta", theta, "must be finite")
+        return Fraction(float(theta))
+    if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
+        if theta.free_symbols:
+            raise ParameterError("theta", theta, "must be a number")
+        from symosc.symbolic.theorem7 import real
+
+        return real("theta", theta)
+    return read_exact("theta", theta)

@@ -1,0 +1,298 @@
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)) and their derivatives.
+
+A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases are *unwrapped*:
+the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a half has theta_j = theta_i + 3 pi.
+(Phases modulo 2 pi could not tell that from half a period.) For a flight theta_j < theta_i is an error; the equations
+of a stick hold either way. Adding 2 pi to both phases changes nothing.
+
+    flight:  f1 = x(tau) - x_j,                  f2 = v(tau) - v_j
+    stick:   f1 = x_i + v_lambda tau - x_j,      f2 = F^(alpha)(x_j, v_lambda, theta_j)
+
+The maps differ by their row in `symosc.words.MAPS` only. A stick ends where the force of the domain below or that of
+the domain above vanishes: `exit` is "below", "above", or None for the one whose |f2| is smaller at the given end.
+
+Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an acceleration).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine import binding
+from symosc.engine.arithmetic import compiled
+from symosc.engine.flow import BeltConstants, Constants, constants
+from symosc.errors import ParameterError
+from symosc.kernels import entire_array, mapping, repeated
+from symosc.mappings.arguments import POINTS, columns_of, four_numbers, is_array, is_mp, scalar
+from symosc.model import PARAMETER_NAMES, SIDES, Parameters
+from symosc.words import MAPS, Map
+
+EXITS = ("below", "above")
+# Arrays are evaluated in blocks of so many points: the temporaries then stay in the cache.
+BLOCK = 16384
+
+
+# --- residual and derivatives ---
+
+
+def residual(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> tuple[Any, Any]:
+    """Return (f1, f2) of a mapping between two switching points; both vanish when the map leads from one to the other.
+
+    Parameters
+    ----------
+    p : Parameters
+    label : str
+        "P1" to "P8".
+    start, end : pair
+        (x_i, theta_i) and (x_j, theta_j), phases unwrapped: floats, arrays that broadcast, or mpmath numbers.
+    exit : str, optional
+        For a stick: the domain that it slips into, "below" or "above"; None: the one with the smaller |f2|.
+
+    Returns
+    -------
+    (f1, f2)
+        Of the kind that was given; mpmath numbers have the precision of their context.
+
+    Raises
+    ------
+    ParameterError
+        For an unknown map or exit, for numbers that are not finite, and for a flight with theta_j < theta_i.
+    """
+    row, numbers, points, shape = read_points(p, label, start, end, exit)
+    if shape is None:
+        return _residual(row, numbers, points, exit)
+    found = _in_blocks(lambda block: np.stack(_residual(row, numbers, block, exit)), points, (2,))
+    return found[0].reshape(shape), found[1].reshape(shape)
+
+
+def jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> np.ndarray:
+    """Return the derivatives of f1, f2 with respect to (x_i, theta_i, x_j, theta_j).
+
+    Parameters and errors are those of `residual`.
+
+    Returns
+    -------
+    array of shape (2, 4), or (2, 4) + the shape of arrays that were given
+        Its entries are of the kind that was given (dtype object for mpmath numbers). Both exits of a stick have the
+        same derivatives.
+    """
+    row, numbers, points, shape = read_points(p, label, start, end, exit)
+    if shape is None:
+        return _matrix(_jacobian(row, numbers, points))
+    return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4)).reshape((2, 4, *shape))
+
+
+def parameter_jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> np.ndarray:
+    """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
+
+    The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN. Arrays
+    are done point by point (about 0.2 ms each). Parameters, shape and errors are those of `jacobian`.
+    """
+    row, numbers, points, shape = read_points(p, label, start, end, exit)
+    if shape is None:
+        return _matrix(_parameter_jacobian(p, row, numbers, points, exit))
+    numbers = _floats(p)
+    found = [_matrix(_parameter_jacobian(p, row, numbers, point, exit)) for point in zip(*points, strict=True)]
+    return np.stack(found, axis=-1).reshape((2, 11, *shape))
+
+
+def compiled_residual(p: Parameters, label: str) -> Callable[..., tuple[np.ndarray, np.ndarray]]:
+    """Return a compiled function (x_i, theta_i, x_j, theta_j) -> (f1, f2) of one-dimensional arrays, for a flight.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    ParameterError
+        For a stick, whose residual is no work.
+    """
+    row = _row(label)
+    _check_parameters(p)
+    if row.sticks:
+        raise ParameterError("map", label, "is a stick; only flights are compiled, `residual` takes arrays")
+    loop, K = _compiled_loop(), _floats(p).K
+    v_i, v_j, A = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v, (K.A1, K.A2, K.A3)[row.domain - 1]
+
+    def flights(x_i: Any, theta_i: Any, x_j: Any, theta_j: Any) -> tuple[np.ndarray, np.ndarray]:
+        points = [np.ascontiguousarray(column, dtype=float) for column in (x_i, theta_i, x_j, theta_j)]
+        if any(column.shape != (len(points[0]),) for column in points):
+            raise ParameterError("points", [column.shape for column in points], "must be four arrays of one length")
+        if np.any(points[3] < points[1]):
+            raise ParameterError("theta_j", "array", UNWRAPPED)
+        f1, f2 = np.empty_like(points[0]), np.empty_like(points[0])
+        loop(*points, v_i, v_j, A, K, f1, f2)
+        return f1, f2
+
+    return flights
+
+
+class Numbers(NamedTuple):
+    """What evaluates a map in one arithmetic: the functions of `symosc.kernels.mapping`, and what they need."""
+
+    K: Constants
+    of: dict[str, Any]
+    number: Callable[[Fraction], Any]
+
+
+def _residual(row: Map, numbers: Numbers, points: Any, exit: str | None) -> Any:
+    K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
+    A = (K.A1, K.A2, K.A3)
+    v_i, v_j = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v
+    if not row.sticks:
+        return numbers.of["flight"](x_i, theta_i, x_j, theta_j, v_i, v_j, A[row.domain - 1], K)
+    sides = (A[domain - 1] for domain in SIDES[row.start.boundary])
+    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in sides)
+    return f1, _chosen(exit, below, above, below, above)
+
+
+def _jacobian(row: Map, numbers: Numbers, points: Any) -> Any:
+    K, (x_i, theta_i, _, theta_j) = numbers.K, points
+    v_i, one, zero = _belt(K, row.start.boundary).v, 1 + 0 * x_i, 0 * x_i
+    if row.sticks:
+        x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v_i, K)
+        return (one, x_th0 * one, -one, x_th1 * one), (zero, zero, v_x1 * one, v_th1 * one)
+    A = (K.A1, K.A2, K.A3)[row.domain - 1]
+    x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = numbers.of["flight_slopes"](x_i, theta_i, theta_j, v_i, A, K)
+    return (x_x0, x_th0, -one, x_th1), (v_x0, v_th0, zero, v_th1)
+
+
+def _parameter_jacobian(p: Parameters, row: Map, numbers: Numbers, points: Any, exit: str | None) -> Any:
+    K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
+    v_i, m, zero, domain = _belt(K, row.start.boundary).v, numbers.number(p.m), 0 * x_i, row.domain
+    if row.sticks:
+        below, above = (_residual(row, numbers, points, side)[1] for side in EXITS)
+        domain = _chosen(exit, below, above, *SIDES[row.start.boundary])
+        F = _chosen(exit, below, above, below, above)
+        found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
+        v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
+        by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
+    else:
+        A = (K.A1, K.A2, K.A3)[domain - 1]
+        found = numbers.of["flight_by_parameters"](x_i, theta_i, theta_j, v_i, A, m, K)
+        *letters, x_v0, v_v0 = found
+        by_letter = list(zip(letters[::2], letters[1::2], strict=True))
+    columns = dict(zip(("m", "c", "k", "A0", "B0", "Omega"), by_letter, strict=True))
+    columns |= {"v1": (zero, zero), "v2": (zero, zero)}
+    begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
+    columns[begin] = x_v0, v_v0
+    if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
+        columns[begin], columns[end] = (x_v0, 1 + v_v0), (zero, zero - 1)
+    x_A, v_A = columns["A0"]
+    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[domain]
+    mu1, mu2, FN = (numbers.number(value) for value in (p.mu1, p.mu2, p.FN))
+    for name, weight in (("mu1", drag1 * FN), ("mu2", drag2 * FN), ("FN", drag1 * mu1 + drag2 * mu2)):
+        columns[name] = x_A * weight, v_A * weight
+    return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
+
+
+def _chosen(exit: str | None, force_below: Any, force_above: Any, below: Any, above: Any) -> Any:
+    """Return `below` or `above`: what `exit` says, or what belongs to the smaller force."""
+    if exit is not None:
+        return below if exit == "below" else above
+    nearer_below = abs(force_below) <= abs(force_above)
+    if isinstance(nearer_below, np.ndarray):
+        return np.where(nearer_below, below, above)
+    return below if nearer_below else above
+
+
+# --- arithmetics ---
+
+
+@lru_cache(maxsize=64)
+def _floats(p: Parameters) -> Numbers:
+    return Numbers(constants(p), vars(mapping), float)
+
+
+@lru_cache(maxsize=64)
+def _arrays(p: Parameters) -> Numbers:
+    names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
+    return Numbers(constants(p), binding.bind((mapping,), names), float)
+
+
+@lru_cache(maxsize=16)
+def _mp_numbers(p: Parameters, context: Any, precision: int) -> Numbers:
+    """Return the arithmetic of an mpmath context; `precision` is its precision, for the cache's sake."""
+    from symosc.kernels.entire_mp import BasisMP
+
+    def number(value: Fraction) -> Any:
+        return context.mpf(value.numerator) / value.denominator
+
+    K = constants(p, number, context.sqrt, context.atan2, +context.pi)
+    names = {"complex": context.mpc, "exp": context.exp, "EPS": context.ldexp(1, -precision)}
+    sums = binding.bind((repeated,), names)["repeated"]
+    names = {"sin": context.sin, "cos": context.cos, "basis": BasisMP(context, p), "repeated": sums}
+    return Numbers(K, binding.bind((mapping,), names), number)
+
+
+@lru_cache(maxsize=1)
+def _compiled_loop() -> Callable[..., None]:
+    return binding.compiled((mapping,), {"flights"}, compiled())["flights"]
+
+
+# --- reading arguments ---
+
+UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_j - theta_i)/Omega"
+
+
+def _row(label: Any) -> Map:
+    if not isinstance(label, str) or label not in MAPS:
+        raise ParameterError("map", label, f"must be one of {', '.join(MAPS)}")
+    return MAPS[label]
+
+
+def _check_parameters(p: Any) -> None:
+    if not isinstance(p, Parameters):
+        raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
+
+
+def read_points(
+    p: Parameters, label: Any, start: Any, end: Any, exit: str | None = None
+) -> tuple[Map, Numbers, list[Any], Any]:
+    """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
+    row = _row(label)
+    _check_parameters(p)
+    if exit is not None and not (row.sticks and exit in EXITS):
+        allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
+        raise ParameterError("exit", exit, allowed)
+    given = four_numbers(start, end)
+    context = next((value.context for value in given if is_mp(value)), None)
+    shape = None
+    if context is not None:
+        numbers: Numbers = _mp_numbers(p, context, context.prec)
+        points = [scalar(name, value, context.convert) for name, value in zip(POINTS, given, strict=True)]
+        backward = points[3] < points[1]
+    elif any(is_array(value) for value in given):
+        numbers = _arrays(p)
+        columns = columns_of(given)
+        shape, points = columns[0].shape, [column.ravel() for column in columns]
+        backward = bool(np.any(points[3] < points[1]))
+    else:
+        numbers = _floats(p)
+        points = [scalar(name, value, float) for name, value in zip(POINTS, given, strict=True)]
+        backward = points[3] < points[1]
+    if backward and not row.sticks:
+        raise ParameterError("theta_j", end[1], UNWRAPPED)
+    return row, numbers, points, shape
+
+
+def _in_blocks(evaluate: Callable[[list[Any]], np.ndarray], points: list[Any], head: tuple[int, ...]) -> np.ndarray:
+    size = len(points[0])
+    found = np.empty((*head, size))
+    for begin in range(0, size, BLOCK):
+        block = slice(begin, begin + BLOCK)
+        found[..., block] = evaluate([column[block] for column in points])
+    return found
+
+
+def _matrix(rows: Any) -> np.ndarray:
+    exact = any(hasattr(entry, "_mpf_") for row in rows for entry in row)
+    return np.array(rows, dtype=object if exact else float)
+
+
+def _belt(K: Constants, boundary: int) -> BeltConstants:
+    return K.belt1 if boundary == 1 else K.belt2

@@ -1,0 +1,164 @@
+"""From a switching point to the next one along a mapping, by the engine's event search; and its derivative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.next_event import END, FAILED, GRAZE, MOVED, REST, SLIP
+from symosc.engine.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+from symosc.engine.touches import ROUNDING
+from symosc.errors import ParameterError, SymoscError
+from symosc.kernels._generated import acceleration
+from symosc.mappings.equations import EXITS, jacobian, read_points
+from symosc.model import MODE_NAMES, SIDES, Parameters
+from symosc.words import MAPS, Map
+
+# A flight is followed for so many forcing periods.
+MOST_PERIODS = 1000
+GUARD_DIGITS = 10
+
+
+class MapError(SymoscError, ValueError):
+    """A mapping that the motion does not follow from the given point.
+
+    Attributes
+    ----------
+    label : str
+    x, theta : number
+        The start.
+    actual : str or None
+        The mapping that the motion does follow, where that is known.
+    """
+
+    def __init__(self, label: str, x: Any, theta: Any, reason: str, actual: str | None = None) -> None:
+        self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
+        super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.label, self.x, self.theta, self.reason, self.actual)
+
+
+@dataclass(frozen=True, slots=True)
+class MapPoint:
+    """The switching point that a map leads to.
+
+    Attributes
+    ----------
+    label : str
+    x, theta : number
+        Position and unwrapped phase Omega t, greater than that of the start.
+    exit : str or None
+        "below" or "above" for a stick.
+    grazing : bool
+        Whether a flight only touches the belt there (as far as this precision tells).
+    derivative : array of shape (2, 2) or None
+        d(x, theta)/d(x_i, theta_i). None where it does not exist, because the end does not move smoothly: at a graze.
+    """
+
+    label: str
+    x: Any
+    theta: Any
+    exit: str | None
+    grazing: bool
+    derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
+
+
+def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
+    """Follow a mapping from a switching point to the next one, by the event search that simulations use.
+
+    Parameters
+    ----------
+    p : Parameters
+    label : str
+        "P1" to "P8".
+    x_i, theta_i : number
+        The start: position and phase Omega t (any multiple of 2 pi may be on it). Floats or mpmath numbers.
+
+    Returns
+    -------
+    MapPoint
+
+    Raises
+    ------
+    MapError
+        If the motion from there does not follow the map (it says where it goes), comes to no belt within 1000 periods,
+        or cannot be followed in this precision.
+    """
+    row, _, points, shape = read_points(p, label, (x_i, theta_i), (x_i, theta_i))
+    if shape is not None:
+        raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")
+    x, theta = points[:2]
+    context = getattr(x, "context", None)
+    arithmetic = _engine(p, context.dps + GUARD_DIGITS if context else None)
+    convert = context.convert if context else float
+    inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
+    code, boundary, mode, x_end, gain = _next_event(row, arithmetic, inner(x), inner(theta))
+    begun = (other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode))
+    actual = next(other.label for other in begun if other.end.boundary == boundary)
+    if actual != label:
+        raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
+    exit = EXITS[mode - boundary] if code == SLIP else None
+    x_j, theta_j = convert(x_end), theta + convert(gain)
+    derivative = None
+    if code != GRAZE:
+        derivative = _solved(jacobian(p, label, (x, theta), (x_j, theta_j)))
+    return MapPoint(label, x_j, theta_j, exit, code == GRAZE, derivative)
+
+
+@lru_cache(maxsize=64)
+def _engine(p: Parameters, digits: int | None) -> Arithmetic:
+    return MpArithmetic(p, digits) if digits else Arithmetic(p)
+
+
+def _next_event(row: Map, arithmetic: Arithmetic, x: Any, theta: Any) -> tuple[int, int, int, Any, Any]:
+    """Return code, boundary and mode of the next event, its position, and the phase since the start."""
+    K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
+    two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
+    turns = int(theta / two_pi) - (theta < 0)
+    phase = (theta - turns * two_pi) - turns * rest
+    v = (K.belt1 if boundary == 1 else K.belt2).v
+    s, c, A = names["sin"](phase), names["cos"](phase), (K.A1, K.A2, K.A3)
+    forces = [acceleration(x, v, c, A[side - 1], K.cm, K.w0sq, K.f0) for side in SIDES[boundary]]
+    # After a stick one force is 0, which its rounded end shows only to so much.
+    size = max(map(abs, A)) + abs(K.f0) * (1 + abs(theta)) + abs(K.w0sq * x) + abs(K.cm * v)
+    below, above = (0 * force if abs(force) <= ROUNDING * eps * size else force for force in forces)
+    where = names["resolve"](v, below, above, s, c, K)
+    leads = {BELT: 3 + boundary, DOMAIN_BELOW: SIDES[boundary][0], DOMAIN_ABOVE: SIDES[boundary][1]}[where]
+    if leads != row.mode:
+        goes = "stays on" if where == BELT else "goes into"
+        numbers = f"F^({SIDES[boundary][0]}) = {float(below):.6g}, F^({SIDES[boundary][1]}) = {float(above):.6g}"
+        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[leads]} there, since {numbers}")
+    start = (below, above) if row.sticks else (below, below) if where == DOMAIN_BELOW else (above, above)
+    state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x, 0 * x)
+    horizon = MOST_PERIODS * K.period
+    while True:
+        code, hit, _, _, *state_after = arithmetic.advance(*state, horizon, 0 * x, K)
+        state = tuple(state_after)
+        if code != MOVED:
+            break
+    if code in (END, REST):
+        many = f"within {MOST_PERIODS} periods" if code == END else "ever"
+        raise MapError(row.label, x, theta, f"the motion comes to no switching {many}")
+    if code == FAILED:
+        raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")
+    mode, _, periods, phase_end, x_end = state[:5]
+    return code, hit, mode, x_end, periods * two_pi + (phase_end - phase)
+
+
+def _solved(J: np.ndarray) -> np.ndarray | None:
+    """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start; None if that does not exist."""
+    (x_x0, x_th0, x_x1, x_th1), (v_x0, v_th0, v_x1, v_th1) = J
+    determinant = x_x1 * v_th1 - x_th1 * v_x1
+    if determinant == 0:
+        return None
+    return np.array(
+        [
+            [(x_th1 * v_x0 - v_th1 * x_x0) / determinant, (x_th1 * v_th0 - v_th1 * x_th0) / determinant],
+            [(v_x1 * x_x0 - x_x1 * v_x0) / determinant, (v_x1 * x_th0 - x_x1 * v_th0) / determinant],
+        ]
+    )

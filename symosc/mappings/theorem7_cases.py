@@ -1,0 +1,101 @@
+"""Theorem 7's cases: where the flow of a map touches, and what its window is, from signs alone."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from symosc.errors import ParameterError
+from symosc.model import Parameters
+
+
+class Place(NamedTuple):
+    """Where the flow of a map touches a boundary.
+
+    Attributes
+    ----------
+    domain, boundary : int
+    side : int
+        1 for a contact from below, -1 for one from above.
+    equation : int
+        Its number in the paper: 55 to 58.
+    """
+
+    domain: int
+    boundary: int
+    side: int  # 1: from below, 0 < gamma + amplitude sin(theta); -1: from above, the opposite
+    equation: int
+
+
+PLACES = {"P2": Place(1, 1, 1, 55), "P3": Place(2, 1, -1, 56), "P5": Place(2, 2, 1, 57), "P6": Place(3, 2, -1, 58)}
+
+_NO_GRAZING = {
+    "P1": "sticks on belt 1",
+    "P4": "sticks on belt 2",
+    "P7": "leads from v2 to v1",
+    "P8": "leads from v1 to v2",
+}
+
+ORDERS = ("full", "paper")
+
+# What a window is; a wrapped arc goes through 0.
+IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
+
+
+def place(mapping: str) -> Place:
+    """Return where the flow of a map touches a boundary.
+
+    Raises
+    ------
+    ParameterError
+        If the map has no grazing (only P2, P3, P5 and P6 return to the boundary that they left).
+    """
+    if not isinstance(mapping, str) or mapping not in PLACES:
+        reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
+        raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
+    return PLACES[mapping]
+
+
+def check_parameters(p: Any) -> Parameters:
+    """Return `p` if it is a set of parameters."""
+    if not isinstance(p, Parameters):
+        shown = p if isinstance(p, str | int | float | None) else type(p).__name__
+        raise ParameterError("p", shown, "must be Parameters; those of a scene are load_scene(name).parameters")
+    return p
+
+
+def check_order(order: str) -> str:
+    """Return `order` if it is "full" or "paper", the two readings of Theorem 7."""
+    if not isinstance(order, str) or order not in ORDERS:
+        raise ParameterError("order", order, f"must be one of {', '.join(ORDERS)}")
+    return order
+
+
+def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
+    """Return what the window is from the signs of gamma, the amplitude and |gamma| - |amplitude|.
+
+    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there and G^(3) = -gamma Omega^2 has the
+    sign of a graze from `side` iff the rest of the circle is in the window: `full` includes it.
+    """
+    level = side * gamma_sign
+    if amplitude_sign == 0:
+        return EVERYTHING if level > 0 else EMPTY  # with gamma = 0 too, the flow stays in the boundary for ever
+    if excess_sign < 0:
+        return WRAPPED_ARC if level > 0 else ARC
+    if level < 0:
+        return EMPTY
+    return EVERYTHING if excess_sign > 0 or full else ALL_BUT_ONE
+
+
+def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
+    """Return the paper's case: (55.1) is the first of (55). Letters are cases that the paper lacks.
+
+    a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0
+    half a period later.
+    """
+    if amplitude_sign == 0:
+        return f"({place.equation}.{'b' if place.side * gamma_sign > 0 else 'c'})"
+    # By the sign of gamma, then of |gamma| - |amplitude| from -1 to 1.
+    below, above = {1: "123", 0: "4", -1: "5a6"}, {1: "122", 0: "3", -1: "456"}
+    number = (below if place.side > 0 else above)[gamma_sign][excess_sign + 1]
+    label = f"({place.equation}.{number})"
+    return label if amplitude_sign > 0 else f"{label} shifted by pi"

@@ -1,0 +1,168 @@
+"""Branches of periodic orbits: their points, and why they end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.errors import SymoscError
+from symosc.exact import whole_number
+from symosc.model import Parameters
+from symosc.orbits.admissibility import Condition
+from symosc.orbits.find import find_orbit
+from symosc.orbits.floquet import NEAR_ONE
+from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
+
+
+class BranchError(SymoscError, ValueError):
+    """A branch that cannot be begun, because its first root is no orbit.
+
+    Attributes
+    ----------
+    orbit : PeriodicOrbit
+    """
+
+    def __init__(self, orbit: PeriodicOrbit) -> None:
+        self.orbit = orbit
+        super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.orbit,)
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A point of a branch: value of the parameter, switching points (x, theta), multipliers, margins."""
+
+    value: float
+    points: np.ndarray
+    tangent: np.ndarray
+    trace: float
+    determinant: float
+    multipliers: tuple[complex, complex]
+    conditions: tuple[Condition, ...]
+    failures: tuple[Condition, ...]
+
+    @property
+    def stable(self) -> bool:
+        """Whether both multipliers lie inside the unit circle by more than rounding."""
+        return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
+
+
+class BranchEnd(NamedTuple):
+    """Where and why a branch ends.
+
+    Attributes
+    ----------
+    kind : str
+        "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a slip", "vanishing of a
+        flight", "end of the range", "no convergence" or "max_points". For c = 0 also "fold", "period doubling" and
+        "Neimark-Sacker", which damping excludes (`symosc.orbits.floquet`).
+    value : float
+        The parameter there: the last value with an orbit, to the resolution of doubles.
+    message : str
+        Which inequality or multiplier it is, and when in the orbit.
+    points : tuple of SwitchingPoint
+        The orbit there.
+    conditions : tuple of Condition
+        The inequalities that pass 0, the one that explains the others first, where they do.
+    beyond : str or None
+        The word of the orbit just behind the end: one was found and verified there, as near as 1e-9 of the range. None
+        at the end of the range, where the motion has no word (the message says what it does), or if none was found.
+    """
+
+    kind: str
+    value: float
+    message: str
+    points: tuple[SwitchingPoint, ...]
+    conditions: tuple[Condition, ...]
+    beyond: str | None = None
+
+
+class Branch:
+    """A branch of periodic orbits over one parameter.
+
+    Attributes
+    ----------
+    word : str
+    labels : tuple of str
+        Its mappings in order of time.
+    parameter : str
+    values : (m,) array
+        The parameter, point by point along the branch.
+    points : (m, n, 2) array
+        (t, x) of the n switching points.
+    multipliers : (m, 2) complex array
+    stable : (m,) bool array
+        True where damping proves it, or both multipliers are clearly inside the unit circle (`symosc.orbits.floquet`).
+    periods : int
+        Number of forcing periods.
+    ends : tuple of two BranchEnd
+        Why it ends at its first and its last point.
+    """
+
+    def __init__(
+        self,
+        orbit: PeriodicOrbit,
+        parameter: str,
+        path: list[BranchPoint],
+        ends: tuple[BranchEnd, BranchEnd],
+    ) -> None:
+        self._orbit = orbit
+        self.word, self.labels, self.periods, self.parameter = orbit.word, orbit.labels, orbit.periods, parameter
+        self.ends = ends
+        self.values = np.array([point.value for point in path])
+        self.points = np.array([times_of(orbit.parameters, parameter, point) for point in path])
+        self.multipliers = np.array([point.multipliers for point in path])
+        self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
+
+    def parameters(self, i: int) -> Parameters:
+        """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
+        return self._orbit.parameters.replace(**{self.parameter: float(self.values[self._index(i)])})
+
+    def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
+        """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
+        return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
+
+    def _index(self, i: int) -> int:
+        return whole_number("i", i, -len(self.values), len(self.values) - 1)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as plain values."""
+
+        def plain(end: BranchEnd) -> dict[str, Any]:
+            points = [list(map(float, point)) for point in end.points]
+            return end._asdict() | {"points": points, "conditions": [c._asdict() for c in end.conditions]}
+
+        return {
+            "word": self.word,
+            "parameters": self._orbit.parameters.as_dict(),
+            "parameter": self.parameter,
+            "periods": self.periods,
+            "values": self.values.tolist(),
+            "points": self.points.tolist(),
+            "multipliers": [[[value.real, value.imag] for value in pair] for pair in self.multipliers.tolist()],
+            "stable": self.stable.tolist(),
+            "ends": [plain(end) for end in self.ends],
+        }
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same branch: word, parameters, points, multipliers and ends."""
+        if not isinstance(other, Branch):
+            return NotImplemented
+        return self.as_dict() == other.as_dict()
+
+    def __hash__(self) -> int:
+        return hash((self._orbit.parameters, self.word, self.parameter, len(self.values)))
+
+    def __repr__(self) -> str:
+        ends = ", ".join(f"{end.kind} at {end.value:.8g}" for end in self.ends)
+        return f"<Branch of {self.word} in {self.parameter}, {len(self.values)} points: {ends}>"
+
+
+def times_of(parameters: Parameters, name: str, point: BranchPoint) -> np.ndarray:
+    """Return the (n, 2) array of (t, x) of a point."""
+    Omega = point.value if name == "Omega" else float(parameters.Omega)
+    return np.column_stack([point.points[:, 1] / Omega, point.points[:, 0]])

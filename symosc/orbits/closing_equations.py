@@ -1,0 +1,230 @@
+"""The closing equations of a periodic orbit, all switching points at once.
+
+An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its switching points
+(x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are f1 = f2 = 0 (eq. (54)) of each
+mapping from point i to point i + 1, the last one back to (x_0, theta_0 + 2 pi N) after N periods of the excitation. The
+Jacobian is block-cyclic: mapping i has one 2x2 block for its start and one for its end. As all points are unknown,
+errors do not grow along the orbit as they would with shooting from one point, and every equation belongs to one piece.
+
+The residuals are those of `symosc.mappings.equations`, continued to where they are no mappings any more, so that a
+branch of orbits is smooth up to its end and beyond: sticks may have a negative duration; a flight after a stick starts
+with no acceleration (the stick's equation says so already). Where tau = 0 is a root of f2 it is divided out: Newton's
+method does not fall for it, and a slip may vanish without the system becoming singular.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.flow import BeltConstants
+from symosc.errors import SymoscError
+from symosc.kernels._generated import (
+    acceleration,
+    flight_jacobian,
+    flight_residual,
+    motion,
+    stick_jacobian,
+    stick_residual,
+)
+from symosc.model import Parameters
+from symosc.words import Word
+
+
+class ConvergenceError(SymoscError, ArithmeticError):
+    """Newton's method for a periodic orbit did not converge.
+
+    Attributes
+    ----------
+    word : str
+    best : tuple of (t, x)
+        The best switching points that were found.
+    periods : int
+        The number of forcing periods that they were to close after.
+    residual : float
+        Largest |f1|, |f2| there.
+    """
+
+    def __init__(self, word: str, best: tuple[Any, ...], periods: int, residual: float, reason: str) -> None:
+        self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
+        super().__init__(f"no periodic orbit {word} was found: {reason} (smallest residual {residual:.1e})")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One mapping of a word.
+
+    Attributes
+    ----------
+    label : str
+        "P1" to "P8".
+    start, end : int
+        The belts that it starts and ends on.
+    mode : int
+        1 to 3: flight in that domain; 4, 5: stick on belt 1, 2 (as in `symosc.engine.next_event`).
+    side : int
+        +1 if its end is reached from below (flight) or left upward (stick), -1 otherwise.
+    after_stick : bool
+        Whether it starts where a stick ends, so that its first acceleration is 0.
+    """
+
+    label: str
+    start: int
+    end: int
+    mode: int
+    side: int
+    after_stick: bool
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the mass stays on a belt."""
+        return self.mode > 3
+
+    @property
+    def zeros(self) -> int:
+        """How many times tau = 0 is a root of f2: 0 from belt to belt, 1 back to the same, then 2 after a stick."""
+        return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
+
+
+def pieces_of(word: Word) -> tuple[Piece, ...]:
+    """Return the pieces of a word, which repeats for ever."""
+    pieces = []
+    for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
+        upward = exit == "above" if row.sticks else row.end.side == 1  # side 1 is below the belt
+        after_stick = word.maps[i - 1].sticks
+        pieces.append(
+            Piece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
+        )
+    return tuple(pieces)
+
+
+class ClosingEquations:
+    """The equations of one word, number of periods and parameter set, in one arithmetic.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    word : Word
+    periods : int
+        After how many forcing periods the orbit closes.
+    digits : int, optional
+        None: double precision.
+    """
+
+    def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
+        self.parameters, self.word, self.periods = parameters, word, periods
+        self._coarse: ClosingEquations | None = None
+        self.pieces = pieces_of(word)
+        self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
+        self.K = self.arithmetic.K
+        self.basis = self.arithmetic.namespace["basis"]
+        self.turn = 2 * pi * periods if digits is None else 2 * self.arithmetic.context.pi * periods  # type: ignore[attr-defined]
+
+        self.exact = None if digits is None else self.arithmetic.context.convert  # type: ignore[attr-defined]
+        maths = math if digits is None else self.arithmetic.context  # type: ignore[attr-defined]
+        self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
+        self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
+
+    @property
+    def coarse(self) -> ClosingEquations:
+        """The same equations in double precision."""
+        if self.exact is None:
+            return self
+        self._coarse = self._coarse or ClosingEquations(self.parameters, self.word, self.periods)
+        return self._coarse
+
+    def with_digits(self, digits: int) -> ClosingEquations:
+        """Return the same equations with so many digits."""
+        finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
+        finer._coarse = self.coarse
+        return finer
+
+    def ends(self, points: Any) -> list[Any]:
+        """Return the points (x, theta) that the pieces end on."""
+        x, theta = points[0]
+        return [*points[1:], (x, theta + self.turn)]
+
+    def residuals(self, points: Any) -> list[Any]:
+        """Return f1, f2 of every piece, in order, the known roots tau = 0 divided out of f2."""
+        values = []
+        for piece, start, end in self._ends_of_pieces(points):
+            f1, f2 = self._residual(piece, start, end)
+            values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
+        return values
+
+    def largest_residual(self, points: Any) -> Any:
+        """Return the largest |f1|, |f2| of eq. (54)."""
+        return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
+
+    def blocks(self, points: Any) -> list[Any]:
+        """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
+        return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
+
+    def _ends_of_pieces(self, points: Any) -> Any:
+        return zip(self.pieces, points, self.ends(points), strict=True)
+
+    def force(self, domain: int, x: Any, v: Any, theta: Any) -> Any:
+        """Return the acceleration F^(domain) (eq. (9))."""
+        K = self.K
+        return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+
+    def belt(self, boundary: int) -> BeltConstants:
+        """Return the constants of a belt."""
+        return self.K.belt1 if boundary == 1 else self.K.belt2
+
+    def start_of_flight(self, piece: Piece, start: Any) -> tuple[Any, Any, Any, Any]:
+        """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
+        v = self.belt(piece.start).v
+        a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
+        return v, a, self.sin(start[1]), self.cos(start[1])
+
+    def _residual(self, piece: Piece, start: Any, end: Any) -> tuple[Any, Any]:
+        K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
+        if piece.sticks:
+            domain = piece.start + (piece.side > 0)
+            A = (K.A1, K.A2, K.A3)[domain - 1]
+            return stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
+        v, a, s, c = self.start_of_flight(piece, start)
+        basis = self.basis(tau, K)[:5]
+        return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
+
+    def _jacobian(self, piece: Piece, start: Any, end: Any) -> Any:
+        K, tau = self.K, (end[1] - start[1]) / self.K.Om
+        if piece.sticks:
+            x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
+            return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
+        v, a, s, c = self.start_of_flight(piece, start)
+        E0, E1, E2, R2, I2 = self.basis(tau, K)[:5]
+        _, dv, a_end = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
+        if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
+            x_x0, x_th0 = x_x0 + K.w0sq * E2, x_th0 + K.f0 * s * E2
+            v_x0, v_th0 = v_x0 + K.w0sq * E1, v_th0 + K.f0 * s * E1
+        if piece.zeros:
+            power, shift = tau**piece.zeros, piece.zeros * dv / (tau * K.Om)
+            v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
+        return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
+
+    def matrix(self, points: Any) -> np.ndarray:
+        """Return the block-cyclic Jacobian, (2n, 2n) floats."""
+        n = len(self.pieces)
+        matrix = np.zeros((2 * n, 2 * n))
+        for i, block in enumerate(self.blocks(points)):
+            j = (i + 1) % n
+            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += np.asarray(block, dtype=float)[:, :2]
+            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += np.asarray(block, dtype=float)[:, 2:]
+        return matrix
+
+    def durations(self, points: np.ndarray) -> np.ndarray:
+        """Return Omega times the duration of every piece."""
+        theta = points[:, 1]
+        return np.append(theta[1:], theta[0] + float(self.turn)) - theta

@@ -1,0 +1,132 @@
+"""Stability of a periodic orbit: its monodromy matrix from the exact derivative of every piece.
+
+Perturbations (dx, dv) at a fixed time obey the unforced equation in every domain, so that a flight of duration tau
+multiplies them by
+
+    [[1 - (k/m) E2, E1], [-(k/m) E1, E0]],     of determinant exp(-(c/m) tau).
+
+A crossing leaves dx and multiplies dv by F^(target)/F^(source), the saltation of a velocity whose slope changes. At
+the onset of a stick dv becomes 0: the rank drops and one multiplier is 0. While the mass sticks dx stays; where the
+stick ends the force vanishes on the side that it leaves to, so nothing is added there.
+
+What holds about uniqueness
+---------------------------
+Friction never grows with the velocity (A_1 >= A_2 >= A_3), so the difference y of two motions of one system obeys
+
+    E = m y'^2/2 + k y^2/2,   dE/dt <= -c y'^2 <= 0.
+
+No difference grows. For c > 0 and k > 0 motions are bounded, so by Brouwer's theorem a periodic one exists, with the
+period of the excitation. If E stays constant along two motions, y' = 0 and y = d for all times. If d is not 0, the
+equations of the two differ by k d, so both have set-valued friction at all times: both ride the same belt for ever.
+Being bounded they do so on a belt at rest. Hence, for c > 0 and k > 0:
+
+- An orbit with a flight of positive length is the only periodic motion, attracts all others, and both its multipliers
+  lie inside the unit circle. All words have flights, so every admissible orbit with c > 0 is stable, no other word has
+  one at these parameters, and folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur: a
+  branch of orbits ends at a graze, or where a stick, a slip or a flight is born or vanishes.
+- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|: the mass may rest on it for ever, at every x
+  of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These motions are periodic, attract the others
+  only as a set, and have the multiplier 1. They have no flight, so no word.
+
+For c = 0 the argument gives |multiplier| <= 1 only. One of exactly 1 in size is possible: the orbit is marginal,
+neither stable nor unstable. F^(target)/F^(source) is in [0, 1] on every orbit, so det M = exp(-(c/m) T) times those
+ratios is at most 1.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from symosc.kernels._generated import motion
+from symosc.model import SIDES, Parameters
+from symosc.orbits.closing_equations import ClosingEquations
+from symosc.orbits.newton import polish
+
+# A multiplier this near to the unit circle is computed once more with so many digits ...
+NEAR_ONE, DIGITS = 1e-9, 50
+# ... and lies on it if it is so near even then.
+ON_CIRCLE = 1e-25
+
+
+class Monodromy(NamedTuple):
+    """What one period makes of a perturbation of (x, v) just after the first switching point.
+
+    Attributes
+    ----------
+    matrix : ((xx, xv), (vx, vv))
+    trace, determinant : number
+        The determinant comes from its factors, not from the matrix: it keeps its digits however small it is.
+    """
+
+    matrix: Any
+    trace: Any
+    determinant: Any
+
+
+def monodromy(equations: ClosingEquations, points: Any) -> Monodromy:
+    """Return the monodromy matrix of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
+    K, pieces = equations.K, equations.pieces
+    xx, xv, vx, vv = 1, 0, 0, 1
+    determinant = 1
+    for i, (piece, start, end) in enumerate(zip(pieces, points, equations.ends(points), strict=True)):
+        if piece.sticks:
+            continue
+        tau = (end[1] - start[1]) / K.Om
+        basis = E0, E1, E2, _, _ = equations.basis(tau, K)[:5]
+        _, _, a = motion(*equations.start_of_flight(piece, start), K.cm, K.w0sq, K.f0, K.Om, *basis)
+        C, D = 1 - K.w0sq * E2, -K.w0sq * E1
+        following = pieces[(i + 1) % len(pieces)]
+        ratio = 0
+        if not following.sticks:
+            ratio = equations.force(following.mode, end[0], equations.belt(piece.end).v, end[1]) / a
+        xx, xv, vx, vv = C * xx + E1 * vx, C * xv + E1 * vv, ratio * (D * xx + E0 * vx), ratio * (D * xv + E0 * vv)
+        determinant = determinant * ratio
+    determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
+    return Monodromy(((xx, xv), (vx, vv)), xx + vv, determinant)
+
+
+def multipliers(trace: Any, determinant: Any, root: Any) -> tuple[Any, Any]:
+    """Return the eigenvalues, the larger one first, from trace and determinant; `root` is a complex square root."""
+    half = trace / 2
+    square = half * half - determinant
+    if square < 0:
+        return half + root(square), half - root(square)
+    large = half + (root(square) if half >= 0 else -root(square))
+    return large, determinant / large if large != 0 else 0 * large
+
+
+def inside(equations: ClosingEquations, points: Any, values: Any) -> float | None:
+    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 as far as 50 digits tell.
+
+    Parameters
+    ----------
+    equations : ClosingEquations
+        In double precision.
+    points : sequence of (x, theta)
+    values : pair of numbers
+        The multipliers that were found there.
+    """
+    gap = float(1 - max(abs(value) for value in values))
+    if abs(gap) > NEAR_ONE:
+        return gap
+    fine = equations.with_digits(DIGITS)
+    root = polish(fine, points)
+    if not root.converged:  # orbits that are not isolated have a multiplier of 1
+        return None
+    flow = monodromy(fine, root.points)
+    gap = float(1 - max(abs(value) for value in multipliers(flow.trace, flow.determinant, fine.complex_root)))
+    return None if abs(gap) < ON_CIRCLE else gap
+
+
+def rest_positions(parameters: Parameters, belt: int) -> tuple[Fraction, Fraction] | None:
+    """Return the lowest and the highest x at which the mass may rest on a belt for ever; None if it cannot.
+
+    The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
+    """
+    p = parameters
+    if p.belt(belt) != 0 or p.k == 0:
+        return None
+    below, above = (p.A(domain) for domain in SIDES[belt])
+    low, high = (above + abs(p.B0)) / p.k, (below - abs(p.B0)) / p.k
+    return (low, high) if low <= high else None

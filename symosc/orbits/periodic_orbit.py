@@ -1,0 +1,235 @@
+"""A periodic orbit: its data, its states at any time, and how a start lies to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine.first_exit import state_at
+from symosc.errors import ParameterError
+from symosc.model import Parameters
+from symosc.orbits.admissibility import Condition, conditions
+from symosc.orbits.closing_equations import ClosingEquations
+from symosc.scenes import Scene, load_scene
+from symosc.simulation.simulate import simulate
+from symosc.words import Word
+
+NEAR = 1e-6
+FIRST_LOOK, PATIENCE = 20, 400  # periods after which `approach` looks a second time, and gives up
+
+
+class SwitchingPoint(NamedTuple):
+    """Time and position of a switching; unpacks as (t, x).
+
+    Attributes
+    ----------
+    t, x : number
+        Floats, or mpmath numbers with ``digits=``.
+    """
+
+    t: Any
+    x: Any
+
+
+class Approach(NamedTuple):
+    """How a start lies to a periodic orbit.
+
+    Attributes
+    ----------
+    dt, dx : float
+        Start minus the nearest switching point of the orbit on the same belt; nan if the start is not on a belt.
+    offset_x, offset_v : float
+        Start minus the orbit's state at the same phase.
+    periods : int or None
+        Periods of the orbit after which |x - x_orbit| and |v - v_orbit| are below `within` for good; None: never seen.
+    within : float
+    """
+
+    dt: float
+    dx: float
+    offset_x: float
+    offset_v: float
+    periods: int | None
+    within: float
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """A periodic orbit, or a root of its closing equations that is none (`admissible` is False).
+
+    Calling it gives the state: ``orbit(t)`` is ``[x, v]``, of shape (2,) or (2, n), for any times.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    word : str
+        The mapping structure, read right to left.
+    labels : tuple of str
+        Its mappings in order of time: labels[0] starts at points[0].
+    points : tuple of SwitchingPoint
+        (t, x) at each switching, in order of time, the first in the first forcing period. Floats, or mpmath numbers.
+    period : number
+        2 pi periods/Omega.
+    periods : int
+        Number of forcing periods.
+    multipliers : tuple of two complex numbers
+        Floquet multipliers, the larger one first; 0 is one of them if the orbit sticks.
+    stable : bool or None
+        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it as far as 50 digits tell.
+        An admissible orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
+    residual : float
+        Largest |f1|, |f2| of eq. (54).
+    admissible : bool
+        Whether each piece stays in its domain, each event is the first, and Theorems 4 and 5 hold at every switching.
+        The engine has followed every such orbit over its period and found it closed (`symosc.orbits.verification`).
+    failures : tuple of Condition
+        What does not hold, where and by how much; empty for an orbit.
+    grazing_distance : float
+        The least velocity by which the orbit misses a belt that it turns before, or exceeds one that it meets.
+    message : str
+        All that in words.
+    steps : int
+        Newton steps from the guess.
+    digits : int or None
+    """
+
+    parameters: Parameters
+    word: str
+    labels: tuple[str, ...]
+    points: tuple[SwitchingPoint, ...]
+    period: Any
+    periods: int
+    multipliers: tuple[Any, Any]
+    stable: bool | None
+    residual: float
+    admissible: bool
+    failures: tuple[Condition, ...]
+    grazing_distance: float
+    message: str
+    steps: int
+    digits: int | None = None
+
+    def _repr_latex_(self) -> str:
+        """Return word, switching points and multipliers, for notebooks."""
+        rows = r" \\ ".join(
+            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}"
+            for label, (t, x) in zip(self.labels, self.points, strict=True)
+        )
+        multipliers = r",\; ".join(_latex_complex(complex(value)) for value in self.multipliers)
+        table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
+        return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
+
+    def equations(self) -> ClosingEquations:
+        """Return the closing equations in double precision."""
+        return ClosingEquations(self.parameters, Word(self.labels), self.periods)
+
+    def phases(self) -> np.ndarray:
+        """Return the switching points as an (n, 2) array of (x, theta), phases not wrapped."""
+        Omega = float(self.parameters.Omega)
+        return np.array([(float(x), Omega * float(t)) for t, x in self.points])
+
+    def conditions(self) -> list[Condition]:
+        """Return every inequality that makes the root an orbit, with its margin."""
+        return conditions(self.equations(), self.phases())
+
+    def __call__(self, t: Any) -> np.ndarray:
+        """Return [x, v] at times t."""
+        times = np.asarray(t, dtype=float)
+        equations, points = self.equations(), self.phases()
+        states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
+        return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
+
+    def approach(self, scene: Scene | str, within: float = NEAR) -> Approach:
+        """Say how far a scene's start is from the orbit, and how soon its motion is within `within` of it.
+
+        Raises
+        ------
+        ParameterError
+            If the scene has other parameters than the orbit.
+        """
+        scene = load_scene(scene) if isinstance(scene, str) else scene
+        if scene.parameters != self.parameters:
+            raise ParameterError("scene", scene.name, "must have the orbit's parameters")
+        start = np.array([float(scene.x0), float(scene.v0)])
+        offset = start - self._at(scene, np.zeros(1))[:, 0]
+        dt, dx = self._nearest_switching(scene)
+        length, periods = float(self.period), None
+        for span in (FIRST_LOOK, PATIENCE):
+            end = float(scene.t0) + (span + 0.5) * length
+            path = simulate(scene, t_end=end)
+            elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
+            away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
+            far = np.flatnonzero(away > within)
+            if len(far) == 0 or far[-1] + 1 < len(away):
+                periods = 0 if len(far) == 0 else int(far[-1]) + 1
+                break
+        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, within)
+
+    def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
+        """Return the orbit's states at times since the scene's start, shifted by forcing periods to the nearest one."""
+        T, start = float(self.period) / self.periods, np.array([[float(scene.x0)], [float(scene.v0)]])
+        choices = [self(float(scene.t0) + elapsed + shift * T) for shift in range(self.periods)]
+        return min(choices, key=lambda states: float(np.abs(states[:, :1] - start).max()))
+
+    def _nearest_switching(self, scene: Scene) -> tuple[float, float]:
+        T, best = float(self.period) / self.periods, (float("nan"), float("nan"))
+        for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
+            if scene.v0 == self.parameters.belt(piece.start):
+                dt = (float(scene.t0) - float(t) + T / 2) % T - T / 2
+                best = min(best, (dt, float(scene.x0) - float(x)), key=lambda pair: _size(*pair))
+        return best
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as plain values; numbers with more than double precision become text."""
+
+        def plain(value: Any) -> Any:
+            return float(value) if self.digits is None else value.context.nstr(value, self.digits)
+
+        rows = zip(self.labels, self.points, strict=True)
+        return {
+            "word": self.word,
+            "parameters": self.parameters.as_dict(),
+            "points": [{"map": label, "t": plain(t), "x": plain(x)} for label, (t, x) in rows],
+            "period": plain(self.period),
+            "periods": self.periods,
+            "multipliers": [[float(value.real), float(value.imag)] for value in self.multipliers],
+            "stable": self.stable,
+            "residual": float(self.residual),
+            "admissible": self.admissible,
+            "failures": [condition._asdict() for condition in self.failures],
+            "grazing_distance": self.grazing_distance if self.grazing_distance < inf else None,
+            "message": self.message,
+        }
+
+    def __repr__(self) -> str:
+        return f"<PeriodicOrbit {self.word}: {self.message}>"
+
+
+def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[float, float]:
+    K, turn = equations.K, float(equations.turn)
+    theta = (t * K.Om - points[0, 1]) % turn + points[0, 1]
+    i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
+    piece, (x, begin) = equations.pieces[i], (float(value) for value in points[i])
+    tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
+    if piece.sticks:
+        return x + v * tau, v
+    dx, dv, *_ = state_at(*[tau, *equations.start_of_flight(piece, (x, begin)), K])
+    return x + dx, v + dv
+
+
+def _size(dt: float, dx: float) -> float:
+    return inf if dt != dt else max(abs(dt), abs(dx))
+
+
+def _latex_complex(value: complex) -> str:
+    def real(number: float) -> str:
+        mantissa, _, exponent = f"{number:.6g}".partition("e")
+        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+    if value.imag == 0:
+        return real(value.real)
+    sign = "-" if value.imag < 0 else "+"
+    return rf"{real(value.real)} {sign} {real(abs(value.imag))}\,\mathrm{{i}}"

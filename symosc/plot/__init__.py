@@ -1,0 +1,28 @@
+"""Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves and cross-checks.
+
+May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
+
+One more figure: a module of its own that returns a matplotlib Figure; its function is named here.
+"""
+
+from symosc.plot.branch import branch_figure
+from symosc.plot.figures import (
+    MOST_EVENTS,
+    check_panels,
+    check_suffix,
+    default_panels,
+    figure,
+    save,
+    simulated,
+)
+
+__all__ = [
+    "MOST_EVENTS",
+    "branch_figure",
+    "check_panels",
+    "check_suffix",
+    "default_panels",
+    "figure",
+    "save",
+    "simulated",
+]

@@ -1,0 +1,266 @@
+"""The result of a simulation: events, segments, dense output and files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symosc.engine.flow import Constants, constants
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, whole_number
+from symosc.files import write_text
+from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.entire import basis_at
+from symosc.model import MODE_NAMES, Parameters
+
+#: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
+MAP_LABELS = {
+    (1, "belt1", 1): "P1",
+    (1, "Omega1", 1): "P2",
+    (1, "Omega2", 1): "P3",
+    (2, "belt2", 2): "P4",
+    (2, "Omega2", 2): "P5",
+    (2, "Omega3", 2): "P6",
+    (2, "Omega2", 1): "P7",
+    (1, "Omega2", 2): "P8",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A change of the motion at a belt.
+
+    Attributes
+    ----------
+    t, x, v : number
+        Time, position and velocity (that of the belt). Floats, or mpmath numbers from ``digits=``.
+    theta : number
+        Phase Omega t mod 2 pi, in [0, 2 pi).
+    kind : str
+        "cross", "stick" (onset), "slip" (end of a stick) or "graze".
+    boundary : int
+        1 (v = v1) or 2 (v = v2).
+    source, target : str
+        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
+    t_error, x_error : float
+        Estimated standard errors of t and x.
+    """
+
+    t: Any
+    x: Any
+    v: Any
+    theta: Any
+    kind: str
+    boundary: int
+    source: str
+    target: str
+    t_error: float
+    x_error: float
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A stretch of motion in one domain or on one belt.
+
+    Attributes
+    ----------
+    t_start, t_end : number
+    mode : str
+        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
+    label : str or None
+        The mapping "P1" to "P8" that the segment is, None for one that starts or ends between the belts.
+    """
+
+    t_start: Any
+    t_end: Any
+    mode: str
+    label: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A stretch that is evaluated from one starting point: phase (n, theta), mode code, state, acceleration, time."""
+
+    n: int
+    theta: float
+    mode: int
+    x: float
+    v: float
+    a: float
+    elapsed: float
+
+
+class Trajectory:
+    """An exact event-driven trajectory.
+
+    Calling it gives the state: ``traj(t)`` is ``[x, v]``, of shape (2,) for a scalar and (2, n) for n times.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    events : tuple of Event
+    segments : tuple of Segment
+    status : str
+        "t_end" (reached), "max_events", "equilibrium" (at rest, or settling with no event left) or "undecidable" (a
+        contact that this precision cannot decide; the trajectory ends before it).
+    message : str
+        The status in words: what happened, when, and what to do about it.
+    word : list of str
+        Labels "P1" to "P8" of the segments between switching planes, in order of time. A graze ends one mapping and
+        begins the next.
+    t_start, t_end : number
+        First and last time.
+    digits : int or None
+        How many digits were asked for, relative to max(1, |value|); None is double precision.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        events: Sequence[Event],
+        segments: Sequence[Segment],
+        pieces: Sequence[Piece],
+        status: str,
+        message: str,
+        digits: int | None = None,
+        t0_low: float = 0.0,
+    ) -> None:
+        self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
+        self.events, self.segments = tuple(events), tuple(segments)
+        self.t_start, self.t_end = segments[0].t_start, segments[-1].t_end
+        self._pieces, self._t0, self._t0_low = tuple(pieces), float(self.t_start), t0_low
+        self._starts = [piece.elapsed for piece in pieces]
+        self._K: Constants = constants(parameters)
+
+    @property
+    def word(self) -> list[str]:
+        """Mapping labels in order of time."""
+        return [segment.label for segment in self.segments if segment.label]
+
+    def __call__(self, t: Any) -> np.ndarray:
+        """Return [x, v] at the times `t` (unit of time of the parameters).
+
+        Raises
+        ------
+        ParameterError
+            If a time is outside [t_start, t_end].
+        """
+        times = _read_times(t)
+        states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
+        return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
+
+    def mode(self, t: Any) -> Any:
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
+        times = _read_times(t)
+        names = [MODE_NAMES[self._piece(time)[0].mode] for time in times.ravel()]
+        return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
+
+    def force(self, alpha: int, t: Any) -> Any:
+        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
+        times, K = _read_times(t), self._K
+        A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
+        values = [
+            acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for x, v, c in (self._state(time) for time in times.ravel())
+        ]
+        return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
+
+    def _piece(self, t: float) -> tuple[Piece, float]:
+        if not float(self.t_start) <= t <= float(self.t_end):
+            raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
+        elapsed = (t - self._t0) - self._t0_low
+        piece = self._pieces[max(bisect_right(self._starts, elapsed) - 1, 0)]
+        return piece, max(elapsed - piece.elapsed, 0.0)
+
+    def _state(self, t: float) -> tuple[float, float, float]:
+        """Return x, v and the cosine of the phase."""
+        piece, tau = self._piece(t)
+        K = self._K
+        turn = K.Om * (tau % K.period if tau > K.period else tau)
+        s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(piece.theta), cos(piece.theta)
+        c = c0 * c_Om - s0 * s_Om
+        if piece.mode > 3:
+            return piece.x + piece.v * tau, piece.v, c
+        E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
+        dx, dv, _ = motion(piece.v, piece.a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        return piece.x + dx, piece.v + dv, c
+
+    def table(self) -> list[dict[str, Any]]:
+        """Return the events as rows of plain values.
+
+        With ``digits=`` the numbers t, x, v and theta are text of that many digits: no table and no JSON reader rounds
+        text to doubles (RFC 7493 recommends it for numbers with more digits). In double precision they are floats.
+        """
+        return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
+
+    def _plain(self, value: Any) -> Any:
+        return value if isinstance(value, (int, float, str)) else value.context.nstr(value, self.digits)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the events as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+        text = io.StringIO()
+        writer = csv.DictWriter(text, EVENT_COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(self.table())
+        write_text(path, text.getvalue())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return parameters, status and events as plain values.
+
+        Parameters are text that reads back exactly. With ``digits=`` the numbers of the motion are text too, see
+        `table`; the entry "digits" says so.
+        """
+        return {
+            "parameters": self.parameters.as_dict(),
+            "t_start": self._plain(self.t_start),
+            "t_end": self._plain(self.t_end),
+            "status": self.status,
+            "message": self.message,
+            "digits": self.digits,
+            "word": self.word,
+            "events": self.table(),
+        }
+
+    def to_json(self, path: str | Path) -> None:
+        """Write what `as_dict` returns as JSON ("-": to standard output); OutputError if it cannot be written."""
+        write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same motion: parameters, digits, status, events, segments and dense output."""
+        if not isinstance(other, Trajectory):
+            return NotImplemented
+        return self._content() == other._content()
+
+    def __hash__(self) -> int:
+        return hash((self.parameters, self.digits, self.status, float(self.t_end), len(self.events)))
+
+    def _content(self) -> tuple[Any, ...]:
+        about = self.parameters, self.digits, self.status, self.message
+        return *about, self.events, self.segments, self._pieces
+
+    def __repr__(self) -> str:
+        span = f"t = {float(self.t_start):g} … {float(self.t_end):g}"
+        return f"<Trajectory {span}, {len(self.events)} events: {self.status}>"
+
+
+def _read_times(t: Any) -> np.ndarray:
+    """Return times as floats, in the shape that they are given in."""
+    try:
+        given = np.asarray(t)
+    except ValueError:  # rows of several lengths
+        given = np.asarray(t, dtype=object)
+    if given.dtype.kind in "iuf":
+        return given.astype(float)
+    numbers = [float(read_exact("t", time)) for time in given.ravel().tolist()]
+    return np.array(numbers, dtype=float).reshape(given.shape)
+
+
+EVENT_COLUMNS = tuple(field.name for field in fields(Event))
