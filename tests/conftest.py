@@ -1,6 +1,10 @@
-"""What holds for all tests."""
+"""What holds for all tests, and what is made once for all of them."""
 
 from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -11,3 +15,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("campaign"):
             item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(scope="session")
+def report(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it."""
+    import fcntl
+
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if hasattr(request.config, "workerinput") else base
+    folder = shared / "whole-report"
+    with open(shared / "whole-report.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not folder.exists():
+            command = [sys.executable, "-m", "symosc", "reproduce", "-o", str(folder)]
+            result = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert (result.returncode, result.stderr) == (0, ""), result.stdout
+    return folder

@@ -82,6 +82,7 @@ def assert_right(scene: Creeping, digits: int | None) -> None:
         assert (digits, trajectory.status) == (None, "undecidable"), scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize("push", ["0", "1e-30", "1e-9", "0.3"])
 @pytest.mark.parametrize("flight", AHEAD)
@@ -92,6 +93,7 @@ def test_no_touch_is_invented_beside_a_belt_at_rest(flight: str, push: str, digi
         assert_right(to_a_belt_at_rest(rng, flight, Fraction(push), critical), digits)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("push", ["-1e-25", "-1e-13", "-1e-7", "-0.3"])
 @pytest.mark.parametrize("flight", AHEAD)
@@ -100,6 +102,7 @@ def test_a_contact_from_beside_the_fast_manifold_is_found(flight: str, push: str
     assert_right(to_a_belt_at_rest(rng, flight, Fraction(push)), digits)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("beyond", ["0", "1e-20", "1e-13", "1e-6"])
 @pytest.mark.parametrize("flight", AHEAD)

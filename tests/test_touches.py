@@ -46,6 +46,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 # -- periodic touches of all kinds -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", SIDES)
 @pytest.mark.parametrize("kind", KINDS)
@@ -143,6 +144,7 @@ def assert_part_of(found: Any, right: Any) -> None:
         assert (found.status, len(found.events)) == (right.status, len(right.events))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
 @pytest.mark.parametrize("mapping", ["P2", "P5"])
 def test_a_search_that_fails_is_no_end(
