@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc.bench.event_logic import (
@@ -93,7 +94,10 @@ def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
 def _jacobian(method: str, phase: Phase) -> dict[str, Any]:
     if method == "Radau":
         return {"jac": phase.jacobian}
-    return {"jac": lambda t, y: phase.jacobian} if method == "LSODA" else {}  # LSODA takes no constant one
+    if method == "LSODA":
+        matrix = np.array(phase.jacobian)  # before SciPy 1.17 it takes no nested tuples, and in no version a constant
+        return {"jac": lambda t, y: matrix}
+    return {}
 
 
 def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:

@@ -101,7 +101,8 @@ def _borders(ax: Axes, result: dict[str, Any], column: int, shipped: bool) -> No
     for formula in ("apart", "careful") if shipped else ("apart",):  # two borders between three formulas
         inside = np.where(chosen == "", nan, chosen == formula)
         if np.nanmin(inside) < np.nanmax(inside):
-            ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0, path_effects=OUTLINE)
+            border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
+            border.set_path_effects([*OUTLINE])
     for formula, name in FORMULAS.items() if shipped else ():
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
