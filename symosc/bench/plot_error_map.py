@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.patheffects import AbstractPathEffect, withStroke
+from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt, label
 
 from symosc.bench.error_map import NEAREST, place_of
@@ -44,7 +44,7 @@ ROWS = (("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))
 FORMULAS = {"apart": "cheap", "careful": "careful", "series": "series"}
 # Regions with less than this part of a panel's width around their middle get no name.
 LEAST_NAMED = 0.05
-OUTLINE: list[AbstractPathEffect] = [withStroke(linewidth=2.0, foreground="black")]
+OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
 
 def figure(result: dict[str, Any]) -> Figure:
@@ -102,7 +102,7 @@ def _borders(ax: Axes, result: dict[str, Any], column: int, shipped: bool) -> No
         inside = np.where(chosen == "", nan, chosen == formula)
         if np.nanmin(inside) < np.nanmax(inside):
             border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
-            border.set_path_effects(OUTLINE)
+            border.set_path_effects([*OUTLINE])
     for formula, name in FORMULAS.items() if shipped else ():
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
