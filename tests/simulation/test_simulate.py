@@ -16,7 +16,7 @@ from oracle import OracleRun, simulate_oracle
 
 from symosc import load_scene, simulate
 
-REFERENCE = Path(__file__).parent / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 TARGETS = {"1": "Omega1", "2": "Omega2", "3": "Omega3"}
 
 

@@ -17,7 +17,7 @@ P = load_scene("fig5").parameters
 
 @pytest.mark.parametrize("value", [None, 5, [], P, 1j, {}])
 def test_the_subject_of_a_figure(value: Any) -> None:
-    refused(lambda: symosc.plot.figures.figure(value), "subject")
+    refused(lambda: symosc.plot.figure(value), "subject")
 
 
 @pytest.mark.parametrize(
@@ -31,19 +31,19 @@ def test_the_subject_of_a_figure(value: Any) -> None:
 )
 def test_options_of_a_figure(name: str, values: list[Any]) -> None:
     for value in values:
-        refused(lambda value=value: symosc.plot.figures.figure("fig5", **{name: value}), name)  # type: ignore[misc]
+        refused(lambda value=value: symosc.plot.figure("fig5", **{name: value}), name)  # type: ignore[misc]
 
 
 def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
     start = time.process_time()
-    message = refused(lambda: symosc.plot.figures.figure("fig9", t_end="1e7"), "t_end")
+    message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
     assert "earlier end" in message
     assert time.process_time() - start < 5
-    long = simulate("fig9", max_events=symosc.plot.figures.MOST_EVENTS + 1, t_end=10**7)
-    refused(lambda: symosc.plot.figures.figure(long), "subject")
+    long = simulate("fig9", max_events=symosc.plot.MOST_EVENTS + 1, t_end=10**7)
+    refused(lambda: symosc.plot.figure(long), "subject")
 
 
 def test_what_cannot_be_saved(tmp_path: Any) -> None:
-    refused(lambda: symosc.plot.figures.save(None, tmp_path / "a.pdf"), "drawing")
-    refused(lambda: symosc.plot.figures.save(symosc.plot.figures.figure("fig6", panels="a"), None), "path")  # type: ignore[arg-type]
+    refused(lambda: symosc.plot.save(None, tmp_path / "a.pdf"), "drawing")
+    refused(lambda: symosc.plot.save(symosc.plot.figure("fig6", panels="a"), None), "path")  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []

@@ -11,7 +11,7 @@ from symosc.paper.claims import FOLDER, PARTS
 from symosc.paper.mathematics import chapter_html
 from symosc.paper.typeset import typeset
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(

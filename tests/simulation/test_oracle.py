@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from symosc.model import Parameters
 from symosc.scenes import load_scene
 
-REFERENCE = Path(__file__).parent / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 KINDS = {"stick onset": ("stick", "belt"), "stick end->1": ("slip", "Omega1"), "stick end->2": ("slip", "Omega2")}
 KINDS["stick end->3"] = ("slip", "Omega3")
 

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+import creeping
+import problems
 import pytest
-import test_creeping
-import test_error_estimates
 import touches
 from touches import tenths
 
@@ -23,7 +23,7 @@ Problem = tuple[Parameters, tuple[Any, Any, Any], Any]  # parameters, start, end
 
 
 def of_estimates(family: str, rng: random.Random) -> Problem:
-    p, start = test_error_estimates.FAMILIES[family](rng)
+    p, start = problems.FAMILIES[family](rng)
     return p, (start["t0"], start["x0"], start["v0"]), start["t_end"]
 
 
@@ -33,13 +33,13 @@ def of_touches(make: Any, rng: random.Random) -> Problem:
 
 
 def of_creeping(make: Any, rng: random.Random, *arguments: Any) -> Problem:
-    scene = make(rng, rng.choice(list(test_creeping.AHEAD)), *arguments)
+    scene = make(rng, rng.choice(list(creeping.AHEAD)), *arguments)
     return scene.p, (0, scene.x0, scene.v0), scene.t_end
 
 
 def close_belts(rng: random.Random) -> Problem:
     """Return belts a few units of rounding apart: two events that round to one t."""
-    p, start = test_error_estimates.ordinary(rng)
+    p, start = problems.ordinary(rng)
     apart = Fraction(rng.randint(1, 99), 10 ** rng.randint(12, 17))
     p = p.replace(v2=p.v1 + apart, mu1=rng.choice([0, "0.3"]), mu2=rng.choice([0, "0.2"]))
     t0 = start["t0"] + rng.choice([0, 0, 10**5])
@@ -48,17 +48,17 @@ def close_belts(rng: random.Random) -> Problem:
 
 def undriven(rng: random.Random) -> Problem:
     v1 = tenths(rng, -20, 0)
-    p, start = test_error_estimates.ordinary(rng, B0=0, v1=v1, v2=rng.choice([max(Fraction(0), v1 + 1), v1 + 3]))
+    p, start = problems.ordinary(rng, B0=0, v1=v1, v2=rng.choice([max(Fraction(0), v1 + 1), v1 + 3]))
     return p, (start["t0"], start["x0"], start["v0"]), start["t_end"] + 80
 
 
 FAMILIES: dict[str, Callable[[random.Random], Problem]] = {
-    **{name: lambda rng, name=name: of_estimates(name, rng) for name in test_error_estimates.FAMILIES},
+    **{name: lambda rng, name=name: of_estimates(name, rng) for name in problems.FAMILIES},
     **{f"touches, {make.__name__}": lambda rng, make=make: of_touches(make, rng)
        for make in (touches.ordinary, touches.wild, touches.undriven, touches.free)},
-    "belt at rest": lambda rng: of_creeping(test_creeping.to_a_belt_at_rest, rng, Fraction(rng.choice([0, -1, 1]), 9)),
-    "limit speed": lambda rng: of_creeping(test_creeping.to_a_limit_speed, rng, Fraction(rng.choice([0, 1]), 10**9)),
-    "tiny drive": lambda rng: of_creeping(test_creeping.with_a_tiny_drive, rng, 12),
+    "belt at rest": lambda rng: of_creeping(creeping.to_a_belt_at_rest, rng, Fraction(rng.choice([0, -1, 1]), 9)),
+    "limit speed": lambda rng: of_creeping(creeping.to_a_limit_speed, rng, Fraction(rng.choice([0, 1]), 10**9)),
+    "tiny drive": lambda rng: of_creeping(creeping.with_a_tiny_drive, rng, 12),
     "close belts": close_belts,
     "undriven": undriven,
 }  # fmt: skip

@@ -25,7 +25,7 @@ from symosc.paper.evidence import VERDICTS
 from symosc.paper.pictures import PICTURES, Picture
 from symosc.paper.run import ERROR, Plan, Results, run
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 CLAIMS = read_claims(PICTURES)
 CHECKS = """
 import os

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 from agreement import BASE, assert_agrees
+from aimed import aimed, text
 from oracle import simulate_oracle
-from test_starts import aimed, text
 from touches import ordinary, tenths
 
 from symosc import Parameters, load_scene, simulate

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symosc import OutputError, ParameterError, load_scene, plot, scene_names, simulate
+from symosc.plot import figures
 from symosc.plot.panels import BELT, END, MASS, ONSET, SWITCH
 
 MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
@@ -164,7 +165,7 @@ def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:
     assert saved.read_bytes().startswith(MAGIC[".svg"])
 
 
-@pytest.mark.parametrize("suffix", plot.SUFFIXES)
+@pytest.mark.parametrize("suffix", figures.SUFFIXES)
 def test_files_by_suffix_the_same_each_time(suffix: str, tmp_path: Path) -> None:
     paths = [plot.save(plot.figure("fig7", panels="c"), tmp_path / f"{n}{suffix}") for n in "ab"]
     first, second = (path.read_bytes() for path in paths)
@@ -210,11 +211,11 @@ def test_a_trajectory_has_its_own_end() -> None:
 
 
 def test_spans_of_the_scenes() -> None:
-    assert float(plot.default_end(load_scene("fig5"))) == 9
-    assert float(plot.default_end(load_scene("fig7"))) == 15.1
+    assert float(figures.default_end(load_scene("fig5"))) == 9
+    assert float(figures.default_end(load_scene("fig7"))) == 15.1
     orbit = load_scene("fig10")
-    periods = (float(plot.default_end(orbit)) - float(orbit.t0)) / (2 * np.pi / 1.75)
-    assert periods == pytest.approx(plot.PERIODS_SHOWN)
+    periods = (float(figures.default_end(orbit)) - float(orbit.t0)) / (2 * np.pi / 1.75)
+    assert periods == pytest.approx(figures.PERIODS_SHOWN)
 
 
 def test_digits_and_an_undecided_end_can_be_drawn() -> None:
