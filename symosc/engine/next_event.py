@@ -73,7 +73,7 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
     on_below, on_above = at == mode - 1 and at > 0, at == mode
     while True:
         if tau_max >= left:
-            tau_max = left * PAST_END
+            tau_max = left * PAST_END if left > 0.0 else left
         code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
             tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
         )

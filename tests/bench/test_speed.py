@@ -313,7 +313,7 @@ def test_only_what_is_between_the_marks_is_replaced() -> None:
 def test_a_readme_without_a_place_for_results_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "README.md"
     path.write_text(text)
-    with pytest.raises(OutputError, match=r"README\.md: needs the lines '<!-- results: begin -->'"):
+    with pytest.raises(OutputError, match=r"needs the lines '<!-- results: begin -->'"):
         results.check(path)
     assert path.read_text() == text
 

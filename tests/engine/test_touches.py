@@ -209,3 +209,12 @@ def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> No
         assert len(found.events) <= 1
         later = simulate(p, t0=0, x0=0, v0=v0, t_end=t + Fraction(1, 10**6), digits=digits)
         assert [float(event.t) for event in later.events] == pytest.approx([float(t)], rel=1e-14)
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_a_motion_may_end_at_any_of_its_events_as_doubles_have_them(name: str) -> None:
+    """What is left then may be a little less than nothing."""
+    for event in simulate(name, t_end=12).events:
+        found = simulate(name, t_end=event.t)
+        assert found.status == "t_end"
+        assert len(found.events) <= len(simulate(name, t_end=event.t * (1 + 1e-12)).events)

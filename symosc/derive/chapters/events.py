@@ -89,7 +89,7 @@ def _polya(g: Any) -> Any:
 def _bound() -> Iterator[Any]:
     yield Heading("A bound for all later times")
     yield Prose(
-        r"The search in \texttt{symosc.engine.first\_exit} uses this in a form that needs no pieces. Split the "
+        r"The event search (\texttt{symosc.engine}) uses this in a form that needs no pieces. Split the "
         r"velocity into its steady part and its transient, which obeys the unforced equation, as all of its "
         r"derivatives do. Let $w$ and $j$ be the third and fourth derivative of the transient."
     )
@@ -132,5 +132,5 @@ def _bound() -> Iterator[Any]:
         r"short, can be stepped over. At a start on the boundary, where $g = 0$, the known zero is divided out of $P$. "
         r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
         r"last digits only, and decisions leave margins for that, which are named in "
-        r"\texttt{symosc.engine.first\_exit}; that they are wide enough in double precision was measured, not proven."
+        r"\texttt{symosc.engine}; that they are wide enough in double precision was measured, not proven."
     )
