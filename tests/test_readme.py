@@ -1,4 +1,4 @@
-"""The README is a test: its example and its command lines are run, and must print what it says."""
+"""README and guide are tests: their examples and command lines are run, and must print what they say."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from symosc.cli.app import main
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+def blocks(language: str, text: str = README) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def assert_same_print(printed: str, expected: str) -> None:
@@ -47,7 +48,8 @@ def test_the_python_example(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_command_lines(tmp_path: Path) -> None:
-    (session,) = blocks("console")
+    (session,), (short,) = blocks("console", GUIDE), blocks("console")
+    assert short in session
     commands = re.split(r"^\$ ", session, flags=re.MULTILINE)[1:]
     assert len(commands) >= 5
     environment = {**os.environ, "PATH": os.pathsep.join([str(_program_folder(tmp_path)), os.environ["PATH"]])}
@@ -79,9 +81,27 @@ def test_the_two_commands_install_what_they_say() -> None:
 
 def test_every_scene_and_status_is_explained() -> None:
     for word in [*symosc.scene_names(), "t_end", "max_events", "equilibrium", "undecidable"]:
-        assert f"`{word}`" in README, word
+        assert f"`{word}`" in GUIDE, word
 
 
 def test_commands_in_the_text_exist() -> None:
-    for name in re.findall(r"`symosc ([a-z]+)", README) + re.findall(r"^\$ symosc ([a-z]+)", README, re.MULTILINE):
-        assert name in main.list_commands(click.Context(main))
+    commands = main.list_commands(click.Context(main))
+    for text in (README, GUIDE):
+        for name in re.findall(r"`symosc\s([a-z]+)", text) + re.findall(r"^\$ symosc ([a-z]+)", text, re.MULTILINE):
+            assert name in commands
+    assert all(f"`symosc {name}`" in " ".join(README.split()) for name in commands)
+
+
+def test_the_readme_is_short() -> None:
+    lines = README.splitlines()
+    assert len(lines) <= 150
+    assert max(map(len, lines)) <= 120
+
+
+def test_where_things_are() -> None:
+    """What the map of the code names is there."""
+    map_of_code = README[README.index("## Where things are") :]
+    for name in re.findall(r"`((?:symosc|tests)/[^`]+)`", map_of_code):
+        assert (ROOT / name).exists(), name
+    for row in re.findall(r"^\| (`.*?) \|", map_of_code, re.MULTILINE):
+        assert all((ROOT / "symosc" / name.strip(" `")).is_dir() for name in row.split(",")), row

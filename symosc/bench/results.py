@@ -1,4 +1,4 @@
-"""The results in the README: measured, written and illustrated by one command."""
+"""The results: a short section in the README, and pages of their own; measured, written and drawn by one command."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from symosc import plot
-from symosc.bench import error_map, hard, plot_error_map, plot_work, speed, work_precision, work_table
+from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work, speed, work_precision, work_table
 from symosc.errors import OutputError
 from symosc.files import write_text
 from symosc.machine import sentence
@@ -86,43 +86,58 @@ def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
         ),
         write_text(folder / "hard_cases.md", _page("Hard cases", _hard_tables(cases), command, cases)),
     ]
-    text = replaced(text, "results", section(result), readme)
-    if "<!-- speed: begin" in text:
-        text = replaced(text, "speed", speed.section(result["speed"]), readme)
-    return [write_text(readme, text), *files]
+    write_text(folder / "README.md", overview(result))
+    text = replaced(text, "results", brief(result), readme)
+    return [write_text(readme, text), folder / "README.md", *files]
 
 
-def section(result: dict[str, Any]) -> str:
-    """Return the results as Markdown."""
+def brief(result: dict[str, Any]) -> str:
+    """Return what the README says: our speed and error, and how the best of the others compares."""
+    work, cases = result["work_precision"], result["hard"]
+    link = f"[All solvers, all cases, pictures]({FOLDER}/README.md)."
+    words = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
+    return f"{speed.section(result['speed'])}\n{speed.wrapped(words)}\n"
+
+
+def overview(result: dict[str, Any]) -> str:
+    """Return the page that all results begin with, as Markdown."""
     work, cases = result["work_precision"], result["hard"]
     return f"""\
+# Results
+
 One run of `{_command(result)}` ({sentence(work["machine"])}).
 
-**Work and precision.** Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
+## Work and precision
+
+Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
 errors are of event times and positions against {work_precision.DIGITS} digits, relative to max(1, |value|).
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
-({FOLDER}/work_precision.svg)
+(work_precision.svg)
 
 Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
 missed or invented. Our time is that of {_over_floor(work)} closed-form evaluations ({work["floor_ns"]:.1f} ns each).
-{_heyoka(work)}{looser(work)}[All tolerances, and what precautions the solvers need]({FOLDER}/work_precision.md).
+{_heyoka(work)}{looser(work)}[All tolerances, and what precautions the solvers need](work_precision.md).
 
 {work_table.summary(work)}
 
-**Hard cases.** The largest error of a solver in the cases of a group; and if it did not find all events in all of them,
+## Hard cases
+
+The largest error of a solver in the cases of a group; and if it did not find all events in all of them,
 in how many it did, and its largest error in those.
 
 {hard.summary(cases, "github")}
 
 {chr(10).join(f"- {line}" for line in hard.legend(cases)[:-1])}
 
-[All cases, and the peers as they come]({FOLDER}/hard_cases.md).
+[All cases, and the peers as they come](hard_cases.md).
 
-**The kernels.** Error of the flow against {error_map.DIGITS} digits over damping ratio and drive: above with the cheap
+## The kernels
+
+Error of the flow against {error_map.DIGITS} digits over damping ratio and drive: above with the cheap
 formula everywhere, below as symosc evaluates it, with the borders between its formulas drawn in.
 
-![Maps of the error over damping ratio and drive frequency for four times of flight.]({FOLDER}/error_map.png)
+![Maps of the error over damping ratio and drive frequency for four times of flight.](error_map.png)
 """
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from math import cos, exp, sin
 from statistics import median
+from textwrap import fill
 from typing import Any
 
 from symosc.bench import formulas
@@ -172,6 +173,11 @@ def table(result: dict[str, Any]) -> str:
     )
 
 
+def wrapped(text: str) -> str:
+    """Return a paragraph in lines of at most 120 characters."""
+    return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
+
+
 def section(result: dict[str, Any]) -> str:
     """Return the result of `run` as the README's Markdown."""
     from tabulate import tabulate
@@ -187,7 +193,7 @@ def section(result: dict[str, Any]) -> str:
         ]
         for row in result["rows"]
     ]
-    heads = ["scene", "flow evaluations per event", "ns per event", "CPython, µs per event"]
+    heads = ["scene", "units per event", "ns per event", "CPython, µs per event"]
     heads += ["largest error", "estimated error"]
     events = max(row["events"] for row in result["rows"])
     cold, other = result["cold_start"], result["formulas"]
@@ -199,10 +205,13 @@ def section(result: dict[str, Any]) -> str:
     unit, program, numpy = result["floor_ns"], cold["simulate_fig5_s"], cold["import_numpy_s"]
     guessed, unguessed = other["newton_P4645_ms"], other["orbit_P4645_without_guess_ms"]
     exact, swept = other["exact_window_ms"], other["float_window_ns"]
+    about = wrapped(
+        f"One run of `symosc bench` ({sentence(result['machine'])}). The unit is one evaluation of the closed-form "
+        f"flow, one exp and two sine-cosine pairs: {unit:.1f} ns, compiled, in the same run. All of `simulate_many` is "
+        f"included, over {events:,} events."
+    )
     return f"""\
-One run of `symosc bench` ({sentence(result["machine"])}).
-The unit is one evaluation of the closed-form flow, one exp and two sine-cosine pairs: {unit:.1f} ns, compiled, in the
-same run. All of `simulate_many` is included, over {events:,} events.
+{about}
 
 {tabulate(rows, heads, tablefmt="github", disable_numparse=True)}
 

@@ -342,7 +342,7 @@ def test_results_are_written_into_the_readme(
     work: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "README.md"
-    path.write_text(MARKED + "<!-- speed: begin; x -->\nold\n<!-- speed: end -->\n")
+    path.write_text(MARKED)
     heyoka = [{**rows(work, "careless", scene)[1], "solver": "heyoka", "over_ours": 17.4} for scene in ("fig5", "fig9")]
     measured = {**work, "rows": [*work["rows"], *heyoka]}
     case = {"failure": "", "error": 1e-14, "missed": 0, "invented": 0, "found": 3, "worst": 0.1, "undecidable": None}
@@ -353,12 +353,18 @@ def test_results_are_written_into_the_readme(
     result = {"quick": True, "work_precision": measured, "speed": SPEED, "hard": hard, "error_map": {}}
     written = results.write(path, result)
     text = path.read_text()
-    assert text.startswith("# Title\n\n<!-- results: begin -->\nOne run of `symosc bench --quick --results README.md`")
-    assert "\nend\n<!-- speed: begin; x -->\nOne run of" in text
+    assert text.startswith("# Title\n\n<!-- results: begin -->\nOne run of `symosc bench`")
+    assert text.endswith("<!-- results: end -->\n\nend\n")
     assert "old" not in text
-    assert "heyoka at its finest tolerance takes 17 (fig5), 17 (fig9) times as long as symosc." in text
-    links = [part.partition(")")[0] for part in text.split("](")[1:]]
-    assert sorted(tmp_path / link for link in links) == sorted(written[1:])
+    assert max(map(len, text.splitlines())) <= 120
+    assert "heyoka at its finest tolerance takes 17 (fig5), 17 (fig9) times as long as symosc." in " ".join(
+        text.split()
+    )
+    page = tmp_path / results.FOLDER / "README.md"
+    assert text.split("](")[1].partition(")")[0] == f"{results.FOLDER}/README.md"
+    assert page.read_text().startswith("# Results\n\nOne run of `symosc bench --quick --results README.md`")
+    links = [part.partition(")")[0] for part in page.read_text().split("](")[1:]]
+    assert sorted(page.parent / link for link in links) == sorted(written[2:])
     assert all(file.stat().st_size > 100 for file in written)
     assert "hang: more than 1 s" in (tmp_path / results.FOLDER / "work_precision.md").read_text()
     before = [file.read_bytes() for file in written]
