@@ -27,7 +27,7 @@ NEAR_ZERO = 0.5
 def repeated(tau, K):
     """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.engine.flow.Constants`)."""
     if K.under:
-        l1, l2 = complex(-K.h, K.w), complex(-K.h, -K.w)
+        l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
     else:
         l1, l2 = complex(K.l1), complex(K.l2)
     drive = complex(0.0 * K.Om, K.Om)
