@@ -17,7 +17,7 @@ from typing import Any
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import OFFSET
-from symosc.bench.solvers import Found, Late, Solver
+from symosc.bench.solvers import FoundEvents, Late, Solver
 from symosc.model import SIDES
 from symosc.scenes import Scene
 
@@ -102,7 +102,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
         state[:], p_now[:], item = start, pars[mode], state.item
         outcome = integrator.propagate_until(duration, max_steps=most)[0]
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
-        found = Late(lambda: list(map(Found._make, rows)))
+        found = Late(lambda: list(map(FoundEvents._make, rows)))
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(found)} events", found)
         return found
@@ -110,7 +110,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     return run
 
 
-def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare an integrator for each mode, to be stopped by terminal events and started again on the belt."""
     import heyoka as hy
 

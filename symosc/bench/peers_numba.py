@@ -20,7 +20,7 @@ from scipy.integrate import DOP853
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS, Motion
 from symosc.bench.scalar_logic import FAILED, LAST_BIT, OFFSET, force, margins, root, runner, scalars, turn
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
 
@@ -50,7 +50,7 @@ class Settings(NamedTuple):
     F: np.ndarray
 
 
-class Step(NamedTuple):
+class SolverStep(NamedTuple):
     """One step, for its dense output."""
 
     F: np.ndarray
@@ -115,7 +115,7 @@ def dense(q, s, mode, t, x, v, X, V, h):
             for j in range(ALL_STAGES):
                 total += D[i, j] * s.K[row, j]
             s.F[row, 3 + i] = h * total
-    return Step(s.F, t, x, v, h)
+    return SolverStep(s.F, t, x, v, h)
 
 
 def state_in(step, tau):
@@ -217,7 +217,7 @@ def compiled() -> dict[str, Any]:
     return binding.compiled(MODULES)
 
 
-def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
+def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
     """Prepare DOP853, with or without the precautions."""
     motion = Motion(scene.parameters, scene.t0)
     offset = OFFSET * motion.speed if careful else 0.0

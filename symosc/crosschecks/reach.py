@@ -8,7 +8,7 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from symosc.crosschecks.events import CODES
-from symosc.crosschecks.steps import Steps
+from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
 from symosc.kernels._generated import acceleration
@@ -26,7 +26,7 @@ class Reach:
 
     Attributes
     ----------
-    steps : Steps
+    steps : ExactSteps
     errors : (n, 2) array
         Sizes of the samples' errors in x and v, as far as they are allowed, and of their rounding.
     allowed_v : float
@@ -37,7 +37,7 @@ class Reach:
         How far the times of a list are rounded.
     """
 
-    steps: Steps
+    steps: ExactSteps
     errors: np.ndarray
     allowed_v: float
     tolerance: float

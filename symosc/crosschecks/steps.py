@@ -51,7 +51,7 @@ class StepEvents:
 
 
 @dataclass(frozen=True)
-class Steps:
+class ExactSteps:
     """What the exact motion does between one sample and the next.
 
     Attributes
@@ -94,7 +94,7 @@ class Steps:
         return np.stack([x0 + dx, v0 + dv], axis=-1)
 
 
-def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> Steps:
+def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
     A sample with |v - v_lambda| <= near may be meant to be on the belt or beside it. Both are tried, and the one that
@@ -141,7 +141,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         events = _joined(events, others[4], chosen)
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():  # as the motion arrives there, or leaves the first sample
         first[i] = last[i] = last[i - 1] if i else first[moving[0]]
-    return Steps(parameters, K, t, x, v, theta, defects, first, last, events)
+    return ExactSteps(parameters, K, t, x, v, theta, defects, first, last, events)
 
 
 def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:

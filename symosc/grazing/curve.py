@@ -146,7 +146,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
-    runs: list[Run] = []
+    runs: list[PhaseRun] = []
     for arc in arcs:
         runs += _cut(tracer, [tracer.sample(float(theta)) for theta in _phases(*arc, n)], arc)
     pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
@@ -173,7 +173,7 @@ def _phases(low: float, high: float, closed: bool, n: int) -> Any:
 
 
 @dataclass
-class Run:
+class PhaseRun:
     """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
 
     samples: list[Sample]
@@ -186,11 +186,11 @@ class Run:
         return self.samples[0].origin
 
 
-def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[Run]:
+def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
     """Cut the samples over an arc where the origin changes or the start jumps."""
     low, high, closed = arc
     limit = "closed" if closed else "end of the window"
-    runs: list[Run] = []
+    runs: list[PhaseRun] = []
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
@@ -203,22 +203,22 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
             continue
         before, behind, border = edges
         run += before
-        runs.append(Run(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        runs.append(PhaseRun(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
         begin, reason = border, _reason(tracer, behind[-1], run[-1])
         ahead[-1:] = behind
         run = [ahead.pop()]
-    runs.append(Run(run, (begin, high), (reason, limit)))
+    runs.append(PhaseRun(run, (begin, high), (reason, limit)))
     return _joined(runs) if closed and len(runs) > 1 else runs
 
 
-def _joined(runs: list[Run]) -> list[Run]:
+def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
     """Join the last run over a full circle with the first, a turn later, if they are one."""
     first, last = runs[0], runs[-1]
     if first.origin != last.origin:
         return runs
     turn = 2 * pi
     later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
-    both = Run(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
+    both = PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
     return [*runs[1:-1], both]
 
 
@@ -282,7 +282,7 @@ def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
     return f"the flow touches belt {own} on the way"
 
 
-def _filled(tracer: Tracer, run: Run) -> Run:
+def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
     """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
     margin = 0.1 * (last - first)
@@ -296,7 +296,7 @@ def _filled(tracer: Tracer, run: Run) -> Run:
     return replace(run, samples=samples)
 
 
-def _piece(run: Run) -> CurvePiece:
+def _piece(run: PhaseRun) -> CurvePiece:
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
     ends = [

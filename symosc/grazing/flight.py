@@ -19,7 +19,18 @@ from typing import Any, NamedTuple
 
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import derivatives
-from symosc.grazing.backward_flow import CONTACT, LARGE, LONG, NEVER, REACHED, STEP, TOUCH, Arrival, State, Steps
+from symosc.grazing.backward_flow import (
+    CONTACT,
+    LARGE,
+    LONG,
+    NEVER,
+    REACHED,
+    STEP,
+    TOUCH,
+    Arrival,
+    BackwardState,
+    BackwardSteps,
+)
 from symosc.kernels._generated import motion
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
@@ -64,7 +75,7 @@ class Flights:
         self.context, self.K = self.arithmetic.context, self.arithmetic.K
         self.belt = self.number(p.belt(self.place.boundary))
         self._basis = self.arithmetic.namespace["basis"]
-        self._steps: dict[float, Steps] = {}
+        self._steps: dict[float, BackwardSteps] = {}
 
     def number(self, value: Any) -> Any:
         """Return a Fraction, a float or a sympy constant as a number of this precision."""
@@ -132,7 +143,7 @@ class Flights:
 
     # -- judging -----------------------------------------------------------------------------------------------------
 
-    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, State]:
+    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
         """Judge a step of a search in double precision that begins at tau; see `backward_flow.Search.run`."""
         steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
@@ -142,15 +153,15 @@ class Flights:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.arrival(after, taken, found), rounded(state)
 
-    def state(self, theta: Any, tau: Any) -> State:
+    def state(self, theta: Any, tau: Any) -> BackwardState:
         """Return the flight as the state of a search."""
         now = self.instant(theta, tau)
-        return State(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
+        return BackwardState(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
 
-    def _steps_of(self, step: float) -> Steps:
+    def _steps_of(self, step: float) -> BackwardSteps:
         if step not in self._steps:
             where, context = self.place, self.context
-            self._steps[step] = Steps(self.K, where.boundary, where.domain, context, context.eps, step)
+            self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
         return self._steps[step]
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
@@ -164,8 +175,8 @@ class Flights:
         return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
 
 
-def rounded(state: State) -> State:
+def rounded(state: BackwardState) -> BackwardState:
     """Return a state in doubles, with the errors that rounding it adds."""
     eps = 2.0**-53
     tau, dx, v, a, energy_error, v_error, x_error = map(float, state)
-    return State(tau, dx, v, a, energy_error + eps * abs(a), v_error + eps * abs(v), x_error + eps * abs(dx))
+    return BackwardState(tau, dx, v, a, energy_error + eps * abs(a), v_error + eps * abs(v), x_error + eps * abs(dx))

@@ -31,7 +31,7 @@ from symosc.engine.flow import derivatives
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
 from symosc.orbits.admissibility import SAMPLE, Condition
-from symosc.orbits.closing_equations import ClosingEquations, Piece
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
 SAFETY = 4.0
 LEAST_PARTS, MOST_PARTS, REFINED = 12, 800, 8
@@ -111,7 +111,7 @@ def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -
 
 
 def _of_flight(
-    equations: ClosingEquations, piece: Piece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
@@ -136,7 +136,7 @@ def _of_flight(
 
 
 def _of_stick(
-    equations: ClosingEquations, piece: Piece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0

@@ -10,7 +10,7 @@ import numpy as np
 
 from symosc.model import MODE_NAMES, SIDES, Parameters
 from symosc.paper.checks import dop853
-from symosc.paper.checks.rational_cases import Contact, contacts, friction_on_mass
+from symosc.paper.checks.rational_cases import RationalContact, contacts, friction_on_mass
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -236,7 +236,7 @@ def friction_order() -> Evidence:
     return Evidence(CORRECTED if needless else CONFIRMED, finding if needless else "It is needed.", numbers)
 
 
-def _is_strict(contact: Contact) -> bool:
+def _is_strict(contact: RationalContact) -> bool:
     return contact.force(contact.boundary) * contact.force(contact.boundary + 1) != 0
 
 
