@@ -40,7 +40,7 @@ STEPS = 8
 ATOL = 1e-3
 
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding.
-ROUNDING = 1e-15
+FORCE_ROUNDING = 1e-15
 # Derivatives that are looked at where a force vanishes.
 ORDERS = 5
 
@@ -188,7 +188,7 @@ class Motion:
         terms = self.A[alpha] / self.m, swing * cos(phase), -stiffness * x, -self.c / self.m * v
         before, now, size = v, sum(terms), sum(map(abs, terms)) + abs(swing * phase)
         for order in range(ORDERS):
-            if abs(now) > ROUNDING * size:
+            if abs(now) > FORCE_ROUNDING * size:
                 return 1 if now > 0 else -1
             # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
             swing *= self.Omega

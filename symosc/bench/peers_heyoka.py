@@ -22,7 +22,7 @@ from symosc.model import SIDES
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.
-MOST_STEPS = 100 * CHATTER
+MOST_HEYOKA_STEPS = 100 * CHATTER
 
 
 def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
@@ -92,7 +92,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
     start = np.array([float(scene.x0), v_start, swing * cos(motion.theta), swing * sin(motion.theta)])
     duration = float(scene.t_end - scene.t0)
-    most = MOST_STEPS * (1 + int(duration / motion.period))
+    most = MOST_HEYOKA_STEPS * (1 + int(duration / motion.period))
 
     def run() -> Late:
         nonlocal now, append, item, state, p_now
@@ -134,7 +134,7 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents
         integrator = integrators[phase.mode]
         integrator.time, integrator.state[:] = t, (x, v)
         integrator.reset_cooldowns()
-        outcome = integrator.propagate_until(t_end, max_steps=MOST_STEPS)[0]
+        outcome = integrator.propagate_until(t_end, max_steps=MOST_HEYOKA_STEPS)[0]
         if outcome == hy.taylor_outcome.time_limit:
             return Exit(0, t_end, integrator.state.item(0))
         event = -int(outcome) - 1

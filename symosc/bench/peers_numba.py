@@ -34,7 +34,7 @@ TERMS = len(D) + 3
 SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
 #: The first step of each flight and stick, as a part of the period.
 FIRST_STEPS = 20
-MOST_STEPS = 1_000_000
+MOST_DOP853_STEPS = 1_000_000
 REFINEMENTS = 3
 
 
@@ -172,7 +172,7 @@ def leave(q, s, mode, t, x, v, t_end):
     h = s.first
     begin(q, s, mode, t, x, v)
     last_slope = turn(q, mode, t, x, v)
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_DOP853_STEPS):
         h = min(h, s.longest, t_end - t)
         X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
         error = error_of(s, x, v, X, V, h)

@@ -27,13 +27,13 @@ from symosc.simulation.trajectory import Event, Trajectory
 
 __all__ = ["CrossCheck", "FoundEvent", "Match", "crosscheck"]
 
-TOLERANCE = 1e-8
+STEP_TOLERANCE = 1e-8
 # Errors of many right steps may add up to this many tolerances.
 GLOBAL_FACTOR = 1000.0
 # While the exact motion sticks, samples this near to the belt (in units of velocity) are meant to be on it.
 DRIFT = 1e-4
 # Two samples of one time may differ by this part of the largest |x| and |v|: pieces joined at an event.
-JUMP = 1e-4
+SAMPLE_JUMP = 1e-4
 # Wrong steps that are looked at one by one.
 MOST_FAULTS = 500
 # The exact motion is followed for so many events.
@@ -47,7 +47,7 @@ def crosscheck(
     v: Any = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = STEP_TOLERANCE,
     global_tolerance: float | None = None,
 ) -> CrossCheck:
     """Compare samples of somebody's solution with the exact motion.
@@ -95,7 +95,7 @@ def crosscheck(
     rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
     units = rounding.units(len(samples.t))
     ticks = _loose(p, samples, units)
-    check_joints(samples, max(JUMP, tolerance), *ticks.T)
+    check_joints(samples, max(SAMPLE_JUMP, tolerance), *ticks.T)
     task = Task(scene, p, samples, tolerance, limit, rounding)
     result = task.judge(np.zeros_like(units), np.zeros(len(samples.events or ())))
     if result.ok or not rounding.words:

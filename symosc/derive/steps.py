@@ -28,7 +28,7 @@ DIGITS = 50
 CONTEXT = mp_context(DIGITS + 10)
 POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
-AGREEMENT = CONTEXT.mpf(10) ** -45
+STEP_AGREEMENT = CONTEXT.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
 REFUTATION_POINTS = 3
 DIFFERENT = CONTEXT.mpf(10) ** -30
@@ -250,7 +250,7 @@ class AtRoot(Check):
     """The sides agree with 50 digits at a given point; `tolerance` is absolute."""
 
     meaning: Callable[[], dict[Expr, Any]]
-    tolerance: Any = AGREEMENT
+    tolerance: Any = STEP_AGREEMENT
 
     def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""

@@ -16,7 +16,7 @@ which bounds the remainder of the Taylor polynomial of degree n. The steps are s
 the remainder is below the rounding error. On each step the gap to a wall is that polynomial, known within `noise`:
 remainder, rounding, and the errors of all steps before, which grow like the energy. `symosc.grazing.roots` finds its
 first root. At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in
-real arithmetic; what rounding may add to them (ROUNDING) was measured.
+real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
 
 A contact that the noise leaves open is a touch as far as this precision tells. A search in double precision hands such
 a step to one with more digits (`look`), and goes on from there as if it had just begun.
@@ -38,22 +38,22 @@ import numpy as np
 from symosc.engine.flow import Constants
 from symosc.grazing.roots import bernstein, first_root
 from symosc.kernels._generated import next_derivative
+from symosc.kernels.entire import EPS
 
 # What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
 # met a wall; velocities beyond HUGE; all steps used up.
 CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 
-EPS = 2.0**-53
 # Length of a step, times the largest rate of the system.
 STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
-ROUNDING = 8
+BACKWARD_ROUNDING = 8
 # What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
-CLEAR = 1e-9
+CLEAR_GAP = 1e-9
 # Velocities that are no longer followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
-MOST_STEPS = 20_000
+MOST_BACKWARD_STEPS = 20_000
 
 
 class Arrival(NamedTuple):
@@ -156,7 +156,11 @@ class BackwardSteps:
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
         step = self._step(v, a, *self.wave(theta, tau))
-        rounding = ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + abs(K.fB) * (1 + abs(theta) + K.Om * tau)) * H * H)
+        rounding = (
+            BACKWARD_ROUNDING
+            * eps
+            * (abs(a) * H + (K.w0sq * abs(v) + abs(K.fB) * (1 + abs(theta) + K.Om * tau)) * H * H)
+        )
         energy_error = self.growth * state.energy_error + rounding / H
         v_error = self.growth * state.v_error + H * energy_error + rounding + eps * abs(v)
         if K.w0 > 0:
@@ -245,7 +249,7 @@ class Search(BackwardSteps):
         order: int,
         tau_max: float,
         look: Callable[[float], tuple[Arrival | None, BackwardState]] | None = None,
-        most_steps: int = MOST_STEPS,
+        most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
         """Follow the flow backward from the tangency at the phase theta, to the first contact or over tau_max.
 
@@ -301,7 +305,7 @@ class Search(BackwardSteps):
         # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
         sign = self.walls[0].inward
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
-        clear = K.V0 + state.v_error + CLEAR * (abs(state.v) + K.V0)
+        clear = K.V0 + state.v_error + CLEAR_GAP * (abs(state.v) + K.V0)
         return bool(away and sign * (u - self.walls[0].v) > clear)
 
 

@@ -38,10 +38,10 @@ from symosc.model import Parameters
 # A step that is open is looked at again, with another length: it is no accident of where steps and intervals end.
 LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
-ROUNDING = 2**10
-MOST_NEWTON = 200
+DIGITS_ROUNDING = 2**10
+MOST_CONTACT_NEWTON = 200
 # How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
-NEAR = 1e-3
+NEAR_TOUCH = 1e-3
 
 
 class Instant(NamedTuple):
@@ -100,7 +100,7 @@ class Flights:
         drive = abs(R2) + abs(I2)
         v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
         x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
-        noise = ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
+        noise = DIGITS_ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
         v_theta = (a - E1 * G1) / K.Om
         x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
@@ -114,7 +114,10 @@ class Flights:
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
         wall = self.number(self.p.belt(found.boundary)) if found.boundary else None
         if wall is not None:
-            begin, reach = tau, NEAR * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0))
+            begin, reach = (
+                tau,
+                NEAR_TOUCH * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0)),
+            )
             tau = self._root(theta, tau, wall, found.kind == TOUCH)
             if tau is None or abs(tau - begin) > reach:
                 return None
@@ -125,7 +128,7 @@ class Flights:
     def _root(self, theta: Any, tau: Any, wall: Any, touch: bool) -> Any:
         """Return where v is `wall` by Newton's method, or where it is nearest to it, for a touch."""
         before = None
-        for _ in range(MOST_NEWTON):
+        for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
             top, slope = (now.v - wall, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):

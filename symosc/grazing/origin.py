@@ -7,7 +7,7 @@ from typing import Any
 
 from symosc.engine.flow import constants
 from symosc.errors import ParameterError
-from symosc.grazing.backward_flow import CONTACT, LONG, MOST_STEPS, REACHED, Arrival, BackwardState, Search
+from symosc.grazing.backward_flow import CONTACT, LONG, MOST_BACKWARD_STEPS, REACHED, Arrival, BackwardState, Search
 from symosc.grazing.flight import LOOK_STEPS, Flights, rounded
 from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
@@ -62,7 +62,7 @@ class Origins:
         careful: bool = True,
         digits: int = LOOK_DIGITS,
         looks: int = len(LOOK_STEPS),
-        most_steps: int = MOST_STEPS,
+        most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
         """Return where the flow into the tangency at an exact angle (or a float) came from, in double precision.
 

@@ -22,7 +22,7 @@ from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
 MOST_SAMPLES = 4000
-FINEST = 64.0  # an extremum is known to this many rounding errors of its time
+FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
 class Condition(NamedTuple):
@@ -207,7 +207,7 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
 def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
     states, K, number = _states(equations), equations.K, equations.exact or float
-    allowed = FINEST * equations.arithmetic.namespace["EPS"]
+    allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):

@@ -18,7 +18,7 @@ from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word
 
 EVENTS_PER_PIECE, LEAST_EVENTS = 8, 60
-MOST_PERIODS = 1_000_000
+MOST_GUESS_PERIODS = 1_000_000
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 # Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
 PHASES, POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
@@ -59,7 +59,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
     passages, code = [Passage(x, theta, boundary, mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS * K.period, 0.0, K])
+        code, belt_met, _, _, *rest = advance(*[*state, MOST_GUESS_PERIODS * K.period, 0.0, K])
         state = rest
         if code in (CROSS, STICK, SLIP):
             passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))

@@ -235,7 +235,7 @@ def test_a_late_clock_costs_no_steps() -> None:
 
 
 def test_the_number_of_heyokas_steps_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers_heyoka, "MOST_STEPS", 1)
+    monkeypatch.setattr(peers_heyoka, "MOST_HEYOKA_STEPS", 1)
     with pytest.raises(PeerError, match="step_limit"):
         found_by(SOLVERS["heyoka"], load_scene("fig9"))
 
