@@ -111,3 +111,12 @@ def test_no_text_stands_alone() -> None:
             for statement in body[own:] if isinstance(body, list) else []:
                 lone = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
                 assert not (lone and isinstance(statement.value.value, str)), f"{path.name}, line {statement.lineno}"
+
+
+def test_no_two_classes_have_one_name() -> None:
+    homes: dict[str, list[str]] = {}
+    for name, path in MODULES.items():
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(name)
+    assert {name: where for name, where in homes.items() if len(where) > 1} == {}

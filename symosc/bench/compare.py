@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import isfinite, pi
 from typing import Any
 
-from symosc.bench.solvers import Found
+from symosc.bench.solvers import FoundEvents
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
@@ -67,12 +67,12 @@ def window_of(scene: Scene) -> float:
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
-def compare(found: Iterable[Found], reference: Sequence[Event], window: float) -> Comparison:
+def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: float) -> Comparison:
     """Compare a solver's events with the reference.
 
     Parameters
     ----------
-    found : iterable of Found
+    found : iterable of FoundEvents
         In any order. An event whose time or position is not finite is invented.
     reference : sequence of Event
         In order of time; t and x may be mpmath numbers, and are compared in their precision.
@@ -84,7 +84,7 @@ def compare(found: Iterable[Found], reference: Sequence[Event], window: float) -
     >>> from symosc import simulate
     >>> from symosc.bench.compare import compare, window_of
     >>> exact = simulate("fig5", digits=40)
-    >>> late = [Found(float(e.t) + 1e-9, float(e.x), e.kind, e.boundary) for e in exact.events[1:]]
+    >>> late = [FoundEvents(float(e.t) + 1e-9, float(e.x), e.kind, e.boundary) for e in exact.events[1:]]
     >>> result = compare(late, exact.events, window=0.3)
     >>> result.missed, result.invented, f"{result.error_t:.0e}"
     (1, 0, '8e-10')
@@ -113,7 +113,7 @@ def _error(value: float, exact: Any) -> float:
 
 
 def _align(
-    found: Sequence[Found], reference: Sequence[Event], times: list[float], window: float
+    found: Sequence[FoundEvents], reference: Sequence[Event], times: list[float], window: float
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment, in order.
 

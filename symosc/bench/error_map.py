@@ -138,9 +138,9 @@ def error(values: Sequence[float], exact: Sequence[Any], tau: float) -> float:
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
     """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap formula, wherever that is."""
-    angle, drive = K.w * tau, K.Om * tau
+    angle, drive = K.omega_d * tau, K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
-    values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+    values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
     return values
 
 

@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import cos, pi, sin, sqrt
 from typing import Any, NamedTuple
 
-from symosc.bench.solvers import Found
+from symosc.bench.solvers import FoundEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, SIDES, Parameters
@@ -40,7 +40,7 @@ STEPS = 8
 ATOL = 1e-3
 
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding.
-ROUNDING = 1e-15
+FORCE_ROUNDING = 1e-15
 # Derivatives that are looked at where a force vanishes.
 ORDERS = 5
 
@@ -51,11 +51,11 @@ class PeerError(SymoscError, RuntimeError):
     Attributes
     ----------
     reason : str
-    found : list of Found
+    found : list of FoundEvents
         The events up to there.
     """
 
-    def __init__(self, reason: str, found: Sequence[Found] = ()) -> None:
+    def __init__(self, reason: str, found: Sequence[FoundEvents] = ()) -> None:
         self.reason, self.found = reason, list(found)
         super().__init__(reason)
 
@@ -188,7 +188,7 @@ class Motion:
         terms = self.A[alpha] / self.m, swing * cos(phase), -stiffness * x, -self.c / self.m * v
         before, now, size = v, sum(terms), sum(map(abs, terms)) + abs(swing * phase)
         for order in range(ORDERS):
-            if abs(now) > ROUNDING * size:
+            if abs(now) > FORCE_ROUNDING * size:
                 return 1 if now > 0 else -1
             # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
             swing *= self.Omega
@@ -215,7 +215,7 @@ class Motion:
         return 1 + sum(v > speed for speed in self.belts.values()), 0
 
 
-def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> list[Found]:
+def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> list[FoundEvents]:
     """Follow a scene from phase to phase and return its events.
 
     Parameters
@@ -237,7 +237,7 @@ def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> l
     t, x, v, t_end = map(float, (scene.t0 - motion.origin, scene.x0, scene.v0, scene.t_end - motion.origin))
     origin = float(motion.origin)
     mode, boundary = motion.start(t, x, v)
-    found: list[Found] = []
+    found: list[FoundEvents] = []
     while t < t_end:
         if boundary and mode < 4:
             v += (1 if mode > boundary else -1) * offset * motion.speed
@@ -256,7 +256,7 @@ def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> l
             mode = motion.resolve(boundary, t, x)
             kind = "stick" if mode > 3 else "graze" if mode == source else "cross"
         v = motion.belts[boundary]
-        found.append(Found(origin + t, x, kind, boundary))
+        found.append(FoundEvents(origin + t, x, kind, boundary))
         if len(found) > CHATTER and found[-1].t - found[-1 - CHATTER].t < motion.period:
             where = f"between {MODE_NAMES[source]} and {MODE_NAMES[mode]} near t = {origin + t:.6g}"
             raise PeerError(f"chatters {where}: {CHATTER} events within one period", found)

@@ -73,7 +73,7 @@ def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
     K = constants(p)
     flow = solution.flow(solution.REGIMES["underdamped"])
     start = {solution.a_i: solution.acceleration(solution.x_i, solution.v_i, solution.theta_i)}
-    numbers = {solution.h: K.h, solution.omega_d: K.w, solution.Omega: K.Om, solution.f0: K.f0, solution.cm: K.cm}
+    numbers = {solution.h: K.h, solution.omega_d: K.omega_d, solution.Omega: K.Om, solution.f0: K.f0, solution.cm: K.cm}
     numbers |= {solution.w0sq: K.w0sq, solution.A_m: K.A2, solution.v_i: K.belt1.v, maps.v_j: K.belt1.v}
     tau = (maps.theta_j - solution.theta_i) / K.Om
     formulas = [flow.x.xreplace(start) - maps.x_j, flow.v.xreplace(start) - maps.v_j]

@@ -23,10 +23,10 @@ from typing import Any, NamedTuple
 from symosc.bench import ours
 from symosc.bench.compare import compare, window_of
 from symosc.bench.condition import conditions, distance
-from symosc.bench.hard_cases import Case, hard_cases
+from symosc.bench.hard_cases import HardCase, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.peers import SOLVERS
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.time_limit import HANG, Outcome, Worker
 from symosc.machine import machine
 from symosc.simulation.simulate import simulate
@@ -53,23 +53,23 @@ def bound(condition: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def reference_of(case: Case) -> Sequence[Event]:
+def reference_of(case: HardCase) -> Sequence[Event]:
     """Return the events of a case; a process computes them once."""
     return case.reference()
 
 
-def conditions_of(case: Case) -> list[float]:
+def conditions_of(case: HardCase) -> list[float]:
     """Return the condition numbers of a case's events."""
     return conditions(case.scene, case.reference)
 
 
-def judge(solver: Solver, case: Case, allowed: Sequence[float]) -> dict[str, Any]:
+def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> dict[str, Any]:
     """Return how the events that a solver finds compare with the reference.
 
     Parameters
     ----------
     solver : Solver
-    case : Case
+    case : HardCase
     allowed : sequence of float
         The error that each event may have.
 
@@ -81,8 +81,8 @@ def judge(solver: Solver, case: Case, allowed: Sequence[float]) -> dict[str, Any
         found before it said that it cannot go on).
     """
     if solver.name == MPMATH:  # unrounded
-        found: Sequence[Found] = [
-            Found(e.t, e.x, e.kind, e.boundary) for e in simulate(case.scene, digits=OURS_DIGITS).events
+        found: Sequence[FoundEvents] = [
+            FoundEvents(e.t, e.x, e.kind, e.boundary) for e in simulate(case.scene, digits=OURS_DIGITS).events
         ]
     else:
         found = solver.prepare(case.scene, solver.tolerances[-1])()
@@ -124,7 +124,7 @@ def run(
     quick: bool = False,
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
-    cases: Sequence[Case] | None = None,
+    cases: Sequence[HardCase] | None = None,
 ) -> dict[str, Any]:
     """Run all solvers on all cases and return plain data.
 
@@ -237,7 +237,7 @@ def _cell(outcome: Outcome) -> dict[str, Any]:
     return {"failure": outcome.failure, **(outcome.value or dict.fromkeys(names))}
 
 
-def _row(case: Case, known: Sequence[float], cells: dict[str, Any]) -> dict[str, Any]:
+def _row(case: HardCase, known: Sequence[float], cells: dict[str, Any]) -> dict[str, Any]:
     count = len(known) * max(case.periods, 1)
     condition = max(known, default=None)
     return {"group": case.group, "case": case.name, "events": count, "condition": condition, "cells": cells}

@@ -28,7 +28,7 @@ PERIODS = 100_000
 
 
 @dataclass(frozen=True)
-class Case:
+class HardCase:
     """A hard case.
 
     Attributes
@@ -102,10 +102,10 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 
 
 @lru_cache(maxsize=1)
-def hard_cases() -> tuple[Case, ...]:
+def hard_cases() -> tuple[HardCase, ...]:
     """Return all cases, in the order of GROUPS."""
     cases = [
-        *(Case(name, "easy", replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10")),
+        *(HardCase(name, "easy", replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10")),
         *_peaks(),
         *_short_contacts(),
         *_shrinking_sticks(),
@@ -157,7 +157,7 @@ PEAKS = (
 )
 
 
-def _peaks() -> list[Case]:
+def _peaks() -> list[HardCase]:
     cases = []
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
@@ -165,7 +165,7 @@ def _peaks() -> list[Case]:
             for exponent in exponents:
                 start = start_before_a_peak(p, mapping, Fraction(side, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
-                cases.append(Case(name, group, _named(name, p, start, t_end), exponent in quick))
+                cases.append(HardCase(name, group, _named(name, p, start, t_end), exponent in quick))
     return cases
 
 
@@ -194,28 +194,32 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
     return t0, short(Fraction(x_m) - p.v1 * (t_m - Fraction(t0))), speed
 
 
-def _short_contacts() -> list[Case]:
+def _short_contacts() -> list[HardCase]:
     p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
     for height, word in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
         start = start_before_a_dip(p, height, "2.5")
-        cases.append(Case(f"stick: force {height.lstrip('-')} {word} 0", group, _named("dip", p, start, "12"), True))
+        cases.append(
+            HardCase(f"stick: force {height.lstrip('-')} {word} 0", group, _named("dip", p, start, "12"), True)
+        )
     for force in ("1e-7", "1e-9"):
         start = start_with_force(p, 1, 1, "5", f"-{force}")
-        cases.append(Case(f"flight from F = {force}", group, _named("flight", p, start, "12"), force == "1e-7"))
+        cases.append(HardCase(f"flight from F = {force}", group, _named("flight", p, start, "12"), force == "1e-7"))
         start = start_with_force(p, 1, 1, "1", force)
-        cases.append(Case(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
+        cases.append(HardCase(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
     weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
     for t0, side in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
-        cases.append(Case(f"forces 2e-8 apart, ends {side}", group, _named("weak", weak, start, "12"), side == "above"))
-    cases.append(Case("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
+        cases.append(
+            HardCase(f"forces 2e-8 apart, ends {side}", group, _named("weak", weak, start, "12"), side == "above")
+        )
+    cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
     return cases
 
 
-def _shrinking_sticks() -> list[Case]:
+def _shrinking_sticks() -> list[HardCase]:
     scene, group = load_scene("fig8"), "fig8's sticks"
     return [
-        Case(f"{periods} periods of the drive", group, replace(scene, t_end=Fraction(t_end)), periods == 5)
+        HardCase(f"{periods} periods of the drive", group, replace(scene, t_end=Fraction(t_end)), periods == 5)
         for periods, t_end in ((2, 9), (5, 18), (10, 34))
     ]
 
@@ -226,11 +230,11 @@ def _shrinking_sticks() -> list[Case]:
 FIG5, FIG6, FIG9, FIG10 = ("0", "0", "0"), ("0", "0", "5"), ("0.1324", "4.5447", "1"), ("0.4588", "3.0837", "1")
 
 
-def _regimes() -> list[Case]:
-    cases: list[Case] = []
+def _regimes() -> list[HardCase]:
+    cases: list[HardCase] = []
 
     def add(group: str, name: str, scene: Scene, quick: bool = False) -> None:
-        cases.append(Case(name, group, scene, quick))
+        cases.append(HardCase(name, group, scene, quick))
 
     for small in ("1e-4", "1e-8", "1e-14", "0"):
         for sign, letter in ((1, "+"), (-1, "-"))[: 1 if small == "0" else 2]:
@@ -256,7 +260,7 @@ def _regimes() -> list[Case]:
     return cases
 
 
-def _belts() -> list[Case]:
+def _belts() -> list[HardCase]:
     scenes = (
         _scene("mu1 = 0", "fig5", FIG5, "25", mu1=0),
         _scene("mu1 = mu2 = 0", "fig5", FIG5, "25", mu1=0, mu2=0),
@@ -266,18 +270,18 @@ def _belts() -> list[Case]:
         _scene("B0 = 0, c = 0", "fig9", ("0", "30", "0"), "8", B0=0, c=0),
         _scene("x0 = 1e8", "fig9", ("0", "1e8", "0"), "5"),
     )
-    return [Case(scene.name, "belts", scene, scene.name in ("mu1 = 0", "v2 - v1 = 1e-6")) for scene in scenes]
+    return [HardCase(scene.name, "belts", scene, scene.name in ("mu1 = 0", "v2 - v1 = 1e-6")) for scene in scenes]
 
 
 # -- long runs ---------------------------------------------------------------------------------------------------------
 
 
-def _long_runs() -> list[Case]:
+def _long_runs() -> list[HardCase]:
     cases = []
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
         turns = Fraction(2 * PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
         t_end = scene.t0 + turns / scene.parameters.Omega
-        cases.append(Case(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", PERIODS))
+        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", PERIODS))
     return cases

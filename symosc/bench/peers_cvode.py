@@ -28,7 +28,7 @@ from symosc.bench.event_logic import (
     follow,
     watching,
 )
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.scenes import Scene
 
 
@@ -82,7 +82,7 @@ def _exit(phase: Phase, solution: Any) -> Exit:
     return Exit(0, float(solution.t[-1]), float(solution.y[-1][0]))
 
 
-def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare CVODE with `method` ("Adams" or "BDF") and ``rtol = tolerance``."""
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance}
     if raw:

@@ -17,12 +17,12 @@ from typing import Any
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import OFFSET
-from symosc.bench.solvers import Found, Late, Solver
+from symosc.bench.solvers import FoundEvents, Late, Solver
 from symosc.model import SIDES
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.
-MOST_STEPS = 100 * CHATTER
+MOST_HEYOKA_STEPS = 100 * CHATTER
 
 
 def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
@@ -92,7 +92,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
     start = np.array([float(scene.x0), v_start, swing * cos(motion.theta), swing * sin(motion.theta)])
     duration = float(scene.t_end - scene.t0)
-    most = MOST_STEPS * (1 + int(duration / motion.period))
+    most = MOST_HEYOKA_STEPS * (1 + int(duration / motion.period))
 
     def run() -> Late:
         nonlocal now, append, item, state, p_now
@@ -102,7 +102,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
         state[:], p_now[:], item = start, pars[mode], state.item
         outcome = integrator.propagate_until(duration, max_steps=most)[0]
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
-        found = Late(lambda: list(map(Found._make, rows)))
+        found = Late(lambda: list(map(FoundEvents._make, rows)))
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(found)} events", found)
         return found
@@ -110,7 +110,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     return run
 
 
-def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare an integrator for each mode, to be stopped by terminal events and started again on the belt."""
     import heyoka as hy
 
@@ -134,7 +134,7 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
         integrator = integrators[phase.mode]
         integrator.time, integrator.state[:] = t, (x, v)
         integrator.reset_cooldowns()
-        outcome = integrator.propagate_until(t_end, max_steps=MOST_STEPS)[0]
+        outcome = integrator.propagate_until(t_end, max_steps=MOST_HEYOKA_STEPS)[0]
         if outcome == hy.taylor_outcome.time_limit:
             return Exit(0, t_end, integrator.state.item(0))
         event = -int(outcome) - 1

@@ -20,7 +20,7 @@ from scipy.integrate import DOP853
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS, Motion
 from symosc.bench.scalar_logic import FAILED, LAST_BIT, OFFSET, force, margins, root, runner, scalars, turn
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
 
@@ -34,7 +34,7 @@ TERMS = len(D) + 3
 SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
 #: The first step of each flight and stick, as a part of the period.
 FIRST_STEPS = 20
-MOST_STEPS = 1_000_000
+MOST_DOP853_STEPS = 1_000_000
 REFINEMENTS = 3
 
 
@@ -50,7 +50,7 @@ class Settings(NamedTuple):
     F: np.ndarray
 
 
-class Step(NamedTuple):
+class SolverStep(NamedTuple):
     """One step, for its dense output."""
 
     F: np.ndarray
@@ -115,7 +115,7 @@ def dense(q, s, mode, t, x, v, X, V, h):
             for j in range(ALL_STAGES):
                 total += D[i, j] * s.K[row, j]
             s.F[row, 3 + i] = h * total
-    return Step(s.F, t, x, v, h)
+    return SolverStep(s.F, t, x, v, h)
 
 
 def state_in(step, tau):
@@ -172,7 +172,7 @@ def leave(q, s, mode, t, x, v, t_end):
     h = s.first
     begin(q, s, mode, t, x, v)
     last_slope = turn(q, mode, t, x, v)
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_DOP853_STEPS):
         h = min(h, s.longest, t_end - t)
         X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
         error = error_of(s, x, v, X, V, h)
@@ -217,7 +217,7 @@ def compiled() -> dict[str, Any]:
     return binding.compiled(MODULES)
 
 
-def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
+def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
     """Prepare DOP853, with or without the precautions."""
     motion = Motion(scene.parameters, scene.t0)
     offset = OFFSET * motion.speed if careful else 0.0

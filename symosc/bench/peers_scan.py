@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
 from symosc.bench.scalar_logic import FAILED, margins, root, runner, scalars
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
 
@@ -48,7 +48,7 @@ class Scan(NamedTuple):
     Q: float
 
 
-class Piece(NamedTuple):
+class ScanPiece(NamedTuple):
     """One flight or stick: where it started, and in a flight the constants of its solution."""
 
     s: Scan
@@ -83,17 +83,17 @@ def scan_of(motion: Motion, points: int, tolerance: float) -> Scan:
 def piece_from(q, s, mode, t, x, v):
     """Fit the constants of the homogeneous solution to a start."""
     if mode > 3:
-        return Piece(s, t, x, v, 0.0, 0.0, 0.0)
+        return ScanPiece(s, t, x, v, 0.0, 0.0, 0.0)
     equilibrium = (q.A1 if mode == 1 else q.A2 if mode == 2 else q.A3) / q.stiffness
     phase = q.Omega * t + q.theta
     y = x - equilibrium - s.P * cos(phase) - s.Q * sin(phase)
     w = v + q.Omega * (s.P * sin(phase) - s.Q * cos(phase))
     if s.regime == UNDERDAMPED:
-        return Piece(s, t, x, v, equilibrium, y, (w + s.decay * y) / s.second)
+        return ScanPiece(s, t, x, v, equilibrium, y, (w + s.decay * y) / s.second)
     if s.regime == CRITICAL:
-        return Piece(s, t, x, v, equilibrium, y, w + s.decay * y)
+        return ScanPiece(s, t, x, v, equilibrium, y, w + s.decay * y)
     R = (w - s.second * y) / (s.decay - s.second)
-    return Piece(s, t, x, v, equilibrium, R, y - R)
+    return ScanPiece(s, t, x, v, equilibrium, R, y - R)
 
 
 def state_at(q, mode, piece, tau):
@@ -185,7 +185,7 @@ def compiled() -> dict[str, Any]:
     return binding.compiled(MODULES)
 
 
-def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[Found]]:
+def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
     """Prepare the scan with so many samples per period."""
     functions = compiled() if with_numba else interpreted()
     motion = Motion(scene.parameters, scene.t0)

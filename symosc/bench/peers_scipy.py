@@ -36,7 +36,7 @@ from symosc.bench.event_logic import (
     follow,
     watching,
 )
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.scenes import Scene
 
 
@@ -100,7 +100,7 @@ def _jacobian(method: str, phase: Phase) -> dict[str, Any]:
     return {}
 
 
-def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare solve_ivp with `method` and ``rtol = tolerance``."""
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance}
     if raw:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
-from symosc.bench.solvers import Found, Late
+from symosc.bench.solvers import FoundEvents, Late
 from symosc.model import MODE_NAMES
 from symosc.scenes import Scene
 
@@ -162,7 +162,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 def runner(
     scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
-) -> Callable[[], Sequence[Found]]:
+) -> Callable[[], Sequence[FoundEvents]]:
     """Return a function that follows a scene and returns its events.
 
     Parameters
@@ -186,10 +186,10 @@ def runner(
     def run() -> Late:
         rows, count, outcome, last = follow(*arguments, duration)
 
-        def events() -> list[Found]:
+        def events() -> list[FoundEvents]:
             times, positions, kinds, boundaries = rows[:count].T.tolist()
             times = [t0 + t for t in times]
-            return list(map(Found, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
+            return list(map(FoundEvents, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
 
         found = Late(events)
         if outcome == 0:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from symosc.scenes import Scene
 
 
-class Found(NamedTuple):
+class FoundEvents(NamedTuple):
     """A switching event as a solver reports it, in the words of `symosc.Event`."""
 
     t: float
@@ -20,7 +20,7 @@ class Found(NamedTuple):
     boundary: int
 
 
-class Late(Sequence[Found]):
+class Late(Sequence[FoundEvents]):
     """Events that become Python objects when they are looked at: a solver that works in arrays is timed without that.
 
     Parameters
@@ -29,11 +29,11 @@ class Late(Sequence[Found]):
         Returns the events.
     """
 
-    def __init__(self, make: Callable[[], Sequence[Found]]) -> None:
+    def __init__(self, make: Callable[[], Sequence[FoundEvents]]) -> None:
         self._make = make
 
     @cached_property
-    def events(self) -> Sequence[Found]:
+    def events(self) -> Sequence[FoundEvents]:
         """The events."""
         return self._make()
 
@@ -67,7 +67,7 @@ class Solver:
     """
 
     name: str
-    prepare: Callable[[Scene, float], Callable[[], Sequence[Found]]]
+    prepare: Callable[[Scene, float], Callable[[], Sequence[FoundEvents]]]
     tolerances: tuple[float, ...]
     needs: str = ""
     raw: bool = False

@@ -16,7 +16,7 @@ from typing import Any
 
 from symosc.bench.compare import compare, window_of
 from symosc.bench.peers import OURS, SOLVERS
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.speed import floor_s
 from symosc.bench.time_limit import Outcome, Worker
 from symosc.exact import read_exact
@@ -63,7 +63,7 @@ class Timed:
     first_call_s: float
     times_s: list[float]
     floors_s: list[float]
-    found: list[Found]
+    found: list[FoundEvents]
 
 
 def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:

@@ -60,7 +60,7 @@ def check(
       symosc check run.csv --scene fig5 --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
     """
     piped = goes_to_stdout(output, "--output", as_json)
-    from symosc.crosschecks.compare import TOLERANCE, crosscheck
+    from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
     from symosc.crosschecks.files import read_samples
 
     if output is not None:
@@ -68,7 +68,7 @@ def check(
 
         plot.check_suffix(output)  # before the work
     limits: dict[str, Any] = {
-        "tolerance": TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))
+        "tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))
     }
     if global_tolerance is not None:
         limits["global_tolerance"] = float(read_exact("global_tolerance", global_tolerance))

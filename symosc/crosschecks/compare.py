@@ -17,7 +17,7 @@ from symosc.crosschecks.reach import Reach
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.rounding import Rounding, find_rounding
 from symosc.crosschecks.samples import Samples, check_joints, checked
-from symosc.crosschecks.steps import Steps, follow_steps
+from symosc.crosschecks.steps import ExactSteps, follow_steps
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
@@ -27,13 +27,13 @@ from symosc.simulation.trajectory import Event, Trajectory
 
 __all__ = ["CrossCheck", "FoundEvent", "Match", "crosscheck"]
 
-TOLERANCE = 1e-8
+STEP_TOLERANCE = 1e-8
 # Errors of many right steps may add up to this many tolerances.
 GLOBAL_FACTOR = 1000.0
 # While the exact motion sticks, samples this near to the belt (in units of velocity) are meant to be on it.
 DRIFT = 1e-4
 # Two samples of one time may differ by this part of the largest |x| and |v|: pieces joined at an event.
-JUMP = 1e-4
+SAMPLE_JUMP = 1e-4
 # Wrong steps that are looked at one by one.
 MOST_FAULTS = 500
 # The exact motion is followed for so many events.
@@ -47,7 +47,7 @@ def crosscheck(
     v: Any = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = STEP_TOLERANCE,
     global_tolerance: float | None = None,
 ) -> CrossCheck:
     """Compare samples of somebody's solution with the exact motion.
@@ -95,7 +95,7 @@ def crosscheck(
     rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
     units = rounding.units(len(samples.t))
     ticks = _loose(p, samples, units)
-    check_joints(samples, max(JUMP, tolerance), *ticks.T)
+    check_joints(samples, max(SAMPLE_JUMP, tolerance), *ticks.T)
     task = Task(scene, p, samples, tolerance, limit, rounding)
     result = task.judge(np.zeros_like(units), np.zeros(len(samples.events or ())))
     if result.ok or not rounding.words:
@@ -271,7 +271,7 @@ def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
 
 
 def _faults(
-    steps: Steps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matching
+    steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matching
 ) -> tuple[Fault, ...]:
     """Return the first wrong steps with guesses why, and all wrong ones with a missed or invented event."""
     wrong = ~(sizes <= 1.0)
@@ -291,7 +291,7 @@ def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
     return np.array([max(float(reach[0]), speed / rate), speed])
 
 
-def _rounding(steps: Steps, scales: np.ndarray) -> np.ndarray:
+def _rounding(steps: ExactSteps, scales: np.ndarray) -> np.ndarray:
     """Return what the rounding of the times and of the samples makes of x and v."""
     push = float(_push(steps.parameters, *scales))
     ticks = 2.0 * np.spacing(np.maximum(np.abs(steps.t[1:]), np.abs(steps.t[:-1])))
@@ -310,7 +310,7 @@ def _loose(p: Parameters, samples: Samples, units: np.ndarray) -> np.ndarray:
     return np.column_stack([x + np.abs(samples.v) * t, v + _push(p, samples.x, samples.v) * t])
 
 
-def _carried(steps: Steps, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
+def _carried(steps: ExactSteps, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """Return how far rounded samples may be from the exact motion over the step, shape (n - 1, 2).
 
     That is the rounding of the next sample, and what becomes of the rounding of the one before: events in the step

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from symosc.crosschecks.steps import Steps
+from symosc.crosschecks.steps import ExactSteps
 from symosc.model import MODE_NAMES
 from symosc.simulation.run import EVENT_KINDS
 
@@ -51,7 +51,7 @@ class FoundEvent:
     spread: float = 0.0
 
 
-def labels(steps: Steps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
+def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt.
 
     At a belt is what is within `near` of it, and what is within `drift` while the exact motion would stick; both are
@@ -67,7 +67,7 @@ def labels(steps: Steps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     return label
 
 
-def find_events(steps: Steps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
+def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
     """Return the events that the labels of the samples show, in order of time, and the modes of the samples.
 
     `wrong` tells which steps are wrong. The modes are the labels, 0 for samples that only pass or touch a belt.
@@ -117,7 +117,7 @@ def find_events(steps: Steps, label: np.ndarray, wrong: np.ndarray) -> tuple[lis
     return found, modes
 
 
-def _flown(steps: Steps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
+def _flown(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
     """Tell which samples at a belt were reached from one at the same belt by a flight, in a step that is right."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
@@ -126,7 +126,7 @@ def _flown(steps: Steps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
     return np.append(False, flown)
 
 
-def _is_stick(steps: Steps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
+def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
     """Tell whether samples first … last at a belt stick to it, in place of only passing or touching it."""
     inside = np.arange(first, min(last, len(wrong) - 1) + 1)
     sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
@@ -139,7 +139,7 @@ def _is_stick(steps: Steps, mode: int, first: int, last: int, wrong: np.ndarray)
     return duration >= SHORTEST_STICK * steps.K.period
 
 
-def _crossings(steps: Steps, source: int, target: int, before: int, after: int) -> list[FoundEvent]:
+def _crossings(steps: ExactSteps, source: int, target: int, before: int, after: int) -> list[FoundEvent]:
     """Return the crossings on the way from one domain to another between two samples."""
     way = 1 if target > source else -1
     route = list(range(source, target + way, way)) if source != target else []
@@ -147,7 +147,7 @@ def _crossings(steps: Steps, source: int, target: int, before: int, after: int) 
 
 
 def _event(
-    steps: Steps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, at: int | None
+    steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, at: int | None
 ) -> FoundEvent:
     last_step = min(last_step, len(steps.first) - 1)
     rows = steps.events.rows(step, last_step)
@@ -168,7 +168,7 @@ def _event(
     return FoundEvent(time, kind, boundary, MODE_NAMES[source], MODE_NAMES[target], step, last_step, spread)
 
 
-def given_events(steps: Steps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
+def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
     """Return given pairs (t, kind) as events of the samples."""
     last = len(steps.first) - 1
     found = []

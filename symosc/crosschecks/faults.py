@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symosc.crosschecks.steps import Steps
+from symosc.crosschecks.steps import ExactSteps
 from symosc.model import MODE_NAMES
 
 #: Reasons by name, in words.
@@ -61,12 +61,14 @@ class Fault:
         return self.found not in ("", self.expected)
 
 
-def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray) -> Fault:
+def explain(
+    steps: ExactSteps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
+) -> Fault:
     """Return the fault of step `i`.
 
     Parameters
     ----------
-    steps : Steps
+    steps : ExactSteps
     i : int
     modes : (n,) int array
         Modes of the samples, 0 where they only pass a belt.
@@ -84,7 +86,7 @@ def explain(steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed:
 
 
 def _guess(
-    steps: Steps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
+    steps: ExactSteps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
 ) -> tuple[str, str]:
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"

@@ -8,7 +8,7 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from symosc.crosschecks.events import CODES
-from symosc.crosschecks.steps import Steps
+from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
 from symosc.kernels._generated import acceleration
@@ -17,7 +17,7 @@ from symosc.simulation.trajectory import Event, Trajectory
 
 MODES = {name: code for code, name in MODE_NAMES.items()}
 # Times are estimated from the leading derivatives: twice that is surely enough.
-SAFETY = 2.0
+REACH_SAFETY = 2.0
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Reach:
 
     Attributes
     ----------
-    steps : Steps
+    steps : ExactSteps
     errors : (n, 2) array
         Sizes of the samples' errors in x and v, as far as they are allowed, and of their rounding.
     allowed_v : float
@@ -37,7 +37,7 @@ class Reach:
         How far the times of a list are rounded.
     """
 
-    steps: Steps
+    steps: ExactSteps
     errors: np.ndarray
     allowed_v: float
     tolerance: float
@@ -76,9 +76,9 @@ class Reach:
         b = float(derivatives(v, a, sin(theta), cos(theta), K)[0])
         spread = self._spread(time)[1] + self.allowed_v
         gap = min(abs(v - belt.v) for belt in (K.belt1, K.belt2))
-        if b == 0.0 or gap > SAFETY * spread or a * a > 2.0 * SAFETY * spread * abs(b):
+        if b == 0.0 or gap > REACH_SAFETY * spread or a * a > 2.0 * REACH_SAFETY * spread * abs(b):
             return None
-        return SAFETY * sqrt(2.0 * spread / abs(b))
+        return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
 
     def _phase(self, time: float) -> float:
         step = self.steps.at(time)[0]
@@ -105,5 +105,7 @@ class Reach:
             error, a = dv + self.allowed_v, self._acceleration(x, v, theta, source)
             slopes = (a, *derivatives(v, a, s, c, K)[:2])
         return (
-            SAFETY * float(passing_time(error, *slopes, K)) + self.tolerance / rate + 4.0 * float(np.spacing(abs(time)))
+            REACH_SAFETY * float(passing_time(error, *slopes, K))
+            + self.tolerance / rate
+            + 4.0 * float(np.spacing(abs(time)))
         )

@@ -10,10 +10,10 @@ import numpy as np
 from symosc.crosschecks.samples import Samples
 
 # Significant digits. Hardly a double has so few by chance (one of a thousand).
-MOST_DIGITS = 13
+MOST_SAMPLE_DIGITS = 13
 # Numbers that show the rounding; 0, the belts' speeds and the start may be short by nature.
 LEAST_SHOWN = 3
-ROUNDING = 4.0 * np.finfo(float).eps
+DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     if len(shown) < least:
         return None
     exponents = _exponents(shown)
-    significant = next((n for n in range(1, MOST_DIGITS + 1) if _fits(shown, n - 1 - exponents)), None)
+    significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(shown, n - 1 - exponents)), None)
     if significant is None:
         return _single(values, shown)
     places = significant - 1 - exponents
@@ -124,14 +124,14 @@ def _exponents(values: np.ndarray) -> np.ndarray:
     sizes = np.abs(values)
     exponents = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
     # A logarithm just below a whole number is the next decade.
-    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - ROUNDING)))
+    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - DOUBLE_ROUNDING)))
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
     """Tell whether all values are whole multiples of 10^-places."""
     with np.errstate(over="ignore", invalid="ignore"):
         units = 10.0**-places
-        return bool(np.all(np.abs(np.rint(values / units) * units - values) <= ROUNDING * np.abs(values)))
+        return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))
 
 
 def _even(times: np.ndarray, units: np.ndarray) -> bool:

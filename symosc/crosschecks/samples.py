@@ -15,7 +15,7 @@ NAMES = ("t", "x", "v")
 LEAST = 2
 KINDS = ("cross", "stick", "slip", "graze")
 # Largest number of a sample: squares of it and its products with rates must not overflow.
-LARGEST = 1e50
+LARGEST_SAMPLE = 1e50
 # Text of a wrong value in a message is cut here.
 LONGEST = 60
 
@@ -101,10 +101,10 @@ def _array(name: str, values: Any) -> np.ndarray:
         raise ParameterError(name, shown(values), "is no column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
-    bad = np.flatnonzero(~(np.abs(array) <= LARGEST))
+    bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
     if len(bad):
         value = float(array[bad[0]])
-        what = f"must be at most {LARGEST:g} in size" if isfinite(value) else "must be finite"
+        what = f"must be at most {LARGEST_SAMPLE:g} in size" if isfinite(value) else "must be finite"
         raise ParameterError(f"{name}[{bad[0]}]", value, f"{what} ({len(bad)} are not)")
     return array
 
@@ -162,7 +162,7 @@ def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
             time, kind = _number(time), str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
-        if kind not in KINDS or not abs(time) <= LARGEST:
+        if kind not in KINDS or not abs(time) <= LARGEST_SAMPLE:
             what = f"t must be finite, kind one of {', '.join(KINDS)}"
             raise ParameterError(f"events[{i}]", (time, short(kind)), what)
         pairs.append((time, kind))

@@ -16,12 +16,12 @@ from symosc.engine.next_event import CROSS, END, FAILED, GRAZE, REST, TWO_PI, ad
 from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 
 # Fewer steps than this are done before compiled code is loaded.
 COMPILE_FROM = 4000
-MOST_EVENTS = 10_000  # in one step
-EPS = 2.0**-53
+MOST_STEP_EVENTS = 10_000  # in one step
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class StepEvents:
 
 
 @dataclass(frozen=True)
-class Steps:
+class ExactSteps:
     """What the exact motion does between one sample and the next.
 
     Attributes
@@ -94,7 +94,7 @@ class Steps:
         return np.stack([x0 + dx, v0 + dv], axis=-1)
 
 
-def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> Steps:
+def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
     A sample with |v - v_lambda| <= near may be meant to be on the belt or beside it. Both are tried, and the one that
@@ -141,7 +141,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         events = _joined(events, others[4], chosen)
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():  # as the motion arrives there, or leaves the first sample
         first[i] = last[i] = last[i - 1] if i else first[moving[0]]
-    return Steps(parameters, K, t, x, v, theta, defects, first, last, events)
+    return ExactSteps(parameters, K, t, x, v, theta, defects, first, last, events)
 
 
 def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -193,7 +193,7 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     floats, ints = [], []
     while begin < count:
         out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
-        begin, filled = follow_all(begin, states, events_of, codes, MOST_EVENTS, inf, out_float, out_int, K)
+        begin, filled = follow_all(begin, states, events_of, codes, MOST_STEP_EVENTS, inf, out_float, out_int, K)
         floats.append(out_float[:filled, [0, 1, 3]])
         ints.append(out_int[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)
@@ -242,7 +242,7 @@ def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, 
     end = row[13:15].tolist()
     events: list[Any] = []
     code = 0
-    while code not in (END, REST, FAILED) and len(events) < MOST_EVENTS:
+    while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
         # The types of a state's entries are lost in unpacking.
         code, boundary, _, _, *state = advance(*state, *end, K)  # type: ignore[call-arg]
         if code <= GRAZE:

@@ -16,7 +16,7 @@ from symosc.citation import paper_reference
 from symosc.derive import latex
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Evidence, Heading, Prose, Step, StepError
+from symosc.derive.steps import Heading, Prose, Step, StepError, StepEvidence
 from symosc.errors import ParameterError, SymoscError
 from symosc.files import write_text
 from symosc.scenes import Scene
@@ -80,7 +80,7 @@ class Checked:
             )
         return rows
 
-    def steps(self) -> list[tuple[Step, Evidence]]:
+    def steps(self) -> list[tuple[Step, StepEvidence]]:
         """Return the steps with their evidence."""
         return [part for part in self.parts if isinstance(part, tuple) and isinstance(part[0], Step)]
 
@@ -127,7 +127,7 @@ class _Group:
     """Steps that share one display."""
 
     reason: str
-    steps: list[tuple[str, Step, Evidence]]
+    steps: list[tuple[str, Step, StepEvidence]]
 
 
 def _grouped(chapter: Checked) -> list[Any]:
@@ -146,7 +146,7 @@ def _grouped(chapter: Checked) -> list[Any]:
     return found
 
 
-def _rows(group: _Group, scope: Scope) -> list[tuple[list[str], str, Step, Evidence]]:
+def _rows(group: _Group, scope: Scope) -> list[tuple[list[str], str, Step, StepEvidence]]:
     decimals = scope.scene is not None or any(step.decimals for _, step, _ in group.steps)
     shown = []
     for number, step, evidence in group.steps:

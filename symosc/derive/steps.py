@@ -28,7 +28,7 @@ DIGITS = 50
 CONTEXT = mp_context(DIGITS + 10)
 POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
-AGREEMENT = CONTEXT.mpf(10) ** -45
+STEP_AGREEMENT = CONTEXT.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
 REFUTATION_POINTS = 3
 DIFFERENT = CONTEXT.mpf(10) ** -30
@@ -62,7 +62,7 @@ class Relation(NamedTuple):
         return f"{self.left} {self.op} {self.right}"
 
 
-class Evidence(NamedTuple):
+class StepEvidence(NamedTuple):
     """How a step was checked.
 
     Attributes
@@ -82,7 +82,7 @@ class Evidence(NamedTuple):
 class Check:
     """Base class of the checks; `run` returns the evidence or raises StepError."""
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """Check a statement."""
         raise NotImplementedError
 
@@ -109,7 +109,7 @@ class Step:
     note: str = ""
     decimals: bool = False
 
-    def verify(self) -> Evidence:
+    def verify(self) -> StepEvidence:
         """Run the check."""
         return self.check.run(self.statement)
 
@@ -152,7 +152,7 @@ class Exact(Check):
     tidy: Callable[[Expr], Expr] = sp.simplify
     independent: bool = True
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         if self.independent:
@@ -160,7 +160,7 @@ class Exact(Check):
         rest = self.tidy(difference)
         if rest != 0 and sp.simplify(rest) != 0:
             raise StepError(str(statement), f"the difference {rest} does not vanish")
-        return Evidence("exact", "0")
+        return StepEvidence("exact", "0")
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ class Solves(Check):
     general: bool = False
     meaning: dict[Expr, Expr] = field(default_factory=dict)
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         y = resolve(statement.right + self.shift, self.meaning)
         differentiate = solution.time_derivative if self.general else _by_tau
@@ -198,7 +198,7 @@ class Solves(Check):
             rest = tidy(resolve(residual, self.meaning))
             if rest != 0 and sp.simplify(rest) != 0:
                 raise StepError(str(statement), f"does not solve its equation: {rest} is left over")
-        return Evidence("exact", "0")
+        return StepEvidence("exact", "0")
 
 
 def _by_tau(expr: Expr) -> Expr:
@@ -215,7 +215,7 @@ class Sign(Check):
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         difference = sp.factor(sp.simplify(difference))
@@ -227,7 +227,7 @@ class Sign(Check):
         }[statement.op]
         if not holds:
             raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
-        return Evidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")
+        return StepEvidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")
 
 
 @dataclass(frozen=True)
@@ -237,12 +237,12 @@ class Close(Check):
     value: Callable[[], Any]
     decimals: int
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
         if not off <= CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"):
             raise StepError(str(statement), f"the value is off by {CONTEXT.nstr(off, 3)}")
-        return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
+        return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)
 
 
 @dataclass(frozen=True)
@@ -250,9 +250,9 @@ class AtRoot(Check):
     """The sides agree with 50 digits at a given point; `tolerance` is absolute."""
 
     meaning: Callable[[], dict[Expr, Any]]
-    tolerance: Any = AGREEMENT
+    tolerance: Any = STEP_AGREEMENT
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         values = self.meaning()
         left, right = (evaluate(side, values) for side in (statement.left, statement.right))
@@ -260,10 +260,10 @@ class AtRoot(Check):
             off = abs(left - right)
             if not off < self.tolerance:
                 raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
-            return Evidence("numeric", CONTEXT.nstr(off, 2), 1)
+            return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)
         if not {">": left > right, "<": left < right}[statement.op]:
             raise StepError(str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}")
-        return Evidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
+        return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
 
 # --- tools ---

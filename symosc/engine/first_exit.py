@@ -6,12 +6,12 @@ In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smoo
 derivatives are known in closed form. At a time tau the derivatives up to the third are evaluated, and the fourth is
 bounded for all later times:
 
-    |d^4 v/dt^4| <= M4 = V0 Omega^4 + sqrt(j^2 + w0^2 w^2)
+    |d^4 v/dt^4| <= M4 = V0 Omega^4 + sqrt(G3^2 + w0^2 G2^2)
 
-with V0 the amplitude of the steady velocity and w, j the third and fourth derivative of the transient, whose energy
-j^2 + w0^2 w^2 never grows (it obeys the unforced equation, and damping only takes energy away). Near undamped resonance
-the two parts are not told apart; then the same energy argument for the whole derivative gives
-M4 = sqrt(j^2 + w0^2 w^2) + |B0| Omega^3/m over the next 1/Omega of time, and no step is longer than that. Hence
+with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the transient, whose energy
+G3^2 + w0^2 G2^2 never grows (it obeys the unforced equation, and damping only takes energy away). Near undamped
+resonance the two parts are not told apart; then the same energy argument for the whole derivative gives
+M4 = sqrt(G3^2 + w0^2 G2^2) + |B0| Omega^3/m over the next 1/Omega of time, and no step is longer than that. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
@@ -71,13 +71,13 @@ THIN = 1e-9
 FAINT = 1e-8
 
 
-def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
+def first_exit(tau_max, v0, F0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
     """Find the first contact of a flight with a wall.
 
     Parameters
     ----------
     tau_max : time to search.
-    v0, a0, s0, c0 : velocity, acceleration, sine and cosine of the phase at the start.
+    v0, F0, s0, c0 : velocity, acceleration, sine and cosine of the phase at the start.
     below, above : v0 minus the lower wall's velocity, the upper wall's minus v0 (>= 0); exact 0 at a start on a wall.
     has_below, has_above, on_below, on_above : whether there is such a wall, and whether the start is on it.
     S11, S12, S22 : covariance of the errors of the start.
@@ -85,47 +85,47 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
 
     Returns
     -------
-    (code, side, tau, dx, dv, a, b, s, c, E0, E1, E2)
+    (code, side, tau, dx, dv, F, G1, s, c, E0, E1, E2)
         code NOTHING (state at tau_max), HIT, TANGENCY or STALLED; side -1 for the lower wall, +1 for the upper. A
         contact is returned even if the last correction moved it past tau_max.
     """
     zero = 0.0 * tau_max
-    tau, dx, dv, a, s, c = zero, zero, zero, a0, s0, c0
-    b, w, j = derivatives(v0, a0, s0, c0, K)
+    tau, dx, dv, F, s, c = zero, zero, zero, F0, s0, c0
+    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
     E0, E1, E2 = 1.0 + zero, zero, zero
     side = -1 if has_below else 1
     crossing, tau_deep = 0, zero  # the side on which the gap ahead is known to be negative, and where
     stalled = 0
-    flat = (on_below or on_above) and a0 == 0.0 and abs(b) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
+    flat = (on_below or on_above) and F0 == 0.0 and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
     if flat:  # after a tangency or the end of a stick; a derivative within rounding of 0 is 0 there, its sign is noise
-        b = zero  # near sin(theta) = +-1 that leaves cos(theta), and with it w, uncertain by about sqrt(EPS)
-        flat = abs(w) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om
+        G1 = zero  # near sin(theta) = +-1 that leaves cos(theta), and with it G2, uncertain by about sqrt(EPS)
+        flat = abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om
     if flat:
-        tau = quartic_start(j, w, s0, c0, K)
+        tau = quartic_start(G3, G2, s0, c0, K)
         if tau > tau_max:
             tau = tau_max
-        dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
-    M4 = fourth_derivative_bound(w, j, s, c, K)
-    speed = THIN * (abs(v0) + (abs(a0) + abs(K.f0)) * K.moment)
+        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
+    M4 = fourth_derivative_bound(G2, G3, s, c, K)
+    speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
     variance = K.sigmas * K.sigmas * (S22 + K.w0sq * S11)
     thin = 4.0 * variance + speed * speed
     # What the error of the start can do to a gap; where that is less than rounding `tolerance` sees to it.
     margin = sqrt(variance) if variance > FAINT * speed * speed else zero
     if K.apart and not flat:
-        tau, dv, a, b, w, j, s, c, M4 = march(
-            tau_max, v0, a0, b, w, j, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, margin, K
+        tau, dv, F, G1, G2, G3, s, c, M4 = march(
+            tau_max, v0, F0, G1, G2, G3, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, margin, K
         )
     for _ in range(MOST_STEPS):
         thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
         thin_above = has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above)
-        if thin_below and hidden(tau, -1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+        if thin_below and hidden(tau, -1, v0, F0, s0, c0, below, above, S11, S12, S22, K):
             side = -1
             break
-        if thin_above and hidden(tau, 1, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+        if thin_above and hidden(tau, 1, v0, F0, s0, c0, below, above, S11, S12, S22, K):
             side = 1
             break
         if tau >= tau_max:
-            return NOTHING, 0, tau, dx, dv, a, b, s, c, E0, E1, E2
+            return NOTHING, 0, tau, dx, dv, F, G1, s, c, E0, E1, E2
         cap = tau_max - tau
         if not K.steady and cap * K.Om > 1.0:
             cap = 1.0 / K.Om
@@ -134,11 +134,11 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
         on_wall = tau == 0.0 and (on_below if side < 0 else on_above)
         gap = below + dv if side < 0 else above - dv
         gap = held_back(gap, margin)
-        p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * a, -side * b, -side * w, M4, on_wall)
+        p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * F, -side * G1, -side * G2, M4, on_wall)
         step, root = safe_step(cap, p0, p1, p2, p3, p4)
         if has_below and has_above:  # the upper wall counts only if the lower one's step is too long for it
             on_wall = tau == 0.0 and on_above
-            q0, q1, q2, q3, q4, q_degree = gap_polynomial(held_back(above - dv, margin), -a, -b, -w, M4, on_wall)
+            q0, q1, q2, q3, q4, q_degree = gap_polynomial(held_back(above - dv, margin), -F, -G1, -G2, M4, on_wall)
             if not positive_on(root if root < cap else step, q0, q1, q2, q3, q4):
                 q_step, q_root = safe_step(cap, q0, q1, q2, q3, q4)
                 if q_step < step:
@@ -149,28 +149,28 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
                     root = cap
         near, close, clear = False, False, True
         if root < cap:
-            size = start_gap + abs(dv) + abs(a) * root + margin * (4.0 / CLEAR_DEPTH)
+            size = start_gap + abs(dv) + abs(F) * root + margin * (4.0 / CLEAR_DEPTH)
             near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
         known = crossing == side
         if near and (clear or known):
             low = tau
             high = tau_deep if known else tau + 2.0 * (root + ISOLATED * K.moment)
             if not close:
-                root = sharpened(root, below + dv if side < 0 else dv - above, a, b, w, j, c, K)
-            return polish(tau + root, low, high, side, v0, a0, s0, c0, below, above, K)
+                root = sharpened(root, below + dv if side < 0 else dv - above, F, G1, G2, G3, c, K)
+            return polish(tau + root, low, high, side, v0, F0, s0, c0, below, above, K)
         short = step < cap and step * K.rate < SHORT_STEP
-        near_by = margin > 0.0 and side * a > 0.0 and (below + dv if side < 0 else above - dv) < 2.0 * margin
+        near_by = margin > 0.0 and side * F > 0.0 and (below + dv if side < 0 else above - dv) < 2.0 * margin
         if (short or near_by or not clear) and not known and (start_gap > 0.0 or tau > 0.0):
-            verdict, tau_min = closest_approach(tau, tau, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+            verdict, tau_min = closest_approach(tau, tau, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K)
             reach = tau_min - tau
             if has_below and has_above and verdict != STALLED and reach > step:  # the other wall may come before
                 other = above - dv if side < 0 else below + dv
                 on_wall = tau == 0.0 and (on_above if side < 0 else on_below)
-                q0, q1, q2, q3, q4, _ = gap_polynomial(other, side * a, side * b, side * w, M4, on_wall)
+                q0, q1, q2, q3, q4, _ = gap_polynomial(other, side * F, side * G1, side * G2, M4, on_wall)
                 verdict = verdict if positive_on(reach, q0, q1, q2, q3, q4) else STALLED
             if verdict == TANGENCY:
-                dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
-                return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
+                dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau_min, v0, F0, s0, c0, K)
+                return TANGENCY, side, tau_min, dx, dv, F, G1, s, c, E0, E1, E2
             if verdict == LOST:
                 break
             if verdict == HIT:
@@ -183,23 +183,23 @@ def first_exit(tau_max, v0, a0, s0, c0, below, above, has_below, has_above, on_b
             break
         before = tau
         tau = tau + step if step < tau_max - tau else tau_max
-        dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
-        M4 = fourth_derivative_bound(w, j, s, c, K)
+        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
+        M4 = fourth_derivative_bound(G2, G3, s, c, K)
         low_side, high_side = has_below and below + dv <= 0.0, has_above and above - dv <= 0.0
         if low_side or high_side:
             # By rounding: P has no root here. So there is a root within rounding, or a touch.
             side = -1 if low_side else 1
             if crossing != side:
                 verdict, tau_min = closest_approach(
-                    tau, before, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K
+                    tau, before, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K
                 )
                 if verdict == TANGENCY:
-                    dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau_min, v0, a0, s0, c0, K)
-                    return TANGENCY, side, tau_min, dx, dv, a, b, s, c, E0, E1, E2
+                    dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau_min, v0, F0, s0, c0, K)
+                    return TANGENCY, side, tau_min, dx, dv, F, G1, s, c, E0, E1, E2
                 if verdict == LOST:
                     break
-            return polish(tau, before, tau, side, v0, a0, s0, c0, below, above, K)
-    return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+            return polish(tau, before, tau, side, v0, F0, s0, c0, below, above, K)
+    return STALLED, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
 
 
 def held_back(gap, margin):
@@ -207,7 +207,7 @@ def held_back(gap, margin):
     return gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
 
 
-def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above, on_below, on_above, margin, K):
+def march(tau_max, v0, F, G1, G2, G3, M4, s, c, below, above, has_below, has_above, on_below, on_above, margin, K):
     """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
@@ -216,16 +216,16 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
 
     Returns
     -------
-    (tau, dv, a, b, w, j, s, c, M4)
+    (tau, dv, F, G1, G2, G3, s, c, M4)
         A time up to which no wall is met, and velocity gain, derivatives, sine and cosine of the phase and bound there.
     """
     M, long = K.march, False
     Om2 = K.Om * K.Om
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
-    v_free, a_free = v0 - v_steady, a - K.Om * u_steady
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(a_free) * K.swing) + margin
+    v_free, F_free = v0 - v_steady, F - K.Om * u_steady
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
-    energy = a_free * a_free + K.w0sq * v_free * v_free
+    energy = F_free * F_free + K.w0sq * v_free * v_free
     room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack
     has_below = has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below)
     has_above = has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above)
@@ -236,10 +236,10 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
     while tau + M.step < tau_max:
         free = True
         if has_below:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, a, b, w, M4, on_below and tau == 0.0)
+            p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, F, G1, G2, M4, on_below and tau == 0.0)
             free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
         if has_above and free:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -a, -b, -w, M4, on_above and tau == 0.0)
+            p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -F, -G1, -G2, M4, on_above and tau == 0.0)
             free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
         if not free:
             if not long:
@@ -247,95 +247,95 @@ def march(tau_max, v0, a, b, w, j, M4, s, c, below, above, has_below, has_above,
             M, long = K.march, False
             continue
         tau = tau + M.step
-        v_free, a_free = M.C * v_free + M.E1 * a_free, M.D * v_free + M.E0 * a_free
+        v_free, F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
         s, c = M.c * s + M.s * c, M.c * c - M.s * s
         v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
-        b_free = -K.cm * a_free - K.w0sq * v_free
-        w_free = -K.cm * b_free - K.w0sq * a_free
-        j_free = -K.cm * w_free - K.w0sq * b_free
-        M4 = K.V0 * Om2 * Om2 + sqrt(j_free * j_free + K.w0sq * w_free * w_free)
+        G1_free = -K.cm * F_free - K.w0sq * v_free
+        G2_free = -K.cm * G1_free - K.w0sq * F_free
+        G3_free = -K.cm * G2_free - K.w0sq * G1_free
+        M4 = K.V0 * Om2 * Om2 + sqrt(G3_free * G3_free + K.w0sq * G2_free * G2_free)
         dv = v_free + v_steady - v0
-        a, b, w = a_free + K.Om * u_steady, b_free - Om2 * v_steady, w_free - Om2 * K.Om * u_steady
-        j = j_free + Om2 * Om2 * v_steady
+        F, G1, G2 = F_free + K.Om * u_steady, G1_free - Om2 * v_steady, G2_free - Om2 * K.Om * u_steady
+        G3 = G3_free + Om2 * Om2 * v_steady
         least = reach * M4
         if K.patient:  # with the free motion gone, steps of their own length go farther
             room = PATIENCE * least
             if (not has_below or below + dv > room) and (not has_above or above - dv > room):
                 break
         long = (
-            (not has_below or below + dv + min(a, 0.0) * K.stride.step > least)
-            and (not has_above or above - dv - max(a, 0.0) * K.stride.step > least)
+            (not has_below or below + dv + min(F, 0.0) * K.stride.step > least)
+            and (not has_above or above - dv - max(F, 0.0) * K.stride.step > least)
             and tau + K.stride.step < tau_max
         )
         M = K.stride if long else K.march
-    return tau, dv, a, b, w, j, s, c, M4
+    return tau, dv, F, G1, G2, G3, s, c, M4
 
 
-def sharpened(root, over, a, b, w, j, c, K):
+def sharpened(root, over, F, G1, G2, G3, c, K):
     """Return a root that a lower bound has placed, by one step of Halley's method on a polynomial of degree five.
 
     So one evaluation of the flow is enough to make it exact. All arguments belong to the time that it is counted from.
     """
-    half, third, fourth = 0.5 * b, SIXTH * w, 0.25 * SIXTH * j
-    fifth = 0.05 * SIXTH * fifth_derivative(j, w, c, K)
-    value = over + (a + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
-    slope = a + (b + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
+    half, third, fourth = 0.5 * G1, SIXTH * G2, 0.25 * SIXTH * G3
+    fifth = 0.05 * SIXTH * fifth_derivative(G3, G2, c, K)
+    value = over + (F + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
+    slope = F + (G1 + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
     half_bend = half + (3.0 * third + (6.0 * fourth + 10.0 * fifth * root) * root) * root
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
     return root - shift if abs(shift) < 0.5 * root else root
 
 
-def polish(tau, low, high, side, v0, a0, s0, c0, below, above, K):
+def polish(tau, low, high, side, v0, F0, s0, c0, below, above, K):
     """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
 
     The gap is positive at `low`; a step that leaves the bracket, which narrows, is replaced by halving it.
     """
     slack = 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
-        dx, dv, a, b, w, j, s, c, E0, E1, E2 = state_at(tau, v0, a0, s0, c0, K)
+        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
         over = below + dv if side < 0 else dv - above
         if side * over < 0.0:
             low = tau if tau > low else low
         elif tau < high:
             high = tau
-        shift = local_root(over, a, b, w, j, EPS * tau)
+        shift = local_root(over, F, G1, G2, G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
         if abs(shift) * K.rate < NEAR and (inside or high - low <= slack):
-            dx = dx + (v0 + dv + (0.5 * a + SIXTH * (b + 0.25 * w * shift) * shift) * shift) * shift
-            fifth = fifth_derivative(j, w, c, K)
-            a = a + (b + (0.5 * w + SIXTH * (j + 0.25 * fifth * shift) * shift) * shift) * shift
+            dx = dx + (v0 + dv + (0.5 * F + SIXTH * (G1 + 0.25 * G2 * shift) * shift) * shift) * shift
+            fifth = fifth_derivative(G3, G2, c, K)
+            F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
             s, c = turned(s, c, K.Om * shift)
             tau = tau + shift
-            return HIT, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+            return HIT, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
         tau = tau + shift
-    return STALLED, side, tau, dx, dv, a, b, s, c, E0, E1, E2
+    return STALLED, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
 
 
-def local_root(over, a, b, w, j, resolution):
-    """Return the root near 0 of over + a s + b s^2/2 + w s^3/6 + j s^4/24, by Newton's method.
+def local_root(over, F, G1, G2, G3, resolution):
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24, by Newton's method.
 
     A simple root so near that the inverted series has it to `resolution` needs no step, one farther off takes a step or
     two after the series, a multiple root as many as it needs.
     """
     s = 0.0 * resolution
-    if abs(over * b) < 0.1 * a * a:
-        inverse = 1.0 / a
+    if abs(over * G1) < 0.1 * F * F:
+        inverse = 1.0 / F
         linear = over * inverse
-        B, W = 0.5 * b * inverse * linear, SIXTH * w * inverse * linear * linear
+        B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
         s = -linear * (1.0 + B + 2.0 * B * B - W)
-        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(j * inverse * linear * linear * linear)
+        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
         if abs(linear) * missing <= resolution:
             return s
     for _ in range(MOST_NEWTON):
-        slope = a + (b + (0.5 * w + SIXTH * j * s) * s) * s
+        slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
         if slope == 0.0:
             break
-        change = (over + (a + (0.5 * b + SIXTH * (w + 0.25 * j * s) * s) * s) * s) / slope
+        change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
         s = s - change
-        bend, third = b + (w + 0.5 * j * s) * s, w + j * s
+        bend, third = G1 + (G2 + 0.5 * G3 * s) * s, G2 + G3 * s
         # The next step would be shorter than that.
         if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
             break

@@ -1,7 +1,7 @@
 """Motion within one domain, and on a belt: the constants of a parameter set and the evaluation of the flow.
 
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0 and acceleration
-a0; the displacement dx, the gain in velocity dv and the acceleration a after a time tau are the kernel `motion` of the
+F0; the displacement dx, the gain in velocity dv and the acceleration F after a time tau are the kernel `motion` of the
 entire functions at tau. Gains are returned rather than sums: a flight that starts on a belt leaves it by dv exactly.
 """
 
@@ -64,7 +64,7 @@ class MarchConstants(NamedTuple):
 class Constants(NamedTuple):
     """A parameter set as the numbers that the fast paths use; floats or mpmath numbers, correctly rounded.
 
-    Units: 1/time for cm, h, w, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
+    Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
     """
 
     cm: Any  # c/m
@@ -73,7 +73,7 @@ class Constants(NamedTuple):
     Om: Any  # Omega
     fB: Any  # B0 Omega/m
     h: Any  # c/(2m)
-    w: Any  # sqrt(|k/m - h^2|)
+    omega_d: Any  # sqrt(|k/m - h^2|), the damped frequency
     w0: Any  # sqrt(k/m)
     p: Any  # k/m - Omega^2
     q: Any  # 2 h Omega
@@ -130,11 +130,11 @@ def constants(
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
     square = w0sq - h * h
     p, q = w0sq - Om * Om, 2 * h * Om
-    w = root(number(abs(square)))
+    omega_d = root(number(abs(square)))
     under = square > 0
     steady = p * p + q * q >= (APART * max(w0sq, Om * Om)) ** 2
     response = number(p * p + q * q) if steady else number(Fraction(1))
-    slow, fast = number(Fraction(0)), -(number(h) + w)
+    slow, fast = number(Fraction(0)), -(number(h) + omega_d)
     if fast != 0:
         slow = number(w0sq) / fast
     w0 = root(number(w0sq))
@@ -149,11 +149,11 @@ def constants(
         Om=number(Om),
         fB=number(f0 * Om),
         h=number(h),
-        w=w,
+        omega_d=omega_d,
         w0=w0,
         p=number(p),
         q=number(q),
-        detuning=number(square - Om * Om) / (w + number(Om)) if under else -number(Om),
+        detuning=number(square - Om * Om) / (omega_d + number(Om)) if under else -number(Om),
         l1=slow,
         l2=fast,
         rate0=rate0,
@@ -240,52 +240,52 @@ def _belt_constants(
     )
 
 
-def state_at(tau, v0, a0, s0, c0, K):
-    """Return dx, dv, a, b, w, j, s, c, E0, E1, E2 at `tau` after a start.
+def state_at(tau, v0, F0, s0, c0, K):
+    """Return dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 at `tau` after a start.
 
-    dx and dv are increments, a to j the derivatives of v, s and c the sine and cosine of the phase.
+    dx and dv are increments, F to G3 the derivatives of v, s and c the sine and cosine of the phase.
     """
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
-    dx, dv, a = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
     if K.stiff:
-        b, w, j = stiff_derivatives(tau, v0, a0, s0, c0, s, c, K)
+        G1, G2, G3 = stiff_derivatives(tau, v0, F0, s0, c0, s, c, K)
     else:
-        b, w, j = derivatives(v0 + dv, a, s, c, K)
-    return dx, dv, a, b, w, j, s, c, E0, E1, E2
+        G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
+    return dx, dv, F, G1, G2, G3, s, c, E0, E1, E2
 
 
-def derivatives(v, a, s, c, K):
+def derivatives(v, F, s, c, K):
     """Return v'', v''' and v'''' (that is G^(1), G^(2), G^(3)) from v, a and the sine and cosine of the phase."""
-    b = next_derivative(a, v, K.fB * s, K.cm, K.w0sq)
-    w = next_derivative(b, a, K.fB * K.Om * c, K.cm, K.w0sq)
-    j = next_derivative(w, b, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
-    return b, w, j
+    G1 = next_derivative(F, v, K.fB * s, K.cm, K.w0sq)
+    G2 = next_derivative(G1, F, K.fB * K.Om * c, K.cm, K.w0sq)
+    G3 = next_derivative(G2, G1, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
+    return G1, G2, G3
 
 
-def stiff_derivatives(tau, v0, a0, s0, c0, s, c, K):
+def stiff_derivatives(tau, v0, F0, s0, c0, s, c, K):
     """Return the second to fourth derivative of v from the shares of both roots and of the steady motion.
 
-    `derivatives` multiplies what rounding left of a by the fast root once per order; here it has died away.
+    `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
     """
     Om2 = K.Om * K.Om
     v_free = v0 - (K.Ss * s0 + K.Sc * c0)  # with k = 0 the mean velocity is a part of it: its root is 0
-    a_free = a0 - K.Om * (K.Ss * c0 - K.Sc * s0)
-    fast = (a_free - K.l1 * v_free) / (K.l2 - K.l1)
+    F_free = F0 - K.Om * (K.Ss * c0 - K.Sc * s0)
+    fast = (F_free - K.l1 * v_free) / (K.l2 - K.l1)
     slow = (v_free - fast) * exp(K.l1 * tau) * K.l1 * K.l1
     fast = fast * exp(K.l2 * tau) * K.l2 * K.l2
     v_steady, u_steady = K.Ss * s + K.Sc * c, K.Om * (K.Ss * c - K.Sc * s)
-    b = slow + fast - Om2 * v_steady
-    w = slow * K.l1 + fast * K.l2 - Om2 * u_steady
-    return b, w, slow * K.l1 * K.l1 + fast * K.l2 * K.l2 + Om2 * Om2 * v_steady
+    G1 = slow + fast - Om2 * v_steady
+    G2 = slow * K.l1 + fast * K.l2 - Om2 * u_steady
+    return G1, G2, slow * K.l1 * K.l1 + fast * K.l2 * K.l2 + Om2 * Om2 * v_steady
 
 
-def fifth_derivative(j, w, c, K):
+def fifth_derivative(G3, G2, c, K):
     """Return the fifth derivative of v from the fourth and third and the cosine of the phase."""
-    return next_derivative(j, w, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
+    return next_derivative(G3, G2, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
 
 
-def velocity_scale(tau, v0, a0, K):
+def velocity_scale(tau, v0, F0, K):
     """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
 
     Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
@@ -295,5 +295,5 @@ def velocity_scale(tau, v0, a0, K):
     if K.steady and drive > 2.0 * K.V0:
         drive = 2.0 * K.V0
     if K.w0 * tau < 1.0:
-        return abs(a0) * tau + K.w0sq * abs(v0) * rise + drive
-    return abs(a0) / K.w0 + 2.0 * abs(v0) + drive
+        return abs(F0) * tau + K.w0sq * abs(v0) * rise + drive
+    return abs(F0) / K.w0 + 2.0 * abs(v0) + drive

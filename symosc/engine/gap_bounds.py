@@ -23,14 +23,14 @@ FIRM = 1e-2
 CLEAR_DEPTH = 1e-9
 
 
-def fourth_derivative_bound(w, j, s, c, K):
+def fourth_derivative_bound(G2, G3, s, c, K):
     """Return M4 >= |v''''| from here on, when K.steady; over the next 1/Omega otherwise."""
     if not K.steady:
-        return sqrt(j * j + K.w0sq * w * w) + abs(K.fB) * K.Om * K.Om
+        return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
-    w_transient = w - Om3 * (K.Sc * s - K.Ss * c)
-    j_transient = j - Om3 * K.Om * (K.Ss * s + K.Sc * c)
-    return K.V0 * Om3 * K.Om + sqrt(j_transient * j_transient + K.w0sq * w_transient * w_transient)
+    G2_transient = G2 - Om3 * (K.Sc * s - K.Ss * c)
+    G3_transient = G3 - Om3 * K.Om * (K.Ss * s + K.Sc * c)
+    return K.V0 * Om3 * K.Om + sqrt(G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient)
 
 
 def positive_on(s, p0, p1, p2, p3, p4):
@@ -114,14 +114,14 @@ def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
     return near, missing * K.rate < NEAR * slope, depth > 2.0 * CLEAR_DEPTH * size * bend
 
 
-def quartic_start(j, w, s, c, K):
-    """Return a time before which a gap that starts like j tau^4/24 has no other root, by a bound like M4."""
+def quartic_start(G3, G2, s, c, K):
+    """Return a time before which a gap that starts like G3 tau^4/24 has no other root, by a bound like M4."""
     Om4 = K.Om * K.Om * K.Om * K.Om
-    fifth = fifth_derivative(j, w, c, K)
+    fifth = fifth_derivative(G3, G2, c, K)
     if K.steady:
-        j_transient = j - Om4 * (K.Ss * s + K.Sc * c)
+        G3_transient = G3 - Om4 * (K.Ss * s + K.Sc * c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * c - K.Sc * s)
-        M5 = K.V0 * Om4 * K.Om + sqrt(fifth_transient * fifth_transient + K.w0sq * j_transient * j_transient)
-        return 4.0 * abs(j) / M5 if M5 > 0.0 else K.chunk
-    bound = 4.0 * abs(j) / (sqrt(fifth * fifth + K.w0sq * j * j) + abs(K.fB) * K.Om * K.Om * K.Om)
+        M5 = K.V0 * Om4 * K.Om + sqrt(fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient)
+        return 4.0 * abs(G3) / M5 if M5 > 0.0 else K.chunk
+    bound = 4.0 * abs(G3) / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
     return bound if bound * K.Om < 1.0 else 1.0 / K.Om

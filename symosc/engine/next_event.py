@@ -63,34 +63,34 @@ def advance(mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_
     return advance_flight(mode, at, n, theta, x, v, Fb, S11, S12, S22, t, t_low, left, tau_max, K)
 
 
-def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, tau_max, K):
+def advance_flight(mode, at, n, theta, x, v, F0, S11, S12, S22, t, t_low, left, tau_max, K):
     """Advance through a domain; see `advance`."""
     has_below, has_above = mode > 1, mode < 3
     lower, upper = (K.belt1 if mode == 2 else K.belt2), (K.belt1 if mode == 1 else K.belt2)
-    if K.creeps and creeps_for_ever(v, a0, x, S11, S22, lower, upper, has_below, has_above, mode, K):
-        return REST, 0, True, 0.0, mode, at, n, theta, x, v, a0, a0, S11, S12, S22, t, t_low
+    if K.creeps and creeps_for_ever(v, F0, x, S11, S22, lower, upper, has_below, has_above, mode, K):
+        return REST, 0, True, 0.0, mode, at, n, theta, x, v, F0, F0, S11, S12, S22, t, t_low
     s0, c0, A = sin(theta), cos(theta), (K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3)
     on_below, on_above = at == mode - 1 and at > 0, at == mode
     while True:
         if tau_max >= left:
             tau_max = left * PAST_END if left > 0.0 else left
-        code, side, tau, dx, dv, a, _, s, c, E0, E1, E2 = first_exit(
-            tau_max, v, a0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
+        code, side, tau, dx, dv, F, _, s, c, E0, E1, E2 = first_exit(
+            tau_max, v, F0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
         )
         # Two searches must not meet where a belt is: each would leave a touch there to the other.
         if code != NOTHING or tau_max >= left or tau_max > 1.5 * K.chunk:
             break
-        size = abs(v) + abs(dv) + (abs(a0) + abs(K.f0)) * K.moment
+        size = abs(v) + abs(dv) + (abs(F0) + abs(K.f0)) * K.moment
         if not beside_a_wall(v + dv, size, lower.v, upper.v, has_below, has_above):
             break
         tau_max = tau_max + 0.125 * K.chunk
     if tau > left and code != STALLED:
         code, tau = NOTHING, left
-        dx, dv, a, _, _, _, s, c, E0, E1, E2 = state_at(left, v, a0, s0, c0, K)
-    speed = abs(v) + velocity_scale(tau, v, a0, K)
+        dx, dv, F, _, _, _, s, c, E0, E1, E2 = state_at(left, v, F0, s0, c0, K)
+    speed = abs(v) + velocity_scale(tau, v, F0, K)
     reach = tau if tau < K.swing else K.swing
-    forces = abs(a0) + abs(A) + abs(K.f0)  # terms of the acceleration; behind a stick friction's jump was one of them
-    if at > 0 and a0 == 0.0:
+    forces = abs(F0) + abs(A) + abs(K.f0)  # terms of the acceleration; behind a stick friction's jump was one of them
+    if at > 0 and F0 == 0.0:
         forces = forces + (K.belt1.J if at == 1 else K.belt2.J)
     x_noise = 1.25 * EPS * (abs(x) + (speed + forces * reach) * reach + abs(v) * tau)
     turned = 0.5 * K.w0 * tau * (abs(E0) + K.w0 * abs(E1))  # phase of the free oscillation, as far as it lasts
@@ -104,48 +104,48 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
         if tau >= left:
             n, theta = later(n, theta, tau, K)
             t, t_low = added(t, t_low, tau, K)
-            return END, 0, True, 0.0, mode, 0, n, theta, x, v + dv, a, a, S11, S12, S22, t, t_low
-        if never_leaves(v + dv, a, s, c, S11, S22, lower.v, upper.v, has_below, has_above, mode, K):
+            return END, 0, True, 0.0, mode, 0, n, theta, x, v + dv, F, F, S11, S12, S22, t, t_low
+        if never_leaves(v + dv, F, s, c, S11, S22, lower.v, upper.v, has_below, has_above, mode, K):
             # The end is reached from the last start, in one piece.
-            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, a0, a0, S11, S12, S22, t, t_low
+            return REST, 0, True, 0.0, mode, at, n, theta, x - dx, v, F0, F0, S11, S12, S22, t, t_low
         n, theta = later(n, theta, tau, K)
         t, t_low = added(t, t_low, tau, K)
         v = v + dv
-        a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
-        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, a, a, S11, S12, S22, t, t_low
+        F = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+        return MOVED, 0, True, 0.0, mode, 0, n, theta, x, v, F, F, S11, S12, S22, t, t_low
     n, theta = later(n, theta, tau, K)
     t, t_low = added(t, t_low, tau, K)
     boundary = mode - 1 if side < 0 else mode
     belt = K.belt1 if boundary == 1 else K.belt2
     v = belt.v
     if code == STALLED:
-        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, a, a, S11, S12, S22, t, t_low
+        return FAILED, boundary, False, 0.0, mode, at, n, theta, x, v, F, F, S11, S12, S22, t, t_low
     if code == TANGENCY:
-        a = 0.0 * a
-    elif tau * K.rate > SERIES_BELOW:  # after short flights `a` is the more accurate one: it grew from a0
-        a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
-    b, w, j = derivatives(v, a, s, c, K)
-    t_error = passing_time(sqrt(S22), a, b, w, K)
+        F = 0.0 * F
+    elif tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
+        F = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+    G1, G2, G3 = derivatives(v, F, s, c, K)
+    t_error = passing_time(sqrt(S22), F, G1, G2, K)
     doubt = 2.0 * K.sigmas * t_error  # a gap that is a^2/(2 b) deep is open if its error is as large as that
-    vague = abs(a) <= (abs(b) + abs(w) * doubt) * doubt  # as far as this precision tells the acceleration is 0 here
+    vague = abs(F) <= (abs(G1) + abs(G2) * doubt) * doubt  # as far as this precision tells the acceleration is 0 here
     if vague or code == TANGENCY:
         vague = True
-        inflection = side * w > abs(j) * doubt and abs(b) <= abs(w) * doubt
+        inflection = side * G2 > abs(G3) * doubt and abs(G1) <= abs(G2) * doubt
         if not inflection:
-            if a * b < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind it
-                shift = min(-a / b, left - tau)
-                x = x + (v + (0.5 * a + SIXTH * b * shift) * shift) * shift
+            if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind it
+                shift = min(-F / G1, left - tau)
+                x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
                 n, theta = later(n, theta, shift, K)
                 t, t_low = added(t, t_low, shift, K)
-            a = 0.0 * a
-            t_error = passing_time(K.rate * (sqrt(S22) + v_noise), b, w, j, K)
+            F = 0.0 * F
+            t_error = passing_time(K.rate * (sqrt(S22) + v_noise), G1, G2, G3, K)
             touch = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
-            return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, a, a, S11, S12, S22, t, t_low
-    Fb, Fa = (a, a - belt.J) if side > 0 else (a + belt.J, a)
+            return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, F, F, S11, S12, S22, t, t_low
+    Fb, Fa = (F, F - belt.J) if side > 0 else (F + belt.J, F)
     decided = not vague
     other = Fa if side > 0 else Fb
     small = abs(other) < NEAR_FORCE * belt.J
-    if small and abs(other) <= force_noise(a, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
+    if small and abs(other) <= force_noise(F, tau, S11, belt, K) + K.sigmas * K.cm * sqrt(S22):
         decided = False
         Fb, Fa = (Fb, 0.0 * Fa) if side > 0 else (0.0 * Fb, Fa)
     if vague:  # a triple root: the velocity goes on through that of the belt, as far as friction lets it
@@ -178,10 +178,10 @@ def advance_flight(mode, at, n, theta, x, v, a0, S11, S12, S22, t, t_low, left, 
             t_low,
         )
     out = Fa if where == DOMAIN_ABOVE else Fb
-    ratio = out / a if a != 0.0 else 1.0
+    ratio = out / F if F != 0.0 else 1.0
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
-        zero = 0.0 * a
+        zero = 0.0 * F
         return GRAZE, boundary, False, t_error, mode, boundary, n, theta, x, v, zero, zero, S11, S12, S22, t, t_low
     S12, S22 = ratio * S12, ratio * ratio * S22
     return CROSS, boundary, decided, t_error, target, boundary, n, theta, x, v, out, out, S11, S12, S22, t, t_low

@@ -24,7 +24,7 @@ from symosc.kernels.entire import EPS
 BESIDE = 1e-6
 
 
-def never_leaves(v, a, s, c, S11, S22, lower, upper, has_below, has_above, mode, K):
+def never_leaves(v, F, s, c, S11, S22, lower, upper, has_below, has_above, mode, K):
     """Return whether v stays between the walls for ever, from the steady amplitude and the transient's size."""
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
         return False
@@ -34,27 +34,27 @@ def never_leaves(v, a, s, c, S11, S22, lower, upper, has_below, has_above, mode,
         free = free - mean
         highest, lowest = mean + K.V0 + (free if free > 0.0 else 0.0), mean - K.V0 + (free if free < 0.0 else 0.0)
     else:
-        a_free = a - K.Om * (K.Ss * c - K.Sc * s)
-        highest = K.V0 + sqrt(a_free * a_free + K.w0sq * free * free) / K.w0
+        F_free = F - K.Om * (K.Ss * c - K.Sc * s)
+        highest = K.V0 + sqrt(F_free * F_free + K.w0sq * free * free) / K.w0
         lowest = -highest
     # A swing that just touches a belt is an event.
     slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S22 + K.w0sq * S11)
     return not (has_below and lowest - slack <= lower) and not (has_above and highest + slack >= upper)
 
 
-def creeps_for_ever(v, a, x, S11, S22, lower, upper, has_below, has_above, mode, K):
+def creeps_for_ever(v, F, x, S11, S22, lower, upper, has_below, has_above, mode, K):
     """Return whether a flight without drive and oscillation (K.creeps) never reaches a wall; see the module."""
     A = K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3
     terms = abs(A) + abs(K.w0sq * x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S11) + (K.cm - K.l2) * sqrt(S22))
     if has_below:
-        kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else a - K.l2 * (v - lower.v) > noise
-        kept = kept or (v == lower.v and a == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
+        kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else F - K.l2 * (v - lower.v) > noise
+        kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
         if not kept or lower.drift < 0.0:
             return False
     if has_above:
-        kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -a - K.l2 * (upper.v - v) > noise
-        kept = kept or (v == upper.v and a == 0.0 and upper.drift < 0.0)
+        kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -F - K.l2 * (upper.v - v) > noise
+        kept = kept or (v == upper.v and F == 0.0 and upper.drift < 0.0)
         if not kept or upper.drift > 0.0:
             return False
     return True

@@ -28,14 +28,14 @@ SOON = 1e-2
 FAR = 1e300
 
 
-def tolerance(tau, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
+def tolerance(tau, E0, E1, start_gap, v0, F0, S11, S12, S22, K):
     """Return how far a gap may be wrong `tau` after a start: rounding, and what the errors of the start have become."""
     pull = -K.w0sq * E1
     variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22
-    return ROUNDING * EPS * (velocity_scale(tau, v0, a0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
+    return ROUNDING * EPS * (velocity_scale(tau, v0, F0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
 
 
-def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+def closest_approach(tau, earliest, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K):
     """Look for a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
 
     Returns
@@ -48,9 +48,9 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
     start, sign = tau, -side
     last, depth_known = FAR, False
     for _ in range(MOST_DESCENTS):
-        _, dv, a, b, w, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
-        gap, slope, bend = (below + dv if side < 0 else above - dv), sign * a, sign * b
-        allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
+        _, dv, F, G1, G2, _, _, _, E0, E1, _ = state_at(tau, v0, F0, s0, c0, K)
+        gap, slope, bend = (below + dv if side < 0 else above - dv), sign * F, sign * G1
+        allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, F0, S11, S12, S22, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
         shift = -slope / bend if bend > 0.0 else 0.0 * slope
@@ -61,10 +61,10 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
                 return HIT, tau
             if gap > allowed:
                 back = tau - start
-                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * w, -0.25 * SIXTH * M4)
+                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * G2, -0.25 * SIXTH * M4)
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                parts = parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K)
+                parts = parts_again(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K)
                 return (TANGENCY if parts else LOST), tau
         last = abs(shift)
         tau = tau + shift
@@ -73,23 +73,23 @@ def closest_approach(tau, earliest, side, M4, v0, a0, s0, c0, below, above, S11,
     return LOST, tau
 
 
-def hidden(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+def hidden(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K):
     """Return whether a gap is 0 as far as this precision tells, and was or will be so for a while around `tau`."""
-    _, dv, a, _, _, _, _, _, E0, E1, _ = state_at(tau, v0, a0, s0, c0, K)
-    allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, a0, S11, S12, S22, K)
-    return (below + dv if side < 0 else above - dv) <= allowed and abs(a) <= allowed * K.rate / SOON
+    _, dv, F, _, _, _, _, _, E0, E1, _ = state_at(tau, v0, F0, s0, c0, K)
+    allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, F0, S11, S12, S22, K)
+    return (below + dv if side < 0 else above - dv) <= allowed and abs(F) <= allowed * K.rate / SOON
 
 
-def parts_again(tau, side, v0, a0, s0, c0, below, above, S11, S12, S22, K):
+def parts_again(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K):
     """Return whether a gap that is 0 as far as this precision tells is clearly not 0 soon after `tau`.
 
     A gap that shrinks without end is no touch, however small it gets.
     """
     for rate in (K.rate, K.Om):
         later = tau + 0.5 / rate
-        _, dv, _, _, _, _, _, _, E0, E1, _ = state_at(later, v0, a0, s0, c0, K)
+        _, dv, _, _, _, _, _, _, E0, E1, _ = state_at(later, v0, F0, s0, c0, K)
         start_gap = below if side < 0 else above
         gap = below + dv if side < 0 else above - dv
-        if abs(gap) > 4.0 * tolerance(later, E0, E1, start_gap, v0, a0, S11, S12, S22, K):
+        if abs(gap) > 4.0 * tolerance(later, E0, E1, start_gap, v0, F0, S11, S12, S22, K):
             return True
     return False

@@ -16,7 +16,7 @@ which bounds the remainder of the Taylor polynomial of degree n. The steps are s
 the remainder is below the rounding error. On each step the gap to a wall is that polynomial, known within `noise`:
 remainder, rounding, and the errors of all steps before, which grow like the energy. `symosc.grazing.roots` finds its
 first root. At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in
-real arithmetic; what rounding may add to them (ROUNDING) was measured.
+real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
 
 A contact that the noise leaves open is a touch as far as this precision tells. A search in double precision hands such
 a step to one with more digits (`look`), and goes on from there as if it had just begun.
@@ -24,7 +24,7 @@ a step to one with more digits (`look`), and goes on from there as if it had jus
 A flight that never met a wall is recognised where that can happen at all, in an over- or critically damped system: by
 a transient that runs away from the only wall for ever (`never_came`). An underdamped transient that grows comes back.
 
-Steps run on floats and on mpmath numbers (`Steps`); searches over many steps on floats (`Search`).
+BackwardSteps run on floats and on mpmath numbers (`BackwardSteps`); searches over many steps on floats (`Search`).
 """
 
 from __future__ import annotations
@@ -38,22 +38,22 @@ import numpy as np
 from symosc.engine.flow import Constants
 from symosc.grazing.roots import bernstein, first_root
 from symosc.kernels._generated import next_derivative
+from symosc.kernels.entire import EPS
 
 # What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
 # met a wall; velocities beyond HUGE; all steps used up.
 CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 
-EPS = 2.0**-53
 # Length of a step, times the largest rate of the system.
 STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
-ROUNDING = 8
+BACKWARD_ROUNDING = 8
 # What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
-CLEAR = 1e-9
+CLEAR_GAP = 1e-9
 # Velocities that are no longer followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
-MOST_STEPS = 20_000
+MOST_BACKWARD_STEPS = 20_000
 
 
 class Arrival(NamedTuple):
@@ -77,7 +77,7 @@ class Wall(NamedTuple):
     inward: int
 
 
-class State(NamedTuple):
+class BackwardState(NamedTuple):
     """A flight `tau` before the tangency, with the bounds of its errors."""
 
     tau: Any
@@ -89,7 +89,7 @@ class State(NamedTuple):
     x_error: Any
 
 
-class Found(NamedTuple):
+class BackwardHit(NamedTuple):
     """A contact on a step: at its part `sigma`, with which wall, and whether it is open (a touch)."""
 
     touch: bool
@@ -103,7 +103,7 @@ def walls_of(domain: int, K: Constants) -> list[Wall]:
     return walls + ([Wall(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
 
 
-class Step(NamedTuple):
+class BackwardStep(NamedTuple):
     """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
 
     T: list[Any]
@@ -113,7 +113,7 @@ class Step(NamedTuple):
     end: tuple[Any, Any, Any]
 
 
-class Steps:
+class BackwardSteps:
     """Steps backward from tangencies of one system at one belt, in any arithmetic.
 
     Parameters
@@ -142,11 +142,13 @@ class Steps:
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
 
-    def begin(self, zero: Any) -> State:
+    def begin(self, zero: Any) -> BackwardState:
         """Return the state at the tangency."""
-        return State(zero, zero, self.v + zero, zero, zero, zero, zero)
+        return BackwardState(zero, zero, self.v + zero, zero, zero, zero, zero)
 
-    def over(self, theta: Any, order: int, state: State) -> tuple[Found | None, Step, State]:
+    def over(
+        self, theta: Any, order: int, state: BackwardState
+    ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
         """Return the first contact on the step from a state, the step, and the state with the errors at its end.
 
         `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
@@ -154,7 +156,11 @@ class Steps:
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
         step = self._step(v, a, *self.wave(theta, tau))
-        rounding = ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + abs(K.fB) * (1 + abs(theta) + K.Om * tau)) * H * H)
+        rounding = (
+            BACKWARD_ROUNDING
+            * eps
+            * (abs(a) * H + (K.w0sq * abs(v) + abs(K.fB) * (1 + abs(theta) + K.Om * tau)) * H * H)
+        )
         energy_error = self.growth * state.energy_error + rounding / H
         v_error = self.growth * state.v_error + H * energy_error + rounding + eps * abs(v)
         if K.w0 > 0:
@@ -172,29 +178,29 @@ class Steps:
                 p = [wall.inward * (v - wall.v), *(wall.inward * term for term in step.T[1:])]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found.sigma):
-                found = Found(touch, sigma, wall)
-        return found, step, State(tau, state.dx, v, a, energy_error, v_error, state.x_error)
+                found = BackwardHit(touch, sigma, wall)
+        return found, step, BackwardState(tau, state.dx, v, a, energy_error, v_error, state.x_error)
 
     def wave(self, theta: Any, tau: Any) -> tuple[Any, Any]:
         """Return sine and cosine of the phase tau before theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: State, step: Step, sigma: Any) -> State:
+    def moved(self, state: BackwardState, step: BackwardStep, sigma: Any) -> BackwardState:
         """Return the state at the part `sigma` of a step, whose errors are those at its end."""
         dv, slope, area = at(step.T, sigma)
         return self._at(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
 
-    def arrival(self, state: State, step: Step, found: Found) -> Arrival:
+    def arrival(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> Arrival:
         """Return the contact found on a step from a state."""
         here = self.moved(state, step, found.sigma)
         kind = TOUCH if found.touch else CONTACT
         return Arrival(kind, found.wall.boundary, here.tau, here.dx, found.wall.v, here.a, here.v_error, here.x_error)
 
-    def _at(self, state: State, tau: Any, dv: Any, a: Any, dx: Any) -> State:
+    def _at(self, state: BackwardState, tau: Any, dv: Any, a: Any, dx: Any) -> BackwardState:
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
-        return State(state.tau + tau, dx, state.v + dv, a, state.energy_error, state.v_error, x_error)
+        return BackwardState(state.tau + tau, dx, state.v + dv, a, state.energy_error, state.v_error, x_error)
 
     def _taylor(self, v: Any, a: Any, s: Any, c: Any) -> list[Any]:
         """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
@@ -208,13 +214,13 @@ class Steps:
         """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
         return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (self.n + 1) + self.drive_remainder)
 
-    def _step(self, v: Any, a: Any, s: Any, c: Any) -> Step:
+    def _step(self, v: Any, a: Any, s: Any, c: Any) -> BackwardStep:
         *T, behind = self._taylor(v, a, s, c)
         spread = sum(map(abs, T[1:]))
-        return Step(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())  # type: ignore[arg-type]
+        return BackwardStep(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())  # type: ignore[arg-type]
 
 
-class Search(Steps):
+class Search(BackwardSteps):
     """Searches of one system in double precision.
 
     A step is linear in v, a and the sine and cosine of the phase: one product with a matrix gives its Taylor
@@ -231,19 +237,19 @@ class Search(Steps):
             columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
         self._matrix = np.array(columns).T.copy()
 
-    def _step(self, v: float, a: float, s: float, c: float) -> Step:
+    def _step(self, v: float, a: float, s: float, c: float) -> BackwardStep:
         rows, n = (self._matrix @ np.array((v, a, s, c))).tolist(), self.n + 1
         changes = rows[n + 1 : -3]
         remainder = self._remainder(rows[n], rows[n - 1])
-        return Step(rows[:n], remainder, v + min(changes), v + max(changes), tuple(rows[-3:]))
+        return BackwardStep(rows[:n], remainder, v + min(changes), v + max(changes), tuple(rows[-3:]))
 
     def run(
         self,
         theta: float,
         order: int,
         tau_max: float,
-        look: Callable[[float], tuple[Arrival | None, State]] | None = None,
-        most_steps: int = MOST_STEPS,
+        look: Callable[[float], tuple[Arrival | None, BackwardState]] | None = None,
+        most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
         """Follow the flow backward from the tangency at the phase theta, to the first contact or over tau_max.
 
@@ -278,17 +284,17 @@ class Search(Steps):
                 return _ended(LARGE, state)
         return _ended(LONG, state)
 
-    def ended(self, state: State, step: Step) -> State:
+    def ended(self, state: BackwardState, step: BackwardStep) -> BackwardState:
         """Return the state at the end of a step."""
         dv, a, dx = step.end
         return self._at(state, self.H, dv, a, dx)
 
-    def _reached(self, theta: float, order: int, state: State, tau_max: float) -> Arrival:
+    def _reached(self, theta: float, order: int, state: BackwardState, tau_max: float) -> Arrival:
         """Return the end of the search, reached on the step from a state."""
         _, step, state = self.over(theta, order, state)
         return _ended(REACHED, self.moved(state, step, (tau_max - state.tau) / self.H))
 
-    def _never_came(self, theta: float, state: State) -> bool:
+    def _never_came(self, theta: float, state: BackwardState) -> bool:
         """Return whether, going on backward from a state, no wall is met."""
         K = self.K
         if K.under or self.domain == 2:
@@ -299,11 +305,11 @@ class Search(Steps):
         # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
         sign = self.walls[0].inward
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
-        clear = K.V0 + state.v_error + CLEAR * (abs(state.v) + K.V0)
+        clear = K.V0 + state.v_error + CLEAR_GAP * (abs(state.v) + K.V0)
         return bool(away and sign * (u - self.walls[0].v) > clear)
 
 
-def _ended(kind: str, state: State) -> Arrival:
+def _ended(kind: str, state: BackwardState) -> Arrival:
     """Return an end of a search without a contact."""
     return Arrival(kind, 0, state.tau, state.dx, state.v, state.a, state.v_error, state.x_error)
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.grazing.deciders import EPS, FLOW_DIGITS, OPEN, ROUNDING, YES, Ways
+from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, OPEN, YES, Ways
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.model import Parameters
 
@@ -240,7 +240,7 @@ class _Check:
         x = self.window.contact(theta[inside])
         F = A + drive - K.w0sq * x - K.cm * v
         size = abs(A) + np.abs(drive) + np.abs(K.w0sq * x) + abs(K.cm * v)
-        for i in np.nonzero(np.abs(F) > ROUNDING * EPS * size)[0]:
+        for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
             self.mismatches.append(_mismatch(theta[inside][i], "contact", "F = 0", f"F = {F[i]}"))
 
     def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:

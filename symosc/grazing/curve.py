@@ -24,17 +24,17 @@ POINTS = 400
 LEAST_POINTS, MOST_POINTS = 8, 20_000
 PIECE_POINTS = 33
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
-HALVINGS = 50
+CURVE_HALVINGS = 50
 # ... but not where the search ends in one of them: that is no end of the curve.
 ROUGH_HALVINGS = 8
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
-STRIDE = 0.2
+CURVE_STRIDE = 0.2
 # ... unless the slopes explain it, but for this part of it ...
-AGREEMENT = 0.25
+CURVE_AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
-JUMP = 1e-3
+CURVE_JUMP = 1e-3
 # Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
-FINEST = 1e-6
+FINEST_CURVE = 1e-6
 # How near to an open end of the window the curve is sampled.
 END_GAP = 1e-7
 
@@ -146,7 +146,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
-    runs: list[Run] = []
+    runs: list[PhaseRun] = []
     for arc in arcs:
         runs += _cut(tracer, [tracer.sample(float(theta)) for theta in _phases(*arc, n)], arc)
     pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
@@ -173,7 +173,7 @@ def _phases(low: float, high: float, closed: bool, n: int) -> Any:
 
 
 @dataclass
-class Run:
+class PhaseRun:
     """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
 
     samples: list[Sample]
@@ -186,11 +186,11 @@ class Run:
         return self.samples[0].origin
 
 
-def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[Run]:
+def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
     """Cut the samples over an arc where the origin changes or the start jumps."""
     low, high, closed = arc
     limit = "closed" if closed else "end of the window"
-    runs: list[Run] = []
+    runs: list[PhaseRun] = []
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
@@ -203,22 +203,22 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
             continue
         before, behind, border = edges
         run += before
-        runs.append(Run(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        runs.append(PhaseRun(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
         begin, reason = border, _reason(tracer, behind[-1], run[-1])
         ahead[-1:] = behind
         run = [ahead.pop()]
-    runs.append(Run(run, (begin, high), (reason, limit)))
+    runs.append(PhaseRun(run, (begin, high), (reason, limit)))
     return _joined(runs) if closed and len(runs) > 1 else runs
 
 
-def _joined(runs: list[Run]) -> list[Run]:
+def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
     """Join the last run over a full circle with the first, a turn later, if they are one."""
     first, last = runs[0], runs[-1]
     if first.origin != last.origin:
         return runs
     turn = 2 * pi
     later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
-    both = Run(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
+    both = PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
     return [*runs[1:-1], both]
 
 
@@ -226,14 +226,14 @@ def _continuous(left: Sample, right: Sample) -> bool:
     """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
-    return not abs(change) > STRIDE or abs(change - expected) <= AGREEMENT * abs(change)
+    return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
 
 
 def _needs_middle(left: Sample, right: Sample) -> bool:
     """Return whether a steep stretch of the curve needs another sample."""
     if not left.origin == right.origin == OWN or _continuous(left, right):
         return False
-    return right.theta_m - left.theta_m > FINEST
+    return right.theta_m - left.theta_m > FINEST_CURVE
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
@@ -247,16 +247,16 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
     lefts: list[Sample] = []
     rights = [right]
     unknown = UNKNOWN in (left.origin, right.origin)
-    for _ in range(ROUGH_HALVINGS if unknown else HALVINGS):
+    for _ in range(ROUGH_HALVINGS if unknown else CURVE_HALVINGS):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break
-        if left.origin == right.origin and abs(right.theta - left.theta) < JUMP:
+        if left.origin == right.origin and abs(right.theta - left.theta) < CURVE_JUMP:
             return None
         middle = tracer.sample(theta, careful=False)
         to_left = middle.origin == left.origin
         if left.origin == right.origin:
-            if not to_left and right.theta_m - left.theta_m < FINEST:
+            if not to_left and right.theta_m - left.theta_m < FINEST_CURVE:
                 return None
             to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
         if to_left:
@@ -265,7 +265,7 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
         else:
             right = middle
             rights.append(middle)
-    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < JUMP):
+    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < CURVE_JUMP):
         return None
     border = 0.5 * (left.theta_m + right.theta_m)
     return [each for each in lefts if not each.is_open], [each for each in rights if not each.is_open], border
@@ -282,13 +282,13 @@ def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
     return f"the flow touches belt {own} on the way"
 
 
-def _filled(tracer: Tracer, run: Run) -> Run:
+def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
     """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
     margin = 0.1 * (last - first)
     if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
         return run
-    if last - first < FINEST:
+    if last - first < FINEST_CURVE:
         return run
     between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
     inner = [each for each in between if each.origin == OWN]
@@ -296,7 +296,7 @@ def _filled(tracer: Tracer, run: Run) -> Run:
     return replace(run, samples=samples)
 
 
-def _piece(run: Run) -> CurvePiece:
+def _piece(run: PhaseRun) -> CurvePiece:
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
     ends = [

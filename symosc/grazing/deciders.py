@@ -19,11 +19,11 @@ from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constants
 from symosc.grazing.window import GrazingWindow
 from symosc.kernels._generated import motion
+from symosc.kernels.entire import EPS
 
 YES, NO, OPEN = 1, -1, 0
-EPS = 2.0**-53
 # Rounding errors, in units of EPS and the size of the terms.
-ROUNDING = 16.0
+FLOW_ROUNDING = 16.0
 INTERVAL_DIGITS = 50
 # Digits of the exact flow at adversarial phases: a quartic tangency at the smallest time below needs 100 of them.
 FLOW_DIGITS = 130
@@ -75,7 +75,7 @@ class Ways:
     def signs(self, theta: np.ndarray) -> np.ndarray:
         """Return verdicts of G^(1) in double precision."""
         slope = self.slope(theta)
-        return np.where(np.abs(slope) > ROUNDING * EPS, np.where(slope > 0, YES, NO), OPEN)
+        return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), OPEN)
 
     def fine_signs(self, theta: Any, zero: bool) -> tuple[int, int]:
         """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
@@ -112,7 +112,7 @@ class Ways:
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
         gaps = [self._gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
-        return _verdicts(gaps, (ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
+        return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
 
     def fine_flow(self, theta: Any) -> int:
         """Return the verdict of the exact flow with FLOW_DIGITS digits, if it is the same at both FINE_FLOW_TIMES."""

@@ -19,7 +19,18 @@ from typing import Any, NamedTuple
 
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import derivatives
-from symosc.grazing.backward_flow import CONTACT, LARGE, LONG, NEVER, REACHED, STEP, TOUCH, Arrival, State, Steps
+from symosc.grazing.backward_flow import (
+    CONTACT,
+    LARGE,
+    LONG,
+    NEVER,
+    REACHED,
+    STEP,
+    TOUCH,
+    Arrival,
+    BackwardState,
+    BackwardSteps,
+)
 from symosc.kernels._generated import motion
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
@@ -27,10 +38,10 @@ from symosc.model import Parameters
 # A step that is open is looked at again, with another length: it is no accident of where steps and intervals end.
 LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
-ROUNDING = 2**10
-MOST_NEWTON = 200
+DIGITS_ROUNDING = 2**10
+MOST_CONTACT_NEWTON = 200
 # How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
-NEAR = 1e-3
+NEAR_TOUCH = 1e-3
 
 
 class Instant(NamedTuple):
@@ -64,7 +75,7 @@ class Flights:
         self.context, self.K = self.arithmetic.context, self.arithmetic.K
         self.belt = self.number(p.belt(self.place.boundary))
         self._basis = self.arithmetic.namespace["basis"]
-        self._steps: dict[float, Steps] = {}
+        self._steps: dict[float, BackwardSteps] = {}
 
     def number(self, value: Any) -> Any:
         """Return a Fraction, a float or a sympy constant as a number of this precision."""
@@ -89,7 +100,7 @@ class Flights:
         drive = abs(R2) + abs(I2)
         v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
         x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
-        noise = ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
+        noise = DIGITS_ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
         v_theta = (a - E1 * G1) / K.Om
         x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
@@ -103,7 +114,10 @@ class Flights:
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
         wall = self.number(self.p.belt(found.boundary)) if found.boundary else None
         if wall is not None:
-            begin, reach = tau, NEAR * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0))
+            begin, reach = (
+                tau,
+                NEAR_TOUCH * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0)),
+            )
             tau = self._root(theta, tau, wall, found.kind == TOUCH)
             if tau is None or abs(tau - begin) > reach:
                 return None
@@ -114,7 +128,7 @@ class Flights:
     def _root(self, theta: Any, tau: Any, wall: Any, touch: bool) -> Any:
         """Return where v is `wall` by Newton's method, or where it is nearest to it, for a touch."""
         before = None
-        for _ in range(MOST_NEWTON):
+        for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
             top, slope = (now.v - wall, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
@@ -132,7 +146,7 @@ class Flights:
 
     # -- judging -----------------------------------------------------------------------------------------------------
 
-    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, State]:
+    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
         """Judge a step of a search in double precision that begins at tau; see `backward_flow.Search.run`."""
         steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
@@ -142,15 +156,15 @@ class Flights:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.arrival(after, taken, found), rounded(state)
 
-    def state(self, theta: Any, tau: Any) -> State:
+    def state(self, theta: Any, tau: Any) -> BackwardState:
         """Return the flight as the state of a search."""
         now = self.instant(theta, tau)
-        return State(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
+        return BackwardState(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
 
-    def _steps_of(self, step: float) -> Steps:
+    def _steps_of(self, step: float) -> BackwardSteps:
         if step not in self._steps:
             where, context = self.place, self.context
-            self._steps[step] = Steps(self.K, where.boundary, where.domain, context, context.eps, step)
+            self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
         return self._steps[step]
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
@@ -164,8 +178,8 @@ class Flights:
         return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
 
 
-def rounded(state: State) -> State:
+def rounded(state: BackwardState) -> BackwardState:
     """Return a state in doubles, with the errors that rounding it adds."""
     eps = 2.0**-53
     tau, dx, v, a, energy_error, v_error, x_error = map(float, state)
-    return State(tau, dx, v, a, energy_error + eps * abs(a), v_error + eps * abs(v), x_error + eps * abs(dx))
+    return BackwardState(tau, dx, v, a, energy_error + eps * abs(a), v_error + eps * abs(v), x_error + eps * abs(dx))

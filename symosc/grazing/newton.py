@@ -21,15 +21,15 @@ from symosc.grazing.origin import PERIODS
 from symosc.grazing.tracer import OWN, UNKNOWN, Sample
 
 # Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
-SPARE_DIGITS = 40
-MOST_NEWTON = 20
-HALVINGS = 60
+CURVE_SPARE_DIGITS = 40
+MOST_CURVE_NEWTON = 20
+NEWTON_HALVINGS = 60
 # A flight at the end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
 ENDLESS = 1e-4
 # The reason of an end where the search ended (`symosc.grazing.curve`).
 SEARCH_ENDS = "(within the search)"
 # Solutions nearer to each other than this are one.
-SAME = 1e-15
+SAME_PHASE = 1e-15
 
 
 class Point(NamedTuple):
@@ -54,7 +54,7 @@ class Candidates:
 
     def __init__(self, curve: GrazingCurve, name: str, value: Any, digits: int) -> None:
         self.curve, self.name, self.K = curve, name, curve._source.K
-        self.flights: Flights = curve.origins.flights(digits + SPARE_DIGITS)
+        self.flights: Flights = curve.origins.flights(digits + CURVE_SPARE_DIGITS)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
@@ -149,7 +149,7 @@ class Candidates:
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
         """Return the extremum between neighbours whose slopes differ in sign; None where the curve breaks."""
-        for _ in range(HALVINGS):
+        for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
             if middle is None:
                 return None
@@ -169,7 +169,7 @@ class Candidates:
     def _between(self, first: Point, last: Point, target: Any) -> None:
         """Look up the solution between two points on both sides of the target."""
         wanted = float(target)
-        for _ in range(HALVINGS):
+        for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
                 return
             gaps = first.value - wanted, last.value - wanted
@@ -214,7 +214,7 @@ class Candidates:
         context, Om = self.flights.context, self.flights.K.Om
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
-        for _ in range(MOST_NEWTON):
+        for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
             gap = now.v - self.flights.belt
             if self.name == "x_i":
@@ -243,7 +243,7 @@ class Candidates:
         if arrival.kind != TOUCH:
             return None
         theta, tau = flights.number(phase), flights.number(arrival.tau)
-        for _ in range(MOST_NEWTON):
+        for _ in range(MOST_CURVE_NEWTON):
             now = flights.instant(theta, tau)
             if self.name == "x_i":
                 rest, by_theta = flights.contact(theta) + now.dx - target, now.x_theta
@@ -270,7 +270,7 @@ class Candidates:
         theta -= turn * context.floor(theta / turn)
         for other, time in self._solutions:
             apart = abs(other - theta)
-            if min(apart, turn - apart) < SAME * SAME and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+            if min(apart, turn - apart) < SAME_PHASE * SAME_PHASE and abs(time - tau) < 1e-9 * max(tau, 1e-9):
                 return
         self._solutions.append((theta, tau))
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from symosc.engine.flow import constants
 from symosc.errors import ParameterError
-from symosc.grazing.backward_flow import CONTACT, LONG, MOST_STEPS, REACHED, Arrival, Search, State
+from symosc.grazing.backward_flow import CONTACT, LONG, MOST_BACKWARD_STEPS, REACHED, Arrival, BackwardState, Search
 from symosc.grazing.flight import LOOK_STEPS, Flights, rounded
 from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
@@ -62,7 +62,7 @@ class Origins:
         careful: bool = True,
         digits: int = LOOK_DIGITS,
         looks: int = len(LOOK_STEPS),
-        most_steps: int = MOST_STEPS,
+        most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
         """Return where the flow into the tangency at an exact angle (or a float) came from, in double precision.
 
@@ -86,10 +86,12 @@ class Origins:
         look = self._look(angle, order, digits, looks) if careful else None
         return self._search.run(float(angle), order, far, look, most_steps)
 
-    def _look(self, angle: Any, order: int, digits: int, looks: int) -> Callable[[float], tuple[Arrival | None, State]]:
+    def _look(
+        self, angle: Any, order: int, digits: int, looks: int
+    ) -> Callable[[float], tuple[Arrival | None, BackwardState]]:
         left = MOST_LOOKS
 
-        def look(tau: float) -> tuple[Arrival | None, State]:
+        def look(tau: float) -> tuple[Arrival | None, BackwardState]:
             nonlocal left
             arrival, state = None, self._search.begin(0.0)
             if tau > 0:  # often it is only the bound of the error that has grown

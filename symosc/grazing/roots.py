@@ -20,7 +20,7 @@ CUT = 0.4831
 # The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
 NARROWEST = 2.0**-60
 # Newton's method halves its bracket at worst: enough for thousands of digits.
-MOST_STEPS = 20_000
+MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Any], noise: Any, eps: Any) -> tuple[bool, Any]:
@@ -102,7 +102,7 @@ def _newton(p: list[Any], slope: list[Any], low: Any, high: Any, eps: Any) -> An
     """
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_ROOT_STEPS):
         value, rise = _value(p, sigma), _value(slope, sigma)
         if value > 0:
             low = sigma

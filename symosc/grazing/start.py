@@ -29,7 +29,7 @@ from symosc.model import Parameters
 
 DEFAULT_DIGITS = 40
 LEAST_DIGITS, MOST_DIGITS = 5, 2000
-MOST_PERIODS = 1e6
+MOST_PERIODS_BACK = 1e6
 
 
 @dataclass(frozen=True)
@@ -151,8 +151,8 @@ def check_digits(digits: Any) -> int | None:
 
 def _check_periods(periods: Any) -> float:
     number = float(read_exact("periods", periods))
-    if not 0 < number <= MOST_PERIODS:
-        raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS:g}")
+    if not 0 < number <= MOST_PERIODS_BACK:
+        raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
     return number
 
 

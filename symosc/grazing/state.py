@@ -14,7 +14,7 @@ from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
 
 # G-functions up to this part of the size of their terms count as 0.
-TOLERANCE = 1e-12
+G_TOLERANCE = 1e-12
 ORDERS = 6
 
 
@@ -43,7 +43,7 @@ class GrazingVerdict:
     reason: str
 
 
-def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = TOLERANCE) -> GrazingVerdict:
+def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = G_TOLERANCE) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
 
     Grazing is F = 0 and a first non-vanishing G-function of odd order with the sign that leads back into the domain

@@ -16,7 +16,7 @@ from functools import cached_property
 from math import cos, exp, inf, nan, sin
 from typing import Any
 
-from symosc.grazing.backward_flow import CONTACT, MOST_STEPS, NEVER, STEP, TOUCH, Arrival
+from symosc.grazing.backward_flow import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Arrival
 from symosc.grazing.origin import Origins
 from symosc.kernels.entire import basis
 from symosc.model import Parameters
@@ -74,7 +74,7 @@ class Tracer:
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` a contact may stay open, as a touch."""
         K = self.K
-        steps = max(LEAST_STEPS, min(MOST_STEPS, self.steps_left))
+        steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
         if self.p.B0 == 0:  # every phase has the same flight
             arrival = self._autonomous
         else:

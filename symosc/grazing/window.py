@@ -33,7 +33,7 @@ from symosc.mappings.theorem7_cases import (
 from symosc.model import Parameters
 
 # Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
-CLEAR = 1e-12
+CLEAR_SINE = 1e-12
 DIGITS = 30
 
 
@@ -277,7 +277,7 @@ class GrazingWindow:
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        for index in zip(*np.nonzero(np.abs(distance) <= CLEAR), strict=True):
+        for index in zip(*np.nonzero(np.abs(distance) <= CLEAR_SINE), strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
         return inside
 

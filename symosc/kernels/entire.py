@@ -42,9 +42,9 @@ def basis_at(tau, s, c, K):
     if K.rate * tau < SERIES_BELOW:
         E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
     elif K.apart and K.w0 * tau >= APART_ABOVE:
-        w_tau = K.w * tau
+        w_tau = K.omega_d * tau
         decay = exp(-K.h * tau)
-        E0, E1, E2, R2, I2 = basis_apart(decay, sin(w_tau), cos(w_tau), s, c, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+        E0, E1, E2, R2, I2 = basis_apart(decay, sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
     else:
         E0, E1, E2, R2, I2 = careful(tau, s, c, K)
     return E0, E1, E2, R2, I2, s, c
@@ -81,16 +81,16 @@ def series(tau, cm, w0sq, Om):
 def careful(tau, s_Om, c_Om, K):
     """Return E0, E1, E2, R2, I2 by divided differences over the farthest pair of nodes."""
     if K.under:
-        real1, imag1 = -K.h, K.w  # l1, the root nearer to i Omega
-        real2, imag2 = -K.h, -K.w
+        real1, imag1 = -K.h, K.omega_d  # l1, the root nearer to i Omega
+        real2, imag2 = -K.h, -K.omega_d
         decay = exp(-K.h * tau)
-        s = sin(K.w * tau)
-        E1 = decay * s / K.w
-        E0 = decay * cos(K.w * tau) - K.h * E1
+        s = sin(K.omega_d * tau)
+        E1 = decay * s / K.omega_d
+        E0 = decay * cos(K.omega_d * tau) - K.h * E1
     else:
         real1, imag1 = K.l1, 0.0  # the slow root
         real2, imag2 = K.l2, 0.0
-        gap = 2.0 * K.w
+        gap = 2.0 * K.omega_d
         spread = -expm1(-gap * tau) / gap if gap > 0.0 else tau
         decay = exp(K.l1 * tau)
         E1 = decay * spread

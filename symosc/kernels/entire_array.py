@@ -31,8 +31,8 @@ def basis(tau: Any, K: Any) -> Any:
 
 def apart(tau: Any, s: Any, c: Any, K: Any) -> Any:
     """Return the five functions from the closed form for an underdamped system far from resonance."""
-    decay, w_tau = np.exp(-K.h * tau), K.w * tau
-    return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+    decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
+    return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau: Any, cm: Any, w0sq: Any, Om: Any) -> Any:
@@ -53,12 +53,12 @@ def series(tau: Any, cm: Any, w0sq: Any, Om: Any) -> Any:
 def careful(tau: Any, s: Any, c: Any, K: Any) -> Any:
     """Return the five functions by divided differences; see `symosc.kernels.entire.careful`."""
     if K.under:
-        l1, l2 = complex(-K.h, K.w), complex(-K.h, -K.w)
+        l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
         decay = np.exp(-K.h * tau)
-        E1 = decay * np.sin(K.w * tau) / K.w
-        E0 = decay * np.cos(K.w * tau) - K.h * E1
+        E1 = decay * np.sin(K.omega_d * tau) / K.omega_d
+        E0 = decay * np.cos(K.omega_d * tau) - K.h * E1
     else:
-        l1, l2, gap = complex(K.l1), complex(K.l2), 2.0 * K.w
+        l1, l2, gap = complex(K.l1), complex(K.l2), 2.0 * K.omega_d
         spread = -np.expm1(-gap * tau) / gap if gap > 0.0 else tau
         decay = np.exp(K.l1 * tau)
         E1 = decay * spread

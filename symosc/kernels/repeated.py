@@ -6,8 +6,8 @@ With the characteristic roots l1, l2 and e[...] the divided differences of z -> 
     V + i W = e[i Omega, l1, l1, l2, l2],      P + i Q = e[i Omega, i Omega, l1, l2]
 
 (`symosc.symbolic.maps` derives what they are good for). One rule serves every regime, resonance and short times: the
-difference over the pair of nodes that are farthest apart, if that is at least FAR / tau, and the Taylor series about
-their centre otherwise. A difference over a far pair loses at most a few bits, and a series over near nodes none.
+difference over the pair of nodes that are farthest apart, if that is at least FAR_NODES / tau, and the Taylor series
+about their centre otherwise. A difference over a far pair loses at most a few bits, and a series over near nodes none.
 
 The functions run on floats, and with other globals (`symosc.mappings.equations`) on mpmath numbers.
 """
@@ -19,7 +19,7 @@ from cmath import exp
 from symosc.kernels.entire import EPS
 
 # Nodes farther apart than this, times tau, are told apart by a difference.
-FAR = 3.0
+FAR_NODES = 3.0
 # All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their own size.
 NEAR_ZERO = 0.5
 
@@ -27,7 +27,7 @@ NEAR_ZERO = 0.5
 def repeated(tau, K):
     """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.engine.flow.Constants`)."""
     if K.under:
-        l1, l2 = complex(-K.h, K.w), complex(-K.h, -K.w)
+        l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
     else:
         l1, l2 = complex(K.l1), complex(K.l2)
     drive = complex(0.0 * K.Om, K.Om)
@@ -53,7 +53,7 @@ def divided_difference(nodes, tau, known):
             gap = abs(nodes[i] - nodes[j])
             if gap > far:
                 far, first, last = gap, j, i
-    if far * tau < FAR:
+    if far * tau < FAR_NODES:
         known[nodes] = series(nodes, tau)
     else:
         without_last = divided_difference(nodes[:last] + nodes[last + 1 :], tau, known)

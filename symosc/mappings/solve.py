@@ -19,8 +19,8 @@ from symosc.model import MODE_NAMES, SIDES, Parameters
 from symosc.words import MAPS, Map
 
 # A flight is followed for so many forcing periods.
-MOST_PERIODS = 1000
-GUARD_DIGITS = 10
+MOST_MAP_PERIODS = 1000
+MAP_GUARD_DIGITS = 10
 
 
 class MapError(SymoscError, ValueError):
@@ -94,7 +94,7 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
         raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")
     x, theta = points[:2]
     context = getattr(x, "context", None)
-    arithmetic = _engine(p, context.dps + GUARD_DIGITS if context else None)
+    arithmetic = _engine(p, context.dps + MAP_GUARD_DIGITS if context else None)
     convert = context.convert if context else float
     inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
     code, boundary, mode, x_end, gain = _next_event(row, arithmetic, inner(x), inner(theta))
@@ -135,14 +135,14 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Any, theta: Any) -> tuple[i
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[leads]} there, since {numbers}")
     start = (below, above) if row.sticks else (below, below) if where == DOMAIN_BELOW else (above, above)
     state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x, 0 * x)
-    horizon = MOST_PERIODS * K.period
+    horizon = MOST_MAP_PERIODS * K.period
     while True:
         code, hit, _, _, *state_after = arithmetic.advance(*state, horizon, 0 * x, K)
         state = tuple(state_after)
         if code != MOVED:
             break
     if code in (END, REST):
-        many = f"within {MOST_PERIODS} periods" if code == END else "ever"
+        many = f"within {MOST_MAP_PERIODS} periods" if code == END else "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {many}")
     if code == FAILED:
         raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")

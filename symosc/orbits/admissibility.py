@@ -18,11 +18,11 @@ import numpy as np
 from symosc.engine.flow import Constants
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
-from symosc.orbits.closing_equations import ClosingEquations, Piece
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
 MOST_SAMPLES = 4000
-FINEST = 64.0  # an extremum is known to this many rounding errors of its time
+FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
 class Condition(NamedTuple):
@@ -122,7 +122,7 @@ class _Margins:
 
 
 def _of_flight(
-    margins: _Margins, piece: Piece, following: Piece, start: Any, end: Any, equations: ClosingEquations
+    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Any, end: Any, equations: ClosingEquations
 ) -> None:
     K, v_end, sizes = equations.K, equations.belt(piece.end).v, margins.sizes
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
@@ -163,7 +163,7 @@ def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
     return gaps
 
 
-def _of_stick(margins: _Margins, piece: Piece, start: Any, end: Any, equations: ClosingEquations) -> None:
+def _of_stick(margins: _Margins, piece: OrbitPiece, start: Any, end: Any, equations: ClosingEquations) -> None:
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
@@ -207,7 +207,7 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
 def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
     states, K, number = _states(equations), equations.K, equations.exact or float
-    allowed = FINEST * equations.arithmetic.namespace["EPS"]
+    allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):

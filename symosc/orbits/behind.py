@@ -12,7 +12,16 @@ from symosc.errors import ParameterError
 from symosc.orbits.branch import BranchPoint
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.curve import Curve
-from symosc.orbits.guesses import SETTLING_EVENTS, Run, follow, followed, rotated, settled_word, windows, without_word
+from symosc.orbits.guesses import (
+    SETTLING_EVENTS,
+    WordRun,
+    follow,
+    followed,
+    rotated,
+    settled_word,
+    windows,
+    without_word,
+)
 from symosc.orbits.newton import solve
 from symosc.orbits.verification import failures
 from symosc.words import Word, WordError, read_word
@@ -47,7 +56,7 @@ def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str
     return None, instead
 
 
-def _orbit_of(equations: ClosingEquations, run: Run, size: float) -> Word | None:
+def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | None:
     """Return the word of an admissible orbit that a simulation comes near to."""
     settled = settled_word(equations, run)
     words = ([settled] if settled else []) + _words_of_a_period(equations, run.passages)

@@ -15,10 +15,10 @@ positive for all r in [0, 1] if and only if
 
     sqrt(f0) + sqrt(f1) > sqrt(C).
 
-h^2 f'' is taken from the second differences of the five values, times SAFETY: the bound holds as long as a margin's
-second derivative is nowhere larger than SAFETY times what it is at the inner points and, for the functions of u, at
-any neighbouring u. Where it does not suffice the piece is halved. It is a bound in this sense, not in the sense of
-interval arithmetic.
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY: the bound holds as long as a
+margin's second derivative is nowhere larger than MARGIN_SAFETY times what it is at the inner points and, for the
+functions of u, at any neighbouring u. Where it does not suffice the piece is halved. It is a bound in this sense, not
+in the sense of interval arithmetic.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from symosc.engine.flow import derivatives
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
 from symosc.orbits.admissibility import SAMPLE, Condition
-from symosc.orbits.closing_equations import ClosingEquations, Piece
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
-SAFETY = 4.0
+MARGIN_SAFETY = 4.0
 LEAST_PARTS, MOST_PARTS, REFINED = 12, 800, 8
 DEEPEST = 30
 Node = tuple[ClosingEquations, np.ndarray]
@@ -73,7 +73,7 @@ def _cells(values: np.ndarray, deficit: Any = 0.0) -> np.ndarray:
         bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
     least = values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))
-    return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * SAFETY * bend)).all(axis=0)
+    return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)).all(axis=0)
 
 
 def _clear_over(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
@@ -84,7 +84,7 @@ def _clear_over(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
         bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
         bend = np.concatenate([bend[:1], bend, bend[-1:]])
         bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
-        good = _cells(values, SAFETY / 8 * bend)
+        good = _cells(values, MARGIN_SAFETY / 8 * bend)
         if good.all():
             continue
         if depth == 0 or not _cells(values)[~good].all():
@@ -111,7 +111,7 @@ def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -
 
 
 def _of_flight(
-    equations: ClosingEquations, piece: Piece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
@@ -136,7 +136,7 @@ def _of_flight(
 
 
 def _of_stick(
-    equations: ClosingEquations, piece: Piece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0

@@ -60,7 +60,7 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
 
 @dataclass(frozen=True)
-class Piece:
+class OrbitPiece:
     """One mapping of a word.
 
     Attributes
@@ -95,14 +95,14 @@ class Piece:
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 
-def pieces_of(word: Word) -> tuple[Piece, ...]:
+def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a word, which repeats for ever."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
         upward = exit == "above" if row.sticks else row.end.side == 1  # side 1 is below the belt
         after_stick = word.maps[i - 1].sticks
         pieces.append(
-            Piece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
+            OrbitPiece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
         )
     return tuple(pieces)
 
@@ -181,13 +181,13 @@ class ClosingEquations:
         """Return the constants of a belt."""
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
-    def start_of_flight(self, piece: Piece, start: Any) -> tuple[Any, Any, Any, Any]:
+    def start_of_flight(self, piece: OrbitPiece, start: Any) -> tuple[Any, Any, Any, Any]:
         """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return v, a, self.sin(start[1]), self.cos(start[1])
 
-    def _residual(self, piece: Piece, start: Any, end: Any) -> tuple[Any, Any]:
+    def _residual(self, piece: OrbitPiece, start: Any, end: Any) -> tuple[Any, Any]:
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
             domain = piece.start + (piece.side > 0)
@@ -197,7 +197,7 @@ class ClosingEquations:
         basis = self.basis(tau, K)[:5]
         return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
-    def _jacobian(self, piece: Piece, start: Any, end: Any) -> Any:
+    def _jacobian(self, piece: OrbitPiece, start: Any, end: Any) -> Any:
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
             x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)

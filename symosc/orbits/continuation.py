@@ -49,7 +49,7 @@ RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, ro
 # So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
 NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far it is left behind
-FAR = 1e-3  # arclength before an end at which margins are what they are compared with there
+FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
 TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
@@ -252,7 +252,7 @@ def _ended(
     curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
 ) -> tuple[list[BranchPoint], BranchEnd]:
     """Return the points and why they end: what fails behind the last one, and what is as good as 0 there."""
-    far = [point for point in path if curve.distance(point, failed) > FAR]
+    far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
     touches = any(condition.value > 0 for condition in failed.failures)

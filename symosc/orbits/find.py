@@ -34,17 +34,17 @@ from symosc.words import WordError, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
-GUARD_DIGITS = 15
+ORBIT_GUARD_DIGITS = 15
 LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
 # The search tries evenly spaced points over all periods; beyond these it takes minutes.
-MOST_PERIODS = 200
+MOST_ORBIT_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
 # Pieces of a guess that are shorter than this part of a period are taken to be about to vanish.
 SHORTEST_PIECE = 1e-8
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
-SAME = 1e-7
+SAME_ORBIT = 1e-7
 
 
 def find_orbit(
@@ -97,7 +97,7 @@ def find_orbit(
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_PERIODS)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
     digits = None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
     equations = ClosingEquations(parameters, structure, periods or 1)
     batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
@@ -146,7 +146,7 @@ def _same(a: Solution, at: ClosingEquations, b: Solution, other: ClosingEquation
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
-    return bool((np.abs(away) < SAME * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
+    return bool((np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
@@ -160,7 +160,7 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
         later = np.array(equations.ends(points))  # the points one piece later, with one more turn where that is due
         for _ in range(n // times - 1):
             later = np.vstack([later[1:], later[:1] + np.array([0.0, float(equations.turn)])])
-        if (np.abs(later - points - [0.0, float(equations.turn) / times]) < SAME * size).all():
+        if (np.abs(later - points - [0.0, float(equations.turn) / times]) < SAME_ORBIT * size).all():
             return times
     return 1
 
@@ -175,7 +175,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
     repeated = repetitions(equations, solution.points)
     final, steps = equations, solution.steps
     if digits is not None:
-        final = ClosingEquations(equations.parameters, equations.word, equations.periods, digits + GUARD_DIGITS)
+        final = ClosingEquations(equations.parameters, equations.word, equations.periods, digits + ORBIT_GUARD_DIGITS)
         solution = polish(final, solution.points)
         if not solution.converged:
             best = tuple(switching_points(equations, solution.points))

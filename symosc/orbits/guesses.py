@@ -18,7 +18,7 @@ from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word
 
 EVENTS_PER_PIECE, LEAST_EVENTS = 8, 60
-MOST_PERIODS = 1_000_000
+MOST_GUESS_PERIODS = 1_000_000
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 # Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
 PHASES, POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
@@ -42,14 +42,14 @@ class Guess(NamedTuple):
     defect: float
 
 
-class Run(NamedTuple):
+class WordRun(NamedTuple):
     """A simulation from a start on a belt: the start and the events after it, and what the last step ended with."""
 
     passages: list[Passage]
     code: int
 
 
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
     """Follow the motion from a start on a belt for at most `most` events, in double precision."""
     K, belt, turns = equations.K, equations.belt(boundary), int(theta // (2 * pi))
     below, above = (equations.force(boundary + side, x, belt.v, theta) for side in (0, 1))
@@ -59,13 +59,13 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
     passages, code = [Passage(x, theta, boundary, mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, *rest = advance(*[*state, MOST_PERIODS * K.period, 0.0, K])
+        code, belt_met, _, _, *rest = advance(*[*state, MOST_GUESS_PERIODS * K.period, 0.0, K])
         state = rest
         if code in (CROSS, STICK, SLIP):
             passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
-    return Run(passages, code)
+    return WordRun(passages, code)
 
 
 def followed(passages: list[Passage]) -> list[str | None]:
@@ -73,7 +73,7 @@ def followed(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def settled_word(equations: ClosingEquations, run: Run) -> Word | None:
+def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
     """Return the word of the periodic motion that a simulation has settled to; None if it has not settled soon.
 
     It begins with the first mapping of the equations' word if it has that.
@@ -106,7 +106,7 @@ def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) 
     return without_word(equations, run) if run.code == REST else ""
 
 
-def without_word(equations: ClosingEquations, run: Run) -> str:
+def without_word(equations: ClosingEquations, run: WordRun) -> str:
     """Say in words where a motion without any further event ends up."""
     mode = run.passages[-1].mode
     if mode <= 3:

@@ -10,7 +10,7 @@ import numpy as np
 from symosc.kernels.entire import EPS
 from symosc.orbits.closing_equations import ClosingEquations
 
-MOST_STEPS = 60
+MOST_NEWTON_STEPS = 60
 MOST_POLISHING = 80
 # So many corrections in a row that shrink by a constant factor only are a sign of a multiple root.
 MOST_LINEAR = 16
@@ -57,7 +57,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
     values = np.array(equations.residuals(points), dtype=float)
     best, size_before, damping = (np.abs(values).max(), points), np.inf, 1.0
-    for steps in range(1, MOST_STEPS + 1):
+    for steps in range(1, MOST_NEWTON_STEPS + 1):
         matrix = equations.matrix(points)
         try:
             step = _step(equations, matrix, -values)
@@ -81,7 +81,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
                 return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
         points = trial
         best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
-    return Solution(best[1], best[0], MOST_STEPS, False, f"not converged after {MOST_STEPS} steps")
+    return Solution(best[1], best[0], MOST_NEWTON_STEPS, False, f"not converged after {MOST_NEWTON_STEPS} steps")
 
 
 def _step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

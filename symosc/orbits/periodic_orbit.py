@@ -17,7 +17,7 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.words import Word
 
-NEAR = 1e-6
+NEAR_ORBIT = 1e-6
 FIRST_LOOK, PATIENCE = 20, 400  # periods after which `approach` looks a second time, and gives up
 
 
@@ -142,7 +142,7 @@ class PeriodicOrbit:
         states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
-    def approach(self, scene: Scene | str, within: float = NEAR) -> Approach:
+    def approach(self, scene: Scene | str, within: float = NEAR_ORBIT) -> Approach:
         """Say how far a scene's start is from the orbit, and how soon its motion is within `within` of it.
 
         Raises

@@ -44,7 +44,7 @@ NOTHING_LEFT = 1e-25
 ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
-SAME = 1e-6
+SAME_POINT = 1e-6
 VANISHING = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 
@@ -139,7 +139,7 @@ def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool
     due = _expected(equations, points, i)
     if len(events) < len(due):
         return False
-    allowed, K = (SAME if digits is None else SAME_EXACTLY), equations.K
+    allowed, K = (SAME_POINT if digits is None else SAME_EXACTLY), equations.K
     size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
     for event, (boundary, mode, x, t) in zip(events, due, strict=False):
         if (event.boundary, event.target) != (boundary, MODE_NAMES[mode]) or event.kind == "graze":
@@ -167,7 +167,7 @@ def _simulated(equations: ClosingEquations, points: Any, i: int, digits: int | N
     p, (x, theta) = equations.parameters, points[i]
     number = equations.exact or float
     t = number(theta) / equations.K.Om
-    end = t + equations.turn / equations.K.Om * (1 + (SAME if digits is None else SAME_EXACTLY))
+    end = t + equations.turn / equations.K.Om * (1 + (SAME_POINT if digits is None else SAME_EXACTLY))
     most = len(equations.pieces) + 1
     v = p.belt(equations.pieces[i].start)
     return simulate(p, t0=t, x0=number(x), v0=v, t_end=end, max_events=most, digits=digits).events
@@ -193,7 +193,11 @@ def _contradiction(equations: ClosingEquations, points: Any) -> Condition:
         piece = equations.pieces[(i + j) % n]
         event = events[j] if j < len(events) else None
         late = inf if event is None else abs(event.t - t)
-        if event is None or (event.boundary, event.target) != (boundary, MODE_NAMES[mode]) or late > SAME * K.period:
+        if (
+            event is None
+            or (event.boundary, event.target) != (boundary, MODE_NAMES[mode])
+            or late > SAME_POINT * K.period
+        ):
             break
     when = t if event is None else event.t
     kind = SLIP_BIRTH if piece.sticks else GRAZING

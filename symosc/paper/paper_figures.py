@@ -33,7 +33,7 @@ from symosc.scenes import load_scene
 # In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
 WIDTHS = {2: 5.2, 1: 3.4}
 # A printed start that is nearer to the orbit than this fraction of the axis is magnified in an inset.
-NEAR = 0.02
+NEAR_DOT = 0.02
 # Where that inset is (fractions of the axes), and room for texts and marks beyond the curves (of the axis).
 INSIDE_ORBIT = 0.33, 0.39, 0.42, 0.2
 GAP_ROOM, START_ROOM = 0.15, 0.06
@@ -124,7 +124,7 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
     _with_start(ax, view, PANELS["c"], start)
     crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - start[0]))
     distance = abs(float(crossing.x) - start[0])
-    if distance > NEAR * np.ptp(view.x):
+    if distance > NEAR_DOT * np.ptp(view.x):
         return
     inset = ax.inset_axes(INSIDE_ORBIT)
     inset.plot(view.x, view.v, color=MASS, lw=1.3)

@@ -7,7 +7,7 @@ One more figure: a module of its own that returns a matplotlib Figure; its funct
 
 from symosc.plot.branch import branch_figure
 from symosc.plot.figures import (
-    MOST_EVENTS,
+    MOST_DRAWN_EVENTS,
     check_panels,
     check_suffix,
     default_panels,
@@ -17,7 +17,7 @@ from symosc.plot.figures import (
 )
 
 __all__ = [
-    "MOST_EVENTS",
+    "MOST_DRAWN_EVENTS",
     "branch_figure",
     "check_panels",
     "check_suffix",

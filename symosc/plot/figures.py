@@ -29,7 +29,7 @@ SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
 #: More events than these are a black band, and take long to draw.
-MOST_EVENTS = 1000
+MOST_DRAWN_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
 
@@ -104,8 +104,8 @@ def figure(
     boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
     subject = simulated(scene, t_end) if isinstance(scene, Scene) else scene
-    if len(subject.events) > MOST_EVENTS:
-        allowed = f"a figure shows at most {MOST_EVENTS} events; simulate a shorter time"
+    if len(subject.events) > MOST_DRAWN_EVENTS:
+        allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
         raise ParameterError("subject", subject, allowed)
     view = view_of(subject, boundary)
     drawn = [(PANELS[letter], view) for letter in panels]
@@ -122,9 +122,11 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
         If it has more events than a figure can show.
     """
     end = default_end(scene) if t_end is None else t_end
-    found = simulate(scene, t_end=end, max_events=MOST_EVENTS)
+    found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
     if found.status == "max_events":
-        reached = f"the motion has {MOST_EVENTS} events by t = {float(found.t_end):.6g}, and a figure shows no more"
+        reached = (
+            f"the motion has {MOST_DRAWN_EVENTS} events by t = {float(found.t_end):.6g}, and a figure shows no more"
+        )
         raise ParameterError("t_end", end, f"{reached}; give an earlier end, or a scene that starts later")
     return found
 

@@ -36,7 +36,7 @@ CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
 TOP, BOTTOM = sp.pi / 2, sp.pi + sp.pi / 2  # where the sine is 1 and -1
 
 # Digits for the sign of a number that is known not to be 0; only a number nearer to 0 than this stays undecided.
-MOST_DIGITS = 2000
+MOST_SIGN_DIGITS = 2000
 
 
 class Case(NamedTuple):
@@ -266,10 +266,10 @@ def sign_of(number: Expr) -> int:
             return 1 if value > 0 else -1
         if _is_zero(number):
             return 0
-    value = number.evalf(15, maxn=MOST_DIGITS)
+    value = number.evalf(15, maxn=MOST_SIGN_DIGITS)
     if value.is_Float and value._prec > 1:
         return 1 if value > 0 else -1
-    raise ParameterError("number", number, f"cannot be told from 0 with {MOST_DIGITS} digits")
+    raise ParameterError("number", number, f"cannot be told from 0 with {MOST_SIGN_DIGITS} digits")
 
 
 def _is_zero(number: Expr) -> bool:

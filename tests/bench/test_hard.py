@@ -17,7 +17,15 @@ from oracle import flow_oracle, simulate_oracle
 from symosc import Parameters, Scene, load_scene, simulate
 from symosc.bench import error_map, hard, hard_table, ours
 from symosc.bench.condition import conditions, distance, shifted
-from symosc.bench.hard_cases import GROUPS, PEAKS, PERIODS, Case, hard_cases, start_before_a_dip, start_before_a_peak
+from symosc.bench.hard_cases import (
+    GROUPS,
+    PEAKS,
+    PERIODS,
+    HardCase,
+    hard_cases,
+    start_before_a_dip,
+    start_before_a_peak,
+)
 from symosc.bench.plot_error_map import figure
 from symosc.bench.solvers import Solver
 from symosc.engine.flow import constants
@@ -82,7 +90,7 @@ FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.nam
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
-def test_references_agree_with_the_oracle(case: Case) -> None:
+def test_references_agree_with_the_oracle(case: HardCase) -> None:
     scene, most = case.scene, 6
     reference = case.reference()[:most]
     end = min(scene.t_end, Fraction(str(reference[-1].t)) + 1) if reference else scene.t_end
@@ -195,7 +203,7 @@ def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard, "LIMIT", 1.5)
     scene = replace(load_scene("fig9"), t_end=Fraction(3))
     names = ("works", "misses", "invents", "refuses", "chatters", "dies", "sleeps")
-    cases = [Case(name, "easy", replace(scene, name=name), name in ("works", "misses")) for name in names]
+    cases = [HardCase(name, "easy", replace(scene, name=name), name in ("works", "misses")) for name in names]
     solvers = [Solver("moody", moody, (1e-3, 1e-9)), Solver("as it comes", moody, (1e-6,), raw=True)]
     solvers += [Solver("absent", moody, (0.0,), needs="no_such_module"), ours.SOLVERS[1]]
     steps: list[Any] = []

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from symosc import Parameters, simulate
 from symosc.bench import peers_cvode, peers_scipy
 from symosc.bench.event_logic import CHATTER, OFFSET, Exit, Motion, PeerError, Phase, follow, watching
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine.flow import constants, state_at
 from symosc.scenes import Scene, load_scene
 
@@ -79,7 +79,7 @@ def exact_leave(parameters: Parameters) -> Any:
     return leave
 
 
-def assert_same_events(found: list[Found], events: Any, tolerance: float) -> float:
+def assert_same_events(found: list[FoundEvents], events: Any, tolerance: float) -> float:
     """Kinds and boundaries are equal; return the largest error of t and x, which is within `tolerance`."""
     assert [(event.kind, event.boundary) for event in found] == [(event.kind, event.boundary) for event in events]
     errors = [abs(float(b.t - a.t)) for a, b in zip(found, events, strict=True)]

@@ -15,7 +15,7 @@ from symosc import Parameters, Scene, load_scene, simulate
 from symosc.bench import peers_heyoka, peers_numba, peers_scan
 from symosc.bench.event_logic import PeerError
 from symosc.bench.scalar_logic import runner, scalars
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine.binding import bind
 
 pytestmark = pytest.mark.slow  # compiles for half a minute
@@ -26,7 +26,7 @@ CAREFUL = [solver for solver in SOLVERS.values() if not solver.raw]
 REST = "1/10"
 
 
-def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> list[Found]:
+def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> list[FoundEvents]:
     if solver.missing:
         pytest.skip(solver.missing)
     return solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)()
@@ -36,7 +36,7 @@ def words(events: Sequence[object]) -> list[tuple[str, int]]:
     return [(event.kind, event.boundary) for event in events]  # type: ignore[attr-defined]
 
 
-def error(found: Sequence[Found], exact: Sequence[object]) -> float:
+def error(found: Sequence[FoundEvents], exact: Sequence[object]) -> float:
     """Return the largest error of a time or position, after the events have been found to be the same."""
     assert words(found) == words(exact)
     pairs = list(zip(found, exact, strict=True))
@@ -235,7 +235,7 @@ def test_a_late_clock_costs_no_steps() -> None:
 
 
 def test_the_number_of_heyokas_steps_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers_heyoka, "MOST_STEPS", 1)
+    monkeypatch.setattr(peers_heyoka, "MOST_HEYOKA_STEPS", 1)
     with pytest.raises(PeerError, match="step_limit"):
         found_by(SOLVERS["heyoka"], load_scene("fig9"))
 

@@ -19,21 +19,21 @@ from symosc.bench import plot_work, results, speed, work_precision, work_table
 from symosc.bench.compare import FAR_MATCH, Comparison, _align, compare, window_of
 from symosc.bench.ours import SOLVERS as OURS
 from symosc.bench.peers import SOLVERS
-from symosc.bench.solvers import Found, Solver
+from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.time_limit import HANG, Worker
 from symosc.errors import OutputError
 from symosc.machine import machine, sentence
 from symosc.plot.figures import save
 
 EXACT = simulate("fig5", digits=40).events
-RIGHT = [Found(float(event.t), float(event.x), event.kind, event.boundary) for event in EXACT]
+RIGHT = [FoundEvents(float(event.t), float(event.x), event.kind, event.boundary) for event in EXACT]
 WINDOW = window_of(load_scene("fig5"))
 
 
 # --- comparison ---
 
 
-def moved(event: Found, by: float) -> Found:
+def moved(event: FoundEvents, by: float) -> FoundEvents:
     return event._replace(t=event.t + by)
 
 
@@ -64,7 +64,7 @@ def test_a_missed_event_does_not_shift_the_later_ones() -> None:
 
 
 def test_an_invented_and_a_repeated_event() -> None:
-    extra = Found(2.0, 0.0, "cross", 2)
+    extra = FoundEvents(2.0, 0.0, "cross", 2)
     result = compare([*RIGHT, extra, moved(RIGHT[5], 1e-3)], EXACT, WINDOW)
     assert (result.missed, result.invented) == (0, 2)
     assert result.first_wrong == 2.0
@@ -95,12 +95,12 @@ def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
     silent = compare([], exact, window_of(scene))
     assert (silent.complete, silent.missed_grazes) == (True, 1)
     t, x = float(exact[0].t), float(exact[0].x)
-    sticking = compare([Found(t, x, "stick", 1), Found(t + 1e-6, x, "slip", 1)], exact, window_of(scene))
+    sticking = compare([FoundEvents(t, x, "stick", 1), FoundEvents(t + 1e-6, x, "slip", 1)], exact, window_of(scene))
     assert (sticking.invented, sticking.missed, sticking.missed_grazes) == (2, 0, 1)
-    assert compare([Found(t, x, "graze", 1)], exact, window_of(scene)).missed_grazes == 0
+    assert compare([FoundEvents(t, x, "graze", 1)], exact, window_of(scene)).missed_grazes == 0
 
 
-def value_of_best(found: list[Found], reference: list[Found], window: float) -> float:
+def value_of_best(found: list[FoundEvents], reference: list[FoundEvents], window: float) -> float:
     """Return the value of the best alignment by trying all."""
 
     @lru_cache(None)
@@ -113,7 +113,7 @@ def value_of_best(found: list[Found], reference: list[Found], window: float) -> 
     return best(0, 0)
 
 
-def worth(one: Found, other: Found, window: float) -> float:
+def worth(one: FoundEvents, other: FoundEvents, window: float) -> float:
     if (one.kind, one.boundary) != (other.kind, other.boundary) or abs(one.t - other.t) > window:
         return -1.0
     return 1 - (1 - FAR_MATCH) * abs(one.t - other.t) / window
@@ -122,8 +122,10 @@ def worth(one: Found, other: Found, window: float) -> float:
 def test_the_alignment_is_the_best_one() -> None:
     rng = random.Random(6)
 
-    def some() -> list[Found]:
-        events = [Found(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1) for _ in range(rng.randrange(9))]
+    def some() -> list[FoundEvents]:
+        events = [
+            FoundEvents(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1) for _ in range(rng.randrange(9))
+        ]
         return sorted(events)
 
     for _ in range(500):

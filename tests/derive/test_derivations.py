@@ -19,7 +19,7 @@ from symosc.cli.derive import derive
 from symosc.derive import document, latex
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Evidence, Exact, Step, StepError, equation, mutations, points
+from symosc.derive.steps import Exact, Step, StepError, StepEvidence, equation, mutations, points
 from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
@@ -110,7 +110,7 @@ def test_every_step_of_a_scene_has_evidence(scene: str, key: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_shows_only_what_it_needs(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Step, "verify", lambda step: Evidence("exact", "0"))  # only what is printed counts here
+    monkeypatch.setattr(Step, "verify", lambda step: StepEvidence("exact", "0"))  # only what is printed counts here
     scope = Scope(load_scene(scene))
     for key in ("motion", "domains", "maps", "grazing"):
         text = document.as_latex(document.check_chapter(key, scope), scope)

@@ -96,8 +96,11 @@ def cheap(tau: float, p: Parameters) -> tuple[float, ...]:
     """Return the entire functions by the closed form, wherever it may be."""
     K = constants(p)
     context = mpmath.fp
-    arguments = (context.exp(-K.h * tau), *(f(a) for a in (K.w * tau, K.Om * tau) for f in (context.sin, context.cos)))
-    return basis_apart(*arguments, K.h, K.w, K.w0sq, K.Om, K.p, K.q)
+    arguments = (
+        context.exp(-K.h * tau),
+        *(f(a) for a in (K.omega_d * tau, K.Om * tau) for f in (context.sin, context.cos)),
+    )
+    return basis_apart(*arguments, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def test_the_closed_form_fails_where_it_is_not_used() -> None:

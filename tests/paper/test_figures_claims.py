@@ -16,7 +16,7 @@ import pytest
 
 from symosc import Parameters, Scene, load_scene, simulate
 from symosc.paper.checks import after_grazing, contacts, grazing_figures, periodic_figures, section_6, stick_figures
-from symosc.paper.checks.contacts import Contact, Stick
+from symosc.paper.checks.contacts import SceneContact, Stick
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 
 CLAIMS = tomllib.loads((Path(section_6.__file__).parents[1] / "claims" / "figures.toml").read_text(encoding="utf-8"))[
@@ -176,7 +176,7 @@ def wrong_stick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any, Any], None]:
 
     def lengthen(longer: Any, further: Any) -> None:
         assert stick.end is not None
-        end = Contact(1, stick.end.t + longer, stick.end.x + further, stick.end.theta + longer)
+        end = SceneContact(1, stick.end.t + longer, stick.end.x + further, stick.end.theta + longer)
         for module in (section_6, stick_figures):
             monkeypatch.setattr(module, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
 

@@ -39,7 +39,7 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
     message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
     assert "earlier end" in message
     assert time.process_time() - start < 5
-    long = simulate("fig9", max_events=symosc.plot.MOST_EVENTS + 1, t_end=10**7)
+    long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
     refused(lambda: symosc.plot.figure(long), "subject")
 
 

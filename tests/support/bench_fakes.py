@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Callable
 
-from symosc.bench.solvers import Found
+from symosc.bench.solvers import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
@@ -28,10 +28,10 @@ def talk() -> int:
     return os.getpid()
 
 
-def careless(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def careless(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare a solver that does not see the second event, and reports all others late."""
     events = simulate(scene).events
-    found = [Found(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
+    found = [FoundEvents(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
     return lambda: found[:1] + found[2:]
 
 
@@ -39,7 +39,7 @@ def hanging(scene: Scene, tolerance: float) -> Callable[[], None]:
     return loop_for_ever
 
 
-def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[Found]]:
+def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     if scene.t_end > 20:
         raise ArithmeticError("too far")
     return list

@@ -8,7 +8,7 @@ from typing import Any
 
 from symosc.bench import ours
 from symosc.bench.event_logic import PeerError
-from symosc.bench.solvers import Found
+from symosc.bench.solvers import FoundEvents
 from symosc.scenes import Scene
 
 
@@ -17,7 +17,7 @@ def moody(scene: Scene, tolerance: float) -> Any:
     if scene.name == "refuses":
         raise ValueError("not this one")
 
-    def run() -> list[Found]:
+    def run() -> list[FoundEvents]:
         found = ours.multiprecision(scene, 1e-20)()
         if scene.name == "sleeps":
             time.sleep(60)

@@ -16,7 +16,6 @@ from symosc.derive.steps import (
     DIGITS,
     Check,
     Close,
-    Evidence,
     Exact,
     Heading,
     Prose,
@@ -24,6 +23,7 @@ from symosc.derive.steps import (
     Sign,
     Step,
     StepError,
+    StepEvidence,
     equation,
     rounded,
 )
@@ -99,7 +99,7 @@ class SlipTime(Check):
     scene: str
     target: str
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         event = first_slip(self.scene)
         if event.target != self.target:

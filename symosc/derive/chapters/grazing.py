@@ -10,7 +10,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, Scope, v_lambda
-from symosc.derive.steps import Check, Evidence, Exact, Heading, Prose, Relation, Step, StepError, equation
+from symosc.derive.steps import Check, Exact, Heading, Prose, Relation, Step, StepError, StepEvidence, equation
 from symosc.mappings.theorem7_cases import PLACES, Place
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
@@ -35,7 +35,7 @@ class Window(Check):
     amplitude: Any
     names: tuple[tuple[Any, Any], ...] = ()
 
-    def run(self, statement: Relation) -> Evidence:
+    def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
         parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         for part in parts:
@@ -48,7 +48,7 @@ class Window(Check):
                 raise StepError(str(statement), f"the sign of {value} is undecided")
             if inside != self._contains(parts, phase):
                 raise StepError(str(statement), f"is wrong at {phase}")
-        return Evidence("exact", "0")
+        return StepEvidence("exact", "0")
 
     def _check_end(self, statement: Relation, end: Any, parts: Any) -> None:
         if end in (0, 2 * sp.pi) and any(part.args[0] == 0 and part.args[2] == sp.false for part in parts):

@@ -24,7 +24,7 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-class Contact(NamedTuple):
+class SceneContact(NamedTuple):
     """A state on a belt: time, position and phase, with 30 digits."""
 
     belt: int
@@ -37,8 +37,8 @@ class Stick(NamedTuple):
     """A stick from its onset to its end, which is None if the motion was not followed so far."""
 
     belt: int
-    onset: Contact
-    end: Contact | None
+    onset: SceneContact
+    end: SceneContact | None
     into: str | None
 
 
@@ -72,17 +72,17 @@ def number(p: Parameters, value: Fraction) -> Any:
     return arithmetic(p).number(value)
 
 
-def start_contact(scene: Scene, belt: int) -> Contact:
+def start_contact(scene: Scene, belt: int) -> SceneContact:
     """Return the start of a scene that begins on a belt."""
     exact = arithmetic(scene.parameters)
-    return Contact(belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0)[1])
+    return SceneContact(belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0)[1])
 
 
-def contacts(scene: Scene, t_end: Any = None) -> list[Contact]:
+def contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
     """Return the places of a motion's events."""
     convert = arithmetic(scene.parameters).context.convert
     path = motion(scene, t_end)
-    return [Contact(e.boundary, convert(e.t), convert(e.x), convert(e.theta)) for e in path.events]
+    return [SceneContact(e.boundary, convert(e.t), convert(e.x), convert(e.theta)) for e in path.events]
 
 
 def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
@@ -97,7 +97,7 @@ def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
     return found
 
 
-def forces(p: Parameters, at: Contact) -> Forces:
+def forces(p: Parameters, at: SceneContact) -> Forces:
     """Return both forces at a contact."""
     exact = arithmetic(p)
     K, cosine, v = exact.K, exact.context.cos(at.theta), exact.number(p.belt(at.belt))

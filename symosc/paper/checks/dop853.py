@@ -8,9 +8,9 @@ import numpy as np
 
 from symosc.model import Parameters
 
-TOLERANCE = 1e-12
+DOP853_TOLERANCE = 1e-12
 #: What it may differ by from the exact motion, relative to the size of the motion.
-AGREEMENT = 1e-9
+DOP853_AGREEMENT = 1e-9
 
 
 def flight(
@@ -24,5 +24,5 @@ def flight(
     def rates(t: float, y: np.ndarray) -> tuple[float, float]:
         return y[1], (A + B0 * np.cos(Omega * t) - k * y[0] - c * y[1]) / m
 
-    run = solve_ivp(rates, span, state, method="DOP853", rtol=TOLERANCE, atol=TOLERANCE)
+    run = solve_ivp(rates, span, state, method="DOP853", rtol=DOP853_TOLERANCE, atol=DOP853_TOLERANCE)
     return run.t, run.y

@@ -10,7 +10,7 @@ import numpy as np
 
 from symosc.model import MODE_NAMES, SIDES, Parameters
 from symosc.paper.checks import dop853
-from symosc.paper.checks.rational_cases import Contact, contacts, friction_on_mass
+from symosc.paper.checks.rational_cases import RationalContact, contacts, friction_on_mass
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -20,7 +20,7 @@ CASES = 240
 #: Scenes of the paper whose motions have every state between them.
 SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10")
 #: Rounding errors of sticks, relative.
-TOLERANCE = 1e-12
+FRICTION_TOLERANCE = 1e-12
 
 
 # --- what the paper prints ---
@@ -140,7 +140,7 @@ def equations_of_motion() -> Evidence:
             flights[alpha] = flights.get(alpha, 0) + 1
     numbers = {f"flights in Ω{alpha}": str(flights[alpha]) for alpha in sorted(flights)}
     numbers |= {f"largest relative difference in Ω{alpha}": f"{worst[alpha]:.2g}" for alpha in sorted(worst)}
-    right = set(worst) == {1, 2, 3} and max(worst.values()) < dop853.AGREEMENT
+    right = set(worst) == {1, 2, 3} and max(worst.values()) < dop853.DOP853_AGREEMENT
     finding = f"Flights by (5) as printed differ from the exact motion by {max(worst.values()):.1g} at most"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}, in all three domains.", numbers)
 
@@ -197,7 +197,7 @@ def stick_motion() -> Evidence:
         "largest |ẋ − v_λ|, relative": f"{speed:.2g}",
         "largest |x − xᵢ − v_λ (t − tᵢ)|, relative": f"{place:.2g}",
     }
-    right = min(sticks.values()) > 0 and max(speed, place) < TOLERANCE
+    right = min(sticks.values()) > 0 and max(speed, place) < FRICTION_TOLERANCE
     finding = f"On {sticks[1]} + {sticks[2]} sticks ẋ differs from the belt's speed by {speed:.1g} at most"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}.", numbers)
 
@@ -236,7 +236,7 @@ def friction_order() -> Evidence:
     return Evidence(CORRECTED if needless else CONFIRMED, finding if needless else "It is needed.", numbers)
 
 
-def _is_strict(contact: Contact) -> bool:
+def _is_strict(contact: RationalContact) -> bool:
     return contact.force(contact.boundary) * contact.force(contact.boundary + 1) != 0
 
 

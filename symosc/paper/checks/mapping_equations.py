@@ -226,7 +226,7 @@ def governing_equations() -> Evidence:
     numbers = {label: f"{counts[label]} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 {other[label]:.2g}"
                for label in FLIGHTS}  # fmt: skip
     right = all(counts[label] for label in FLIGHTS)
-    right = right and max(worst.values()) < ZERO and max(other.values()) < dop853.AGREEMENT
+    right = right and max(worst.values()) < ZERO and max(other.values()) < dop853.DOP853_AGREEMENT
     finding = f"f₁ = f₂ = 0 at the ends of {sum(counts.values())} flights of six kinds, to {max(worst.values()):.1g}"
     finding += f"; by DOP853 to {max(other.values()):.1g}"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}.", numbers)

@@ -13,7 +13,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.contacts import (
     DIGITS,
     ZERO,
-    Contact,
+    SceneContact,
     contacts,
     force_name,
     force_text,
@@ -171,7 +171,7 @@ def fig9_product() -> Evidence:
     return products_positive(load_scene("fig9"), 1)
 
 
-def switching_points(scene: Scene, belt: int) -> list[Contact]:
+def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
     """Return the switching points at a belt: of the motion from the printed start, that start, and of the orbit."""
     points = [at for at in contacts(scene) if at.belt == belt]
     if scene.v0 == scene.parameters.belt(belt):
@@ -181,7 +181,7 @@ def switching_points(scene: Scene, belt: int) -> list[Contact]:
         Omega = number(scene.parameters, scene.parameters.Omega)
         for piece, point in zip(found.equations().pieces, found.points, strict=True):
             if piece.start == belt:
-                points.append(Contact(belt, point.t, point.x, Omega * point.t))
+                points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
     return points
 
 
@@ -214,7 +214,7 @@ def passes(scene: Scene, belt: int) -> Evidence:
     """Check that every contact is a crossing in the direction of both forces, as Theorem 5 says."""
     p, path = scene.parameters, motion(scene)
     lo, hi = (f"Omega{domain}" for domain in SIDES[belt])
-    rows: dict[str, list[Contact]] = {"up": [], "down": []}
+    rows: dict[str, list[SceneContact]] = {"up": [], "down": []}
     right = True
     for at, event in zip(contacts(scene), path.events, strict=True):
         each = forces(p, at)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
-from symosc.paper.checks.rational_cases import PHASES, Contact
+from symosc.paper.checks.rational_cases import PHASES, RationalContact
 
 #: Angles are written as rational numbers, a turn as 4: pi/2 is 1, pi is 2. (See `turn`.)
 HALF, FULL = Fraction(2), Fraction(4)
@@ -89,7 +89,7 @@ def contains(arcs: list[Arc], where: Any) -> bool:
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
 
-def touching(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> Contact:
+def touching(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
     """Return a contact with F = 0 of the domain of a mapping, for given gamma and B0 Omega/m."""
     where = PLACES[mapping]
     m, k, damping, Omega = Fraction(2), Fraction(3), Fraction(1), Fraction(3, 2)
@@ -99,8 +99,8 @@ def touching(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c:
         m=m, k=k, c=damping, A0=1, B0=amplitude * m / Omega, Omega=Omega, v1=others[0], v2=others[1],
         mu1="1/2", mu2="1/3", FN=2,
     )  # fmt: skip
-    contact = Contact(p, where.boundary, Fraction(0), s, c)
-    return Contact(p, where.boundary, m * contact.force(where.domain) / k, s, c)
+    contact = RationalContact(p, where.boundary, Fraction(0), s, c)
+    return RationalContact(p, where.boundary, m * contact.force(where.domain) / k, s, c)
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))

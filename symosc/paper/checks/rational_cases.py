@@ -70,7 +70,7 @@ def velocity_series(
 
 
 @dataclass(frozen=True)
-class Contact:
+class RationalContact:
     """A point of a boundary: x' is the speed of the belt.
 
     Attributes
@@ -156,7 +156,7 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
     return (drags[0] * p.mu1 + drags[1] * p.mu2) * p.FN
 
 
-def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[Contact]:
+def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalContact]:
     """Yield contacts at random rational parameters, in turn of six kinds.
 
     Two are generic; two have the force below or above exactly 0; and two have the phase such that G^(1) = 0 as well
@@ -181,14 +181,14 @@ def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[Contact]:
         if kind >= 3:  # G^(1) = 0 where F = 0: k v = -B0 Omega sin
             v = -p.B0 * p.Omega * s / p.k
             p = p.replace(v1=v, v2=v + 1) if boundary == 1 else p.replace(v1=v - 1, v2=v)
-        origin = Contact(p, boundary, Fraction(0), s, c)
+        origin = RationalContact(p, boundary, Fraction(0), s, c)
         held = origin.force(hi if kind % 2 else lo)
         if kind == 0:  # anywhere from far below the two forces' zeros to far above them
             held -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
-        yield Contact(p, boundary, p.m * held / p.k, s, c)
+        yield RationalContact(p, boundary, p.m * held / p.k, s, c)
 
 
-def as_text(contact: Contact) -> str:
+def as_text(contact: RationalContact) -> str:
     """Return a contact with its parameters as text that reads back exactly."""
     values = ", ".join(f"{name} = {value}" for name, value in contact.p.as_dict().items())
     return f"{values}; x = {contact.x}, sin = {contact.s}, cos = {contact.c}"

@@ -8,7 +8,7 @@ from symosc.mappings.equations import residual
 from symosc.model import SIDES
 from symosc.paper.checks.contacts import (
     ZERO,
-    Contact,
+    SceneContact,
     Stick,
     contacts,
     force_name,
@@ -35,7 +35,7 @@ SAMPLES = 2000
 # --- the first stick of a scene: what Figs. 5 and 6 say about it ---
 
 
-def first_stick(scene: Scene, belt: int) -> tuple[Stick, Contact] | None:
+def first_stick(scene: Scene, belt: int) -> tuple[Stick, SceneContact] | None:
     """Return the first stick on a belt that ends, and its end."""
     return next(((s, s.end) for s in sticks(scene) if s.belt == belt and s.end is not None), None)
 

@@ -16,7 +16,7 @@ from symosc.scenes import load_scene
 
 CHECKED_PHASES = 100
 # Ends of computed windows are the nearest doubles.
-TOLERANCE = 1e-14
+WINDOW_TOLERANCE = 1e-14
 
 
 def _window(mapping: str, scenes: tuple[str, ...]) -> Evidence:
@@ -66,7 +66,7 @@ def _same_ends(mapping: str) -> list[bool]:
                 found.append(
                     len(ours) == len(printed)
                     and all(
-                        abs(a[0] - b[0]) + abs(a[1] - b[1]) < TOLERANCE and a[2] == b[2]
+                        abs(a[0] - b[0]) + abs(a[1] - b[1]) < WINDOW_TOLERANCE and a[2] == b[2]
                         for a, b in zip(ours, printed, strict=True)
                     )
                 )

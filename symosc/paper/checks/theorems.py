@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from symosc.model import SIDES
-from symosc.paper.checks.rational_cases import Contact, as_text, contacts
+from symosc.paper.checks.rational_cases import RationalContact, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -38,7 +38,7 @@ def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> boo
     return force == 0 and (slope < 0 if from_below else slope > 0)
 
 
-def slope_of_field(contact: Contact, alpha: int) -> Fraction:
+def slope_of_field(contact: RationalContact, alpha: int) -> Fraction:
     """Eqs. (39), (40), (47), (48): grad F . (x', F) + dF/dt, with F of eq. (9)."""
     p = contact.p
     gradient = -p.k / p.m, -p.c / p.m
@@ -53,15 +53,15 @@ BEFORE = "tₘ₊"
 
 
 @cache
-def _cases(boundary: int) -> tuple[Contact, ...]:
+def _cases(boundary: int) -> tuple[RationalContact, ...]:
     return tuple(contacts(boundary, CASES, seed=boundary))
 
 
 def _judge(
     boundary: int,
-    printed: Callable[[Contact], bool],
-    true: Callable[[Contact], bool],
-    degenerate: Callable[[Contact], bool],
+    printed: Callable[[RationalContact], bool],
+    true: Callable[[RationalContact], bool],
+    degenerate: Callable[[RationalContact], bool],
     words: tuple[str, str],
 ) -> Evidence:
     """Compare a printed iff with the exact flow; `degenerate` tells the equalities that the printed one passes over."""
@@ -153,7 +153,7 @@ def theorem5_belt2() -> Evidence:
 def _theorem6(boundary: int) -> Evidence:
     lo, hi = SIDES[boundary]
 
-    def printed(contact: Contact) -> bool:
+    def printed(contact: RationalContact) -> bool:
         rows = ((True, lo), (False, hi))
         return any(grazing_condition(row, contact.force(a), slope_of_field(contact, a)) for row, a in rows)
 
