@@ -91,7 +91,8 @@ def test_the_picture(options: list[str], drawn: str, calls: list[str], tmp_path:
 
 
 def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(results, "section", lambda result: f"{sorted(result)}\n")
+    for part in ("brief", "overview"):
+        monkeypatch.setattr(results, part, lambda result: f"{sorted(result)}\n")
     monkeypatch.setattr(results, "sentence", lambda about: "a machine")
     readme = tmp_path / "README.md"
     readme.write_text(MARKS)

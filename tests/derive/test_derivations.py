@@ -61,8 +61,8 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
         for wrong in changed:
             with pytest.raises(StepError):
                 wrong.verify()
-    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters.
-    assert len(untouched) <= 0.25 * len(steps), untouched
+    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, a little more of a part.
+    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.3) * len(steps), untouched
 
 
 @pytest.mark.parametrize("key", KEYS)

@@ -72,7 +72,7 @@ RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import callee, caller
-from symosc.binding import compiled
+from symosc.engine.binding import compiled
 together = compiled((callee, caller))["outer"]
 apart = compiled((caller,), callees=compiled((callee,)))["outer"]
 print(*((outer(1), sum(outer.stats.cache_hits.values())) for outer in (together, apart)))

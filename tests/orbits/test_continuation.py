@@ -21,6 +21,7 @@ from symosc.orbits.branch import BranchError, BranchPoint
 from symosc.orbits.continuation import FOLD, NEIMARK_SACKER, PERIOD_DOUBLING, _changes, continue_orbit
 from symosc.orbits.curve import Curve
 from symosc.orbits.find import find_orbit
+from symosc.plot import branch_figure
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
@@ -253,7 +254,7 @@ def test_bad_input():
 @pytest.mark.slow
 def test_plot(tmp_path):
     branch = branch_of(FIG10, "P4645", "B0", (3, 15))
-    drawing = branch.plot()
+    drawing = branch_figure(branch)
     left, right = drawing.axes
     # Four switchings, each one solid line; two ends with a mark on each line.
     assert sum(len(line.get_xdata()) > 2 for line in left.lines) == 4
