@@ -26,6 +26,8 @@ from symosc.simulation.trajectory import MAP_LABELS, Event, Segment, Trajectory
 
 ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
+# With many digits an event takes milliseconds.
+MOST_EXACT_EVENTS = 20_000
 MOST_DIGITS = 10_000
 # With `digits`, more than this many times the digits are tried only to tell a touch from a near miss.
 MOST_WORKING = 12
@@ -52,7 +54,7 @@ def simulate(
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units.
     max_events : int, optional
-        Stop after that many events (default 1,000,000).
+        Stop after that many events (default 1,000,000; with `digits` 20,000, some minutes).
     digits : int, optional
         None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
         max(1, |value|), as far as the error estimates tell.
@@ -77,12 +79,14 @@ def simulate(
         more than 1e8 forcing periods away and the motion goes on until then.
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
-    most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
+    default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
+    most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
         return in_doubles(start, most, read_accuracy(accuracy))
+    digits = whole_number("digits", digits, 5, MOST_DIGITS)
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
-    return _with_digits(start, most, whole_number("digits", digits, 5, MOST_DIGITS))
+    return _with_digits(start, most, digits)
 
 
 def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_error: Any) -> Start:

@@ -15,6 +15,7 @@ from agreement import assert_agrees, assert_event_agrees
 from oracle import OracleRun, simulate_oracle
 
 from symosc import load_scene, simulate
+from symosc.simulation import simulate as simulate_module
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 TARGETS = {"1": "Omega1", "2": "Omega2", "3": "Omega3"}
@@ -139,3 +140,14 @@ def test_forty_digits_are_forty_digits(name: str) -> None:
     trajectory = simulate(scene, digits=40)
     run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, 70)
     assert_agrees(trajectory, run, 1e-39)
+
+
+def test_many_digits_end_after_fewer_events(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A t_end that is far away is no wait without an end."""
+    monkeypatch.setattr(simulate_module, "MOST_EXACT_EVENTS", 7)
+    monkeypatch.setattr(simulate_module, "MOST_EVENTS", 9)
+    for digits, most in ((20, 7), (None, 9)):
+        found = simulate("fig9", t_end="1e10", digits=digits)
+        assert (found.status, len(found.events)) == ("max_events", most)
+        assert f"max_events = {most}" in found.message
+    assert len(simulate("fig9", t_end="1e10", digits=20, max_events=8).events) == 8
