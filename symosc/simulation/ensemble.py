@@ -45,6 +45,13 @@ class EventTable:
         MODE_NAMES).
     status : list of str
         Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> table = simulate_many(load_scene("fig5").parameters, (0, 0, 0), t_end=7, use_numba=False)
+    >>> table.kind.tolist(), table.status
+    (['stick', 'slip', 'stick', 'slip', 'stick'], ['t_end'])
     """
 
     trajectory: np.ndarray
@@ -146,6 +153,14 @@ def simulate_many(
     -----
     Events, errors and statuses are those of `simulate` for each motion, to the last bit: the same source, and a motion
     with a contact that doubles cannot decide, or an event known to less than `accuracy`, is followed by `simulate`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> starts = [(0, 0, 0), (0, 1, 2)]  # for so few starts the compilation would not be worth its time
+    >>> table = simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False)
+    >>> table.trajectory.tolist()
+    [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     sets, problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)

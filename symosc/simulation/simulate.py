@@ -75,6 +75,15 @@ def simulate(
     ParameterError
         If a number is missing, not finite or out of range, if both `digits` and `accuracy` are given, or if t_end is
         more than 1e8 forcing periods away and the motion goes on until then.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> trajectory = simulate("fig5", t_end=7)
+    >>> [(event.kind, f"{event.t:.6f}") for event in trajectory.events[:2]]
+    [('stick', '0.122303'), ('slip', '1.220981')]
+    >>> print(simulate("fig8-exact", digits=30).events[0].t)
+    3.14159265358979323846264338328
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
