@@ -84,6 +84,15 @@ def crosscheck(
     -----
     Samples that fail and have few digits (3 decimals, single precision) are judged once more at that precision: their
     rounding is added to what is allowed, and `rounded` and a note say so.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> crosscheck("fig5", t, x, v).ok
+    True
     """
     samples = _read(t, x, v, events)
     tolerance = _positive("tolerance", tolerance)

@@ -39,6 +39,16 @@ class FoundEvent:
     last_step : int
     spread : float
         How far `t` may be wrong for being read off the samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> event = crosscheck("fig5", t, x, v, events=[(2, "cross")]).invented[0]
+    >>> event.kind, event.t
+    ('cross', 2.0)
     """
 
     t: float

@@ -64,6 +64,16 @@ class CrossCheck:
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> check = crosscheck("fig5", t, x, v + 0.1 * (t > 5))
+    >>> check.ok, f"{check.max_error_v:.3f}"
+    (False, '0.100')
     """
 
     ok: bool

@@ -66,6 +66,13 @@ class GrazingReport:
         Phases that needed intervals.
     seconds : float
         That it took. Two reports that differ in nothing else are equal.
+
+    Examples
+    --------
+    >>> from symosc import check_grazing, load_scene
+    >>> report = check_grazing(load_scene("fig9").parameters, "P2", n=100)
+    >>> report.case, report.n_random, report.mismatches
+    ('(55.1)', 100, ())
     """
 
     mapping: str
@@ -128,6 +135,12 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     ParameterError
         For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
         k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+
+    Examples
+    --------
+    >>> from symosc import check_grazing, load_scene
+    >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
+    True
     """
     n, seed = whole_number("n", n, 1, MOST_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()

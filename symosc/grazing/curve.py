@@ -51,6 +51,13 @@ class CurveEnd:
         The start on the switching plane.
     reason : str
         Why the curve ends.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> end = grazing_curve(load_scene("fig9").parameters, "P2").pieces[0].high
+    >>> f"{end.theta_m:.4f}", end.reason
+    ('3.2250', 'end of the window')
     """
 
     theta_m: float
@@ -73,6 +80,13 @@ class CurvePiece:
         Their derivatives by theta_m.
     low, high : CurveEnd
         Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> piece = grazing_curve(load_scene("fig9").parameters, "P2").pieces[0]
+    >>> print(f"theta_m from {piece.theta_m[0]:.4f} to {piece.theta_m[-1]:.4f}")
+    theta_m from -0.0834 to 3.2250
     """
 
     theta_m: np.ndarray
@@ -106,6 +120,13 @@ class GrazingCurve:
         Stretches of theta_m in the window without a start, and where the flow comes from there.
     windows : tuple of (low, high)
         The window of theta_m, an arc through 0 in one piece.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> curve = grazing_curve(load_scene("fig9").parameters, "P2")
+    >>> curve.mapping, len(curve.pieces), curve.gaps
+    ('P2', 1, ())
     """
 
     parameters: Parameters
@@ -141,6 +162,13 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     ------
     ParameterError
         For a mapping without grazing, k = 0, or too small an n.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> curve = grazing_curve(load_scene("fig9").parameters, "P2")
+    >>> [f"{end.x:.4f}" for end in (curve.pieces[0].low, curve.pieces[0].high)]
+    ['3.9229', '11.0820']
     """
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)

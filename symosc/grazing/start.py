@@ -57,6 +57,13 @@ class GrazingStart:
     start : dict
         t0, x0 and v0 of the point, and as start_error a unit of their last digits, as `simulate` takes them:
         ``simulate(p, **found.start, t_end=...)``.
+
+    Examples
+    --------
+    >>> from symosc import grazing_start, load_scene
+    >>> found = grazing_start(load_scene("fig9").parameters, "P2", theta=1)
+    >>> found.found, f"{found.t:.6f}", f"{found.x:.6f}", found.v
+    (True, '-0.332121', '5.531851', 1.0)
     """
 
     mapping: str
@@ -114,6 +121,14 @@ def grazing_start(
     ------
     ParameterError
         For a mapping without grazing, a phase outside the mapping's window, k = 0, or a t0 that is not before t_m.
+
+    Examples
+    --------
+    >>> from symosc import grazing_start, load_scene, simulate
+    >>> p = load_scene("fig9").parameters
+    >>> found = grazing_start(p, "P2", theta=1)
+    >>> simulate(p, **found.start, t_end="0.3").events[0].kind
+    'graze'
     """
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)

@@ -32,6 +32,13 @@ class WindowColumns(NamedTuple):
         low = high is the excluded phase. nan otherwise.
     theta_cr : float
         Theta_cr in [-pi/2, pi/2], nan where it does not exist.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.high.round(4).tolist()
+    [nan, 3.4814, 3.225]
     """
 
     kind: np.ndarray
@@ -66,6 +73,13 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
     ------
     ParameterError
         For another parameter, and for values that Parameters would refuse.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.kind.tolist()
+    [1, 4, 4]
     """
     where, full = place(mapping), check_order(order) == "full"
     check_parameters(p)

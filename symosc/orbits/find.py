@@ -88,6 +88,13 @@ def find_orbit(
     orbits may be marginal, and many.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> orbit = find_orbit(load_scene("fig9").parameters, "P32")
+    >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
+    (True, '1.570796', ['0.181670', '0.992371'])
     """
     structure = read_word(word)
     if len(structure.labels) > MOST_MAPPINGS:
