@@ -26,8 +26,8 @@ class FoundEvent:
     Attributes
     ----------
     t : float
-        Estimated time: that of the exact motion over the step where this motion has the event, else read off the
-        samples.
+        Estimated time. If the exact motion over the step has the event, it is the time there; else it is read off
+        the samples.
     kind : str
         "cross", "stick", "slip" or "graze".
     boundary : int
@@ -38,7 +38,7 @@ class FoundEvent:
         The event is between samples `step` and `last_step` + 1.
     last_step : int
     spread : float
-        How far `t` may be wrong for being read off the samples.
+        How far `t` may be wrong because it is read off the samples.
 
     Examples
     --------

@@ -53,19 +53,19 @@ class GrazingReport:
     undecided : dict
         Per way and reason, the phases that it could not decide.
     mismatches : tuple of dict
-        Every phase where a way contradicts the window, or where x_m of the window does not make F = 0: phase, way, what
-        the window says and what the way says.
+        Every phase where a way contradicts the window, or where F is not 0 at the window's x_m. Each dict has the
+        phase, the way, what the window says and what the way says.
     closest : dict
-        Per way, the smallest |G^(1)| that was decided, over the sum of the sizes of its terms.
+        Per way, the smallest |G^(1)| that was decided, divided by the sum of the sizes of its terms.
     closest_phase : float
-        The smallest distance of a decided phase from a phase with G^(1) = 0, but for those phases themselves; inf where
-        there are none.
+        The smallest distance of a decided phase from a phase with G^(1) = 0; distance 0 is not counted. inf where there
+        is no such phase.
     orders : dict
-        The phases by the order of the G-function that decided.
+        How many phases were decided by the G-function of each order.
     finely : int
         Phases that needed intervals.
     seconds : float
-        That it took. Two reports that differ in nothing else are equal.
+        How long the check took. Two reports that differ only in this are equal.
 
     Examples
     --------

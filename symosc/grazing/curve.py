@@ -73,7 +73,7 @@ class CurvePiece:
     Attributes
     ----------
     theta_m, x_m : (n,) arrays
-        Phase (may exceed [0, 2 pi) by being continuous) and place of the tangency.
+        Phase and place of the tangency. The phase is continuous, so it may leave [0, 2 pi).
     theta, x : (n,) arrays
         The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
@@ -117,7 +117,7 @@ class GrazingCurve:
     pieces : tuple of CurvePiece
         Empty where no flow from the mapping's belt grazes.
     gaps : tuple of (low, high, origin)
-        Stretches of theta_m in the window without a start, and where the flow comes from there.
+        Stretches of theta_m in the window that have no start, and where the flow comes from there.
     windows : tuple of (low, high)
         The window of theta_m, an arc through 0 in one piece.
 
@@ -156,7 +156,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
         "P2", "P3", "P5" or "P6".
     n : int
         Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
-        the other belt jumps, and may be overlooked elsewhere; one shorter than 1e-6 always is.
+        the other belt jumps; elsewhere it may be overlooked. A piece shorter than 1e-6 is always overlooked.
 
     Raises
     ------

@@ -34,8 +34,8 @@ class GrazingSolutions(list[GrazingStart]):
     Attributes
     ----------
     complete : bool
-        Whether the search met nothing that it had to leave out. Solutions that lie nearer to each other than the
-        samples of the curve may hide even so.
+        Whether the search left nothing out that it met. Even then it may not see solutions that lie nearer to each
+        other than the samples of the curve.
     message : str
         Why there is no solution, or what was left out; "" if there is nothing to say.
 
@@ -76,7 +76,7 @@ def solve_grazing(
     GrazingSolutions
         A list of GrazingStart, in order of theta_m, with `complete` and `message`. Each start has the value asked for
         in all its digits. Where a curve runs to minus infinity, theta_i has infinitely many solutions, which gather at
-        its end: those are listed whose theta_m double precision tells from the end.
+        its end. Listed are those whose theta_m differs from the end in double precision.
 
     Raises
     ------

@@ -53,8 +53,9 @@ class GrazingVerdict:
 def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = G_TOLERANCE) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
 
-    Grazing is F = 0 and a first non-vanishing G-function of odd order with the sign that leads back into the domain
-    (order 1 is the theorem as printed). Values come from 50-digit arithmetic; what counts as 0 is up to `tolerance`.
+    The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
+    into the domain. (Order 1 is the theorem as printed.) Values are computed with 50 digits; `tolerance` says what
+    counts as 0.
 
     Parameters
     ----------

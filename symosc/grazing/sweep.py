@@ -58,8 +58,8 @@ class WindowColumns(NamedTuple):
 def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
-    Every end is within one unit in the last place, and every case is exact: array entries are the binary numbers that
-    they are, the other parameters stay rational. Compiled where numba is installed.
+    Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
+    numbers, the other parameters stay rational. Compiled where numba is installed.
 
     Parameters
     ----------

@@ -181,8 +181,8 @@ class GrazingWindow:
         Parameters
         ----------
         theta : number, sympy expression or numpy array
-            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. Phases
-            are computed, not typed: a float is the binary number that it is.
+            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. A float
+            is used as the exact binary number, because phases are computed and not typed.
 
         Returns
         -------

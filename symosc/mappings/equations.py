@@ -130,7 +130,7 @@ def compiled_residual(p: Parameters, label: str) -> Callable[..., tuple[np.ndarr
     MissingExtraError
         If numba is not installed.
     ParameterError
-        For a stick, whose residual is no work.
+        For a stick: its residual is a short formula and needs no compiling.
 
     Examples
     --------

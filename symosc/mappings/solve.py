@@ -66,7 +66,7 @@ class MapPoint:
     grazing : bool
         Whether a flight only touches the belt there (as far as this precision tells).
     derivative : array of shape (2, 2) or None
-        d(x, theta)/d(x_i, theta_i). None where it does not exist, because the end does not move smoothly: at a graze.
+        d(x, theta)/d(x_i, theta_i). None at a graze: the end does not move smoothly there.
 
     Examples
     --------

@@ -82,10 +82,10 @@ def find_orbit(
 
     Notes
     -----
-    With c > 0 an admissible orbit is the only periodic motion, it attracts every other one and has the period of the
-    excitation; other words, and more periods, only have roots that are no orbits. There is none where the mass may rest
-    for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c = 0
-    orbits may be marginal, and many.
+    With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and has the period of the
+    excitation. Other words, and more periods, only have roots that are no orbits. There is no orbit where the mass may
+    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With
+    c = 0 there may be many orbits, and they may be marginal.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
 

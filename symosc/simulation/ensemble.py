@@ -131,8 +131,8 @@ def simulate_many(
     max_events : int, optional
         Per trajectory (default 1,000,000).
     accuracy : float, optional
-        A trajectory with an event known to less than that is followed as by `simulate`, with more digits (default
-        1e-13). With ``math.inf`` the paths that doubles compute are followed for what they are, as by `simulate`.
+        As in `simulate` (default 1e-13): a trajectory that has an event with a larger error is followed with more
+        digits. With ``math.inf`` the paths that doubles compute are followed as they are.
     start_error : number or three numbers, optional
         Half-widths to which all t0, x0 and v0 are known, as in `simulate`; None: they are exact.
     use_numba : bool, optional
@@ -151,8 +151,9 @@ def simulate_many(
 
     Notes
     -----
-    Events, errors and statuses are those of `simulate` for each motion, to the last bit: the same source, and a motion
-    with a contact that doubles cannot decide, or an event known to less than `accuracy`, is followed by `simulate`.
+    Events, errors and statuses are those of `simulate` for each motion, to the last bit. The source is the same, and
+    `simulate` itself follows a motion with a contact that doubles cannot decide, or with an event whose error is larger
+    than `accuracy`.
 
     Examples
     --------
