@@ -24,7 +24,17 @@ def brief(text: str) -> str:
 
 
 class SymoscError(Exception):
-    """Base class of every error that symosc raises on purpose."""
+    """Base class of every error that symosc raises on purpose.
+
+    Examples
+    --------
+    >>> from symosc import SymoscError, load_scene
+    >>> try:
+    ...     load_scene("fig4")
+    ... except SymoscError as error:
+    ...     print(type(error).__name__)
+    SceneError
+    """
 
 
 class ParameterError(SymoscError, ValueError):
@@ -38,6 +48,15 @@ class ParameterError(SymoscError, ValueError):
         What was given.
     allowed : str
         What would have been accepted.
+
+    Examples
+    --------
+    >>> from symosc import ParameterError, load_scene
+    >>> try:
+    ...     load_scene("fig5").parameters.replace(m=0)
+    ... except ParameterError as error:
+    ...     print(error.name, error.allowed)
+    m must be > 0
     """
 
     def __init__(self, name: str, value: Any, allowed: str) -> None:
@@ -55,6 +74,15 @@ class SceneError(SymoscError, ValueError):
     ----------
     scene : str
         The scene's name or the file's path.
+
+    Examples
+    --------
+    >>> from symosc import SceneError, load_scene
+    >>> try:
+    ...     load_scene("no-such-file.toml")
+    ... except SceneError as error:
+    ...     print(error)
+    scene no-such-file.toml: cannot be read: No such file or directory
     """
 
     def __init__(self, scene: str, reason: str) -> None:
@@ -72,6 +100,14 @@ class OutputError(SymoscError, OSError):
     ----------
     path : str
         The file that was asked for.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> simulate("fig5").to_csv("no/such/folder/events.csv")
+    Traceback (most recent call last):
+        ...
+    symosc.errors.OutputError: cannot write no/such/folder/events.csv: No such file or directory
     """
 
     def __init__(self, path: str, reason: str) -> None:
@@ -89,6 +125,13 @@ class MissingExtraError(SymoscError, ImportError):
     ----------
     extra : str
         The extra of symosc that brings it.
+
+    Examples
+    --------
+    >>> from symosc import MissingExtraError
+    >>> error = MissingExtraError("compiled_residual", "fast")
+    >>> print(error)
+    compiled_residual needs an optional package: pip install 'symosc[fast]'
     """
 
     def __init__(self, what: str, extra: str) -> None:

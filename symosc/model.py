@@ -46,6 +46,13 @@ class Parameters:
     ------
     ParameterError
         If a value is no finite number or is out of range; the message names it.
+
+    Examples
+    --------
+    >>> from symosc import Parameters
+    >>> p = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2=0.6, FN="9.81")
+    >>> p.mu1, p.replace(k="1/3").k
+    (Fraction(4, 5), Fraction(1, 3))
     """
 
     m: Fraction

@@ -25,6 +25,15 @@ class WordError(SymoscError, ValueError):
         What was given.
     step : tuple of str or None
         The two labels, in order of time, of the step that is impossible.
+
+    Examples
+    --------
+    >>> from symosc import WordError, read_word
+    >>> try:
+    ...     read_word("P52")
+    ... except WordError as error:
+    ...     print(error.step)
+    ('P2', 'P5')
     """
 
     def __init__(self, word: str, reason: str, step: tuple[str, str] | None = None) -> None:
@@ -95,6 +104,13 @@ class Word(NamedTuple):
     ----------
     labels : tuple of str
         "P1" to "P8" in order of time: the reverse of how the word is written.
+
+    Examples
+    --------
+    >>> from symosc import read_word
+    >>> word = read_word("P4645")
+    >>> word.labels, str(word)
+    (('P5', 'P4', 'P6', 'P4'), 'P4645')
     """
 
     labels: tuple[str, ...]
@@ -149,6 +165,12 @@ def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing:
         If it cannot be read or has an impossible step, which the message names.
     ParameterError
         If `closed` or `grazing` is neither True nor False.
+
+    Examples
+    --------
+    >>> from symosc import read_word
+    >>> str(read_word(["P3", "P2"])), read_word("P32").labels
+    ('P32', ('P2', 'P3'))
     """
     closed, grazing = true_or_false("closed", closed), true_or_false("grazing", grazing)
     if isinstance(word, Word):

@@ -57,18 +57,18 @@ def crosscheck(
     scene : Scene, str or Parameters
         With a scene the exact motion starts where the scene does, if the first sample is there; else at the sample.
     t, x, v : array_like, shape (n,)
-        Times, increasing, positions and velocities. A time may come twice where two pieces are joined. Or in place of
-        `t` alone what `symosc.crosschecks.files.read_samples` reads: a file, an OdeResult, a DataFrame and others.
+        Increasing times, positions and velocities. A time may come twice where two pieces are joined. Or give `t`
+        alone: anything that `symosc.crosschecks.files.read_samples` reads (a file, an OdeResult, a DataFrame, ...).
     events : pairs (t, kind), optional
         The events that the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each exact
-        event (but a graze, at which nothing changes) must be there once, as near in time as the tolerance and the
-        errors of the samples allow. A start on a belt may be listed. Default: the events that the samples show, and
-        those inside steps that are right.
+        event must be there once; a graze may be left out, because nothing changes there. How near in time it must be
+        follows from the tolerance and the errors of the samples. A start on a belt may be listed. Default: the events
+        that the samples show, and those inside steps that are right.
     tolerance : float
-        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion; v within it of a belt's speed
-        is on the belt.
+        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample whose v differs
+        from a belt's speed by less is on the belt.
     global_tolerance : float, optional
-        Allowed global error, likewise. Default: 1000 times `tolerance`.
+        Allowed global error, relative to the same values. Default: 1000 times `tolerance`.
 
     Returns
     -------
@@ -82,8 +82,17 @@ def crosscheck(
 
     Notes
     -----
-    Samples that fail and have few digits (3 decimals, single precision) are judged once more at that precision: their
-    rounding is added to what is allowed, and `rounded` and a note say so.
+    Some samples have few digits (3 decimals, single precision). If they fail, they are judged once more at that
+    precision: their rounding is added to what is allowed. `rounded` and a note say so.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> crosscheck("fig5", t, x, v).ok
+    True
     """
     samples = _read(t, x, v, events)
     tolerance = _positive("tolerance", tolerance)

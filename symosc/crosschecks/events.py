@@ -26,8 +26,8 @@ class FoundEvent:
     Attributes
     ----------
     t : float
-        Estimated time: that of the exact motion over the step where this motion has the event, else read off the
-        samples.
+        Estimated time. If the exact motion over the step has the event, it is the time there; else it is read off
+        the samples.
     kind : str
         "cross", "stick", "slip" or "graze".
     boundary : int
@@ -38,7 +38,17 @@ class FoundEvent:
         The event is between samples `step` and `last_step` + 1.
     last_step : int
     spread : float
-        How far `t` may be wrong for being read off the samples.
+        How far `t` may be wrong because it is read off the samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> event = crosscheck("fig5", t, x, v, events=[(2, "cross")]).invented[0]
+    >>> event.kind, event.t
+    ('cross', 2.0)
     """
 
     t: float

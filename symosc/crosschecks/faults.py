@@ -43,6 +43,16 @@ class Fault:
         A guess at the cause, one of REASONS.
     words : str
         The guess in words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> v[100] += 0.1
+    >>> crosscheck("fig5", t, x, v).first_wrong.words
+    'without sample 100 the step from 99 to 101 is right'
     """
 
     step: int

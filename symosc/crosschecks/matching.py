@@ -31,6 +31,16 @@ class Match:
         Its time in the samples, or in the list of events.
     found : FoundEvent or None
         What the samples show; None for an event inside a step that is right.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> match = crosscheck("fig5", t, x, v).matched[0]
+    >>> match.event.kind, f"{match.t:.6f}"
+    ('stick', '0.122303')
     """
 
     event: Event

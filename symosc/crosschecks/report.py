@@ -41,8 +41,8 @@ class CrossCheck:
     invented : tuple of FoundEvent
         Events of wrong steps, or of a given list, that the exact motion does not have at their time.
     unresolved : tuple of Event or FoundEvent
-        Events on one side only, where each step is right: the samples are on a neighbouring path, within global error,
-        or the tolerance cannot tell whether there is such an event.
+        Events on one side only, though each step is right. The samples are on a neighbouring path, within the global
+        error, or the tolerance cannot tell whether there is such an event.
     decisions : tuple of Fault
         Wrong steps that stick, slip or pass where the exact motion does something else.
     faults : tuple of Fault
@@ -50,7 +50,7 @@ class CrossCheck:
     first_wrong : Fault or None
         The first wrong step.
     first_switching : Fault or None
-        The first wrong step that has to do with a belt: more than a local error.
+        The first wrong step at a belt: its reason is more than a local error.
     compared_until : float
         Where the exact motion ends: the last sample, or earlier if its status is "undecidable".
     tolerance, global_tolerance : float
@@ -64,6 +64,16 @@ class CrossCheck:
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> check = crosscheck("fig5", t, x, v + 0.1 * (t > 5))
+    >>> check.ok, f"{check.max_error_v:.3f}"
+    (False, '0.100')
     """
 
     ok: bool

@@ -53,19 +53,26 @@ class GrazingReport:
     undecided : dict
         Per way and reason, the phases that it could not decide.
     mismatches : tuple of dict
-        Every phase where a way contradicts the window, or where x_m of the window does not make F = 0: phase, way, what
-        the window says and what the way says.
+        Every phase where a way contradicts the window, or where F is not 0 at the window's x_m. Each dict has the
+        phase, the way, what the window says and what the way says.
     closest : dict
-        Per way, the smallest |G^(1)| that was decided, over the sum of the sizes of its terms.
+        Per way, the smallest |G^(1)| that was decided, divided by the sum of the sizes of its terms.
     closest_phase : float
-        The smallest distance of a decided phase from a phase with G^(1) = 0, but for those phases themselves; inf where
-        there are none.
+        The smallest distance of a decided phase from a phase with G^(1) = 0; distance 0 is not counted. inf where there
+        is no such phase.
     orders : dict
-        The phases by the order of the G-function that decided.
+        How many phases were decided by the G-function of each order.
     finely : int
         Phases that needed intervals.
     seconds : float
-        That it took. Two reports that differ in nothing else are equal.
+        How long the check took. Two reports that differ only in this are equal.
+
+    Examples
+    --------
+    >>> from symosc import check_grazing, load_scene
+    >>> report = check_grazing(load_scene("fig9").parameters, "P2", n=100)
+    >>> report.case, report.n_random, report.mismatches
+    ('(55.1)', 100, ())
     """
 
     mapping: str
@@ -128,6 +135,12 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     ParameterError
         For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
         k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+
+    Examples
+    --------
+    >>> from symosc import check_grazing, load_scene
+    >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
+    True
     """
     n, seed = whole_number("n", n, 1, MOST_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()

@@ -51,6 +51,13 @@ class CurveEnd:
         The start on the switching plane.
     reason : str
         Why the curve ends.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> end = grazing_curve(load_scene("fig9").parameters, "P2").pieces[0].high
+    >>> f"{end.theta_m:.4f}", end.reason
+    ('3.2250', 'end of the window')
     """
 
     theta_m: float
@@ -66,13 +73,20 @@ class CurvePiece:
     Attributes
     ----------
     theta_m, x_m : (n,) arrays
-        Phase (may exceed [0, 2 pi) by being continuous) and place of the tangency.
+        Phase and place of the tangency. The phase is continuous, so it may leave [0, 2 pi).
     theta, x : (n,) arrays
         The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
         Their derivatives by theta_m.
     low, high : CurveEnd
         Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> piece = grazing_curve(load_scene("fig9").parameters, "P2").pieces[0]
+    >>> print(f"theta_m from {piece.theta_m[0]:.4f} to {piece.theta_m[-1]:.4f}")
+    theta_m from -0.0834 to 3.2250
     """
 
     theta_m: np.ndarray
@@ -103,9 +117,16 @@ class GrazingCurve:
     pieces : tuple of CurvePiece
         Empty where no flow from the mapping's belt grazes.
     gaps : tuple of (low, high, origin)
-        Stretches of theta_m in the window without a start, and where the flow comes from there.
+        Stretches of theta_m in the window that have no start, and where the flow comes from there.
     windows : tuple of (low, high)
         The window of theta_m, an arc through 0 in one piece.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> curve = grazing_curve(load_scene("fig9").parameters, "P2")
+    >>> curve.mapping, len(curve.pieces), curve.gaps
+    ('P2', 1, ())
     """
 
     parameters: Parameters
@@ -135,12 +156,19 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
         "P2", "P3", "P5" or "P6".
     n : int
         Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
-        the other belt jumps, and may be overlooked elsewhere; one shorter than 1e-6 always is.
+        the other belt jumps; elsewhere it may be overlooked. A piece shorter than 1e-6 is always overlooked.
 
     Raises
     ------
     ParameterError
         For a mapping without grazing, k = 0, or too small an n.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene
+    >>> curve = grazing_curve(load_scene("fig9").parameters, "P2")
+    >>> [f"{end.x:.4f}" for end in (curve.pieces[0].low, curve.pieces[0].high)]
+    ['3.9229', '11.0820']
     """
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)

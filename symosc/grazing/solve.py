@@ -34,10 +34,17 @@ class GrazingSolutions(list[GrazingStart]):
     Attributes
     ----------
     complete : bool
-        Whether the search met nothing that it had to leave out. Solutions that lie nearer to each other than the
-        samples of the curve may hide even so.
+        Whether the search left nothing out that it met. Even then it may not see solutions that lie nearer to each
+        other than the samples of the curve.
     message : str
         Why there is no solution, or what was left out; "" if there is nothing to say.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_grazing
+    >>> solutions = solve_grazing(load_scene("fig9").parameters, "P2", x_i=100)
+    >>> len(solutions), solutions.message
+    (0, 'x_i goes over 3.65106 to 11.2811 on the grazing curve')
     """
 
     def __init__(self, starts: Any = (), complete: bool = True, message: str = "") -> None:
@@ -69,13 +76,20 @@ def solve_grazing(
     GrazingSolutions
         A list of GrazingStart, in order of theta_m, with `complete` and `message`. Each start has the value asked for
         in all its digits. Where a curve runs to minus infinity, theta_i has infinitely many solutions, which gather at
-        its end: those are listed whose theta_m double precision tells from the end.
+        its end. Listed are those whose theta_m differs from the end in double precision.
 
     Raises
     ------
     ParameterError
         If not exactly one unknown is given, the mapping has no grazing, k = 0, or the unknown does not fix the
         tangency: x_i or x_j with B0 = 0.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_grazing
+    >>> [start] = solve_grazing(load_scene("fig9").parameters, "P2", x_i=4)
+    >>> f"{start.theta:.6f}", f"{start.theta_m:.6f}"
+    ('5.085819', '0.612081')
     """
     check_parameters(p), place(mapping)
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:

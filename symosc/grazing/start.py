@@ -40,12 +40,12 @@ class GrazingStart:
     ----------
     mapping : str
     found : bool
-        Whether it came from the plane on which the mapping starts (with t0: whether it was in the domain since t0).
+        Whether it came from the plane on which the mapping starts. With t0: whether it was in the domain since t0.
     reason : str or None
         Why there is no start.
     t, x, v, theta : number or None
-        The start: time, position, velocity, phase Omega t mod 2 pi; or the contact with the other belt that the reason
-        speaks of. None if there was no contact. Floats, or mpmath numbers with ``digits=``.
+        The start: time, position, velocity, phase Omega t mod 2 pi. If there is no start, the contact with the other
+        belt that the reason names. None if there was no contact. Floats, or mpmath numbers with ``digits=``.
     boundary : int
         The belt of that point, 0 if it is on none.
     touch : bool
@@ -53,10 +53,17 @@ class GrazingStart:
     t_m, x_m, theta_m : number
         The tangency. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
     undecided : bool
-        Whether the search ended before it was known where the flow came from; the reason tells how.
+        Whether the search ended before it was known where the flow came from; the reason says why.
     start : dict
-        t0, x0 and v0 of the point, and as start_error a unit of their last digits, as `simulate` takes them:
+        t0, x0 and v0 of the point, and start_error, a unit of their last digits. `simulate` takes them as they are:
         ``simulate(p, **found.start, t_end=...)``.
+
+    Examples
+    --------
+    >>> from symosc import grazing_start, load_scene
+    >>> found = grazing_start(load_scene("fig9").parameters, "P2", theta=1)
+    >>> found.found, f"{found.t:.6f}", f"{found.x:.6f}", found.v
+    (True, '-0.332121', '5.531851', 1.0)
     """
 
     mapping: str
@@ -101,12 +108,12 @@ def grazing_start(
         "P2", "P3", "P5" or "P6".
     theta, t_m : number
         Phase Omega t_m or time of the tangency (one of them): a number, a string or a sympy constant such as sympy.pi.
-        A phase is taken at the time theta/Omega; with t0, at the first such time after t0. A float phase is the binary
-        number that it is, a float time the decimal that it prints as.
+        A phase is taken at the time theta/Omega; with t0, at the first such time after t0. A float phase is used as
+        the exact binary number; a float time is read as the decimal that it prints as.
     t0 : number, optional
         Flow back to this time instead of to the switching plane.
     digits : int, optional
-        Correct digits of the result; None: floats (from 40 digits, which `start` keeps).
+        Correct digits of the result. None: floats, rounded from 40 digits, which `start` keeps.
     periods : float
         How far back to look, in periods of the excitation.
 
@@ -114,6 +121,14 @@ def grazing_start(
     ------
     ParameterError
         For a mapping without grazing, a phase outside the mapping's window, k = 0, or a t0 that is not before t_m.
+
+    Examples
+    --------
+    >>> from symosc import grazing_start, load_scene, simulate
+    >>> p = load_scene("fig9").parameters
+    >>> found = grazing_start(p, "P2", theta=1)
+    >>> simulate(p, **found.start, t_end="0.3").events[0].kind
+    'graze'
     """
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)

@@ -33,6 +33,13 @@ class GrazingVerdict:
         Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts as 0.
     tolerance : float
     reason : str
+
+    Examples
+    --------
+    >>> from symosc import is_grazing, load_scene
+    >>> verdict = is_grazing(load_scene("fig9").parameters, "P2", x=0, theta=1)
+    >>> verdict.grazing, verdict.order, verdict.reason
+    (False, 0, 'F does not vanish: the flow is transversal')
     """
 
     grazing: bool
@@ -46,8 +53,9 @@ class GrazingVerdict:
 def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = G_TOLERANCE) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
 
-    Grazing is F = 0 and a first non-vanishing G-function of odd order with the sign that leads back into the domain
-    (order 1 is the theorem as printed). Values come from 50-digit arithmetic; what counts as 0 is up to `tolerance`.
+    The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
+    into the domain. (Order 1 is the theorem as printed.) Values are computed with 50 digits; `tolerance` says what
+    counts as 0.
 
     Parameters
     ----------
@@ -63,6 +71,14 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
     ------
     ParameterError
         For a mapping without grazing, and for values that are no numbers or out of range.
+
+    Examples
+    --------
+    >>> from symosc import grazing_window, is_grazing, load_scene
+    >>> p = load_scene("fig9").parameters
+    >>> x = grazing_window(p, "P2").contact("1")
+    >>> is_grazing(p, "P2", x, "1").grazing
+    True
     """
     where = place(mapping)
     check_parameters(p)

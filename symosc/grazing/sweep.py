@@ -32,6 +32,13 @@ class WindowColumns(NamedTuple):
         low = high is the excluded phase. nan otherwise.
     theta_cr : float
         Theta_cr in [-pi/2, pi/2], nan where it does not exist.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.high.round(4).tolist()
+    [nan, 3.4814, 3.225]
     """
 
     kind: np.ndarray
@@ -51,8 +58,8 @@ class WindowColumns(NamedTuple):
 def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
-    Every end is within one unit in the last place, and every case is exact: array entries are the binary numbers that
-    they are, the other parameters stay rational. Compiled where numba is installed.
+    Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
+    numbers, the other parameters stay rational. Compiled where numba is installed.
 
     Parameters
     ----------
@@ -66,6 +73,13 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
     ------
     ParameterError
         For another parameter, and for values that Parameters would refuse.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.kind.tolist()
+    [1, 4, 4]
     """
     where, full = place(mapping), check_order(order) == "full"
     check_parameters(p)

@@ -53,6 +53,12 @@ def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingW
     ------
     ParameterError
         For a map without grazing, or another order.
+
+    Examples
+    --------
+    >>> from symosc import grazing_window, load_scene
+    >>> grazing_window(load_scene("fig9").parameters, "P2")
+    GrazingWindow(P2, gamma=30, case=(55.1), [0, 3.22502) or (6.19976, 6.28319))
     """
     return GrazingWindow(check_parameters(p), mapping, check_order(order), place(mapping))
 
@@ -68,6 +74,14 @@ class GrazingWindow:
     order : {"full", "paper"}
     place : Place
         Domain and boundary of the contact, side (1 from below, -1 from above) and the paper's equation.
+
+    Examples
+    --------
+    >>> from sympy import pi
+    >>> from symosc import grazing_window, load_scene
+    >>> window = grazing_window(load_scene("fig9").parameters, "P2")
+    >>> window.theta_cr, window.contains(pi / 2), window.contact(pi / 2)
+    (-asin(1/12), True, 14/15)
     """
 
     parameters: Parameters
@@ -167,8 +181,8 @@ class GrazingWindow:
         Parameters
         ----------
         theta : number, sympy expression or numpy array
-            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. Phases
-            are computed, not typed: a float is the binary number that it is.
+            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. A float
+            is used as the exact binary number, because phases are computed and not typed.
 
         Returns
         -------

@@ -62,6 +62,13 @@ def residual(p: Parameters, label: str, start: Any, end: Any, exit: str | None =
     ------
     ParameterError
         For an unknown map or exit, for numbers that are not finite, and for a flight with theta_j < theta_i.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, residual
+    >>> f1, f2 = residual(load_scene("fig9").parameters, "P2", (4.5, 0.5), (-4, 4))
+    >>> print(f"{f1:.6f} {f2:.6f}")
+    -0.146366 1.642603
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
@@ -80,6 +87,13 @@ def jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None =
     array of shape (2, 4), or (2, 4) + the shape of arrays that were given
         Its entries are of the kind that was given (dtype object for mpmath numbers). Both exits of a stick have the
         same derivatives.
+
+    Examples
+    --------
+    >>> from symosc import jacobian, load_scene
+    >>> J = jacobian(load_scene("fig9").parameters, "P2", (4.5, 0.5), (-4, 4))
+    >>> J.round(4).tolist()
+    [[-0.0776, -0.5228, -1.0, 0.6607], [2.3223, -0.0394, 0.0, 22.5695]]
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
@@ -92,6 +106,13 @@ def parameter_jacobian(p: Parameters, label: str, start: Any, end: Any, exit: st
 
     The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN. Arrays
     are done point by point (about 0.2 ms each). Parameters, shape and errors are those of `jacobian`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, parameter_jacobian
+    >>> J = parameter_jacobian(load_scene("fig9").parameters, "P2", (4.5, 0.5), (-4, 4))
+    >>> J[:, 5].round(4).tolist()  # with respect to Omega
+    [-0.7646, -9.5031]
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
@@ -109,7 +130,16 @@ def compiled_residual(p: Parameters, label: str) -> Callable[..., tuple[np.ndarr
     MissingExtraError
         If numba is not installed.
     ParameterError
-        For a stick, whose residual is no work.
+        For a stick: its residual is a short formula and needs no compiling.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import compiled_residual, load_scene
+    >>> f = compiled_residual(load_scene("fig9").parameters, "P2")
+    >>> f1, f2 = f(np.array([4.5]), np.array([0.5]), np.array([-4.0]), np.array([4.0]))
+    >>> f1.round(6), f2.round(6)
+    (array([-0.146366]), array([1.642603]))
     """
     row = _row(label)
     _check_parameters(p)

@@ -33,6 +33,15 @@ class MapError(SymoscError, ValueError):
         The start.
     actual : str or None
         The mapping that the motion does follow, where that is known.
+
+    Examples
+    --------
+    >>> from symosc import MapError, load_scene, solve_map
+    >>> try:
+    ...     solve_map(load_scene("fig5").parameters, "P8", -9, 6)
+    ... except MapError as error:
+    ...     print(error.actual)
+    P3
     """
 
     def __init__(self, label: str, x: Any, theta: Any, reason: str, actual: str | None = None) -> None:
@@ -57,7 +66,14 @@ class MapPoint:
     grazing : bool
         Whether a flight only touches the belt there (as far as this precision tells).
     derivative : array of shape (2, 2) or None
-        d(x, theta)/d(x_i, theta_i). None where it does not exist, because the end does not move smoothly: at a graze.
+        d(x, theta)/d(x_i, theta_i). None at a graze: the end does not move smoothly there.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_map
+    >>> point = solve_map(load_scene("fig9").parameters, "P2", 4.5, 0.5)
+    >>> point.grazing, point.derivative.round(4).tolist()
+    (False, [[-0.1465, -0.5158], [-0.1049, 0.0148]])
     """
 
     label: str
@@ -88,6 +104,13 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
     MapError
         If the motion from there does not follow the map (it says where it goes), comes to no belt within 1000 periods,
         or cannot be followed in this precision.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_map
+    >>> point = solve_map(load_scene("fig9").parameters, "P2", 4.5, 0.5)
+    >>> f"{point.x:.6f}", f"{point.theta:.6f}"
+    ('-4.179569', '3.927047')
     """
     row, _, points, shape = read_points(p, label, (x_i, theta_i), (x_i, theta_i))
     if shape is not None:

@@ -18,6 +18,12 @@ class Place(NamedTuple):
         1 for a contact from below, -1 for one from above.
     equation : int
         Its number in the paper: 55 to 58.
+
+    Examples
+    --------
+    >>> from symosc import grazing_window, load_scene
+    >>> grazing_window(load_scene("fig9").parameters, "P2").place
+    Place(domain=1, boundary=1, side=1, equation=55)
     """
 
     domain: int

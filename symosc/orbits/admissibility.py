@@ -44,6 +44,13 @@ class Condition(NamedTuple):
         Where several fail at once, the one with the lowest rank explains the others.
     scale : float
         The size of the terms that the value is a difference of: rounding errors are measured by it.
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> orbit = find_orbit(load_scene("fig5").parameters, "P32")
+    >>> orbit.admissible, orbit.failures[0].text
+    (False, 'F^(2) > 0 where P2 crosses v1 (Theorem 5)')
     """
 
     piece: int

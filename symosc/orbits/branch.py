@@ -22,6 +22,15 @@ class BranchError(SymoscError, ValueError):
     Attributes
     ----------
     orbit : PeriodicOrbit
+
+    Examples
+    --------
+    >>> from symosc import BranchError, continue_orbit, load_scene
+    >>> try:
+    ...     continue_orbit(load_scene("fig5").parameters, "P32", "Omega", (0.9, 1.1))
+    ... except BranchError as error:
+    ...     print(error.orbit.failures[0].text)
+    F^(2) > 0 where P2 crosses v1 (Theorem 5)
     """
 
     def __init__(self, orbit: PeriodicOrbit) -> None:
@@ -71,6 +80,14 @@ class BranchEnd(NamedTuple):
     beyond : str or None
         The word of the orbit just behind the end: one was found and verified there, as near as 1e-9 of the range. None
         at the end of the range, where the motion has no word (the message says what it does), or if none was found.
+
+    Examples
+    --------
+    >>> from symosc import continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> end = branch.ends[0]
+    >>> end.kind, f"{end.value:.6f}", end.beyond
+    ('birth of a stick', '3.288576', 'P132')
     """
 
     kind: str
@@ -101,6 +118,13 @@ class Branch:
         Number of forcing periods.
     ends : tuple of two BranchEnd
         Why it ends at its first and its last point.
+
+    Examples
+    --------
+    >>> from symosc import continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.9, 4.1))
+    >>> branch.labels, bool(branch.stable.all())
+    (('P2', 'P3'), True)
     """
 
     def __init__(

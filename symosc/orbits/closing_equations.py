@@ -49,6 +49,15 @@ class ConvergenceError(SymoscError, ArithmeticError):
         The number of forcing periods that they were to close after.
     residual : float
         Largest |f1|, |f2| there.
+
+    Examples
+    --------
+    >>> from symosc import ConvergenceError, find_orbit, load_scene
+    >>> try:
+    ...     find_orbit(load_scene("fig6").parameters, "P654")
+    ... except ConvergenceError as error:
+    ...     print(error.word, error.residual > 1)
+    P654 True
     """
 
     def __init__(self, word: str, best: tuple[Any, ...], periods: int, residual: float, reason: str) -> None:

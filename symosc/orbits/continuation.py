@@ -92,6 +92,13 @@ def continue_orbit(
         If there is no such parameter, or the range is empty, not allowed or does not contain the parameter's value.
     BranchError
         If the first root is no orbit.
+
+    Examples
+    --------
+    >>> from symosc import continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> [end.kind for end in branch.ends]
+    ['birth of a stick', 'end of the range']
     """
     if isinstance(parameters, PeriodicOrbit):
         found = f"continue_orbit(orbit.parameters, {parameters.word!r}, 'Omega', (low, high), orbit)"

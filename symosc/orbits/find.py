@@ -82,12 +82,19 @@ def find_orbit(
 
     Notes
     -----
-    With c > 0 an admissible orbit is the only periodic motion, it attracts every other one and has the period of the
-    excitation; other words, and more periods, only have roots that are no orbits. There is none where the mass may rest
-    for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c = 0
-    orbits may be marginal, and many.
+    With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and has the period of the
+    excitation. Other words, and more periods, only have roots that are no orbits. There is no orbit where the mass may
+    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With
+    c = 0 there may be many orbits, and they may be marginal.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> orbit = find_orbit(load_scene("fig9").parameters, "P32")
+    >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
+    (True, '1.570796', ['0.181670', '0.992371'])
     """
     structure = read_word(word)
     if len(structure.labels) > MOST_MAPPINGS:

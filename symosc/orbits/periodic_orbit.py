@@ -28,6 +28,13 @@ class SwitchingPoint(NamedTuple):
     ----------
     t, x : number
         Floats, or mpmath numbers with ``digits=``.
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> t, x = find_orbit(load_scene("fig9").parameters, "P32").points[0]
+    >>> print(f"t = {t:.6f}, x = {x:.6f}")
+    t = 0.181670, x = 4.154921
     """
 
     t: Any
@@ -46,6 +53,13 @@ class Approach(NamedTuple):
     periods : int or None
         Periods of the orbit after which |x - x_orbit| and |v - v_orbit| are below `within` for good; None: never seen.
     within : float
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> approach = find_orbit(load_scene("fig9").parameters, "P32").approach("fig9")
+    >>> f"{approach.dt:.6f}", approach.periods
+    ('-0.049270', 6)
     """
 
     dt: float
@@ -94,6 +108,15 @@ class PeriodicOrbit:
     steps : int
         Newton steps from the guess.
     digits : int or None
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene
+    >>> orbit = find_orbit(load_scene("fig9").parameters, "P32")
+    >>> [f"{abs(multiplier):.6f}" for multiplier in orbit.multipliers]
+    ['0.071594', '0.071594']
+    >>> orbit(0.5).round(6).tolist()
+    [2.181503, -14.315533]
     """
 
     parameters: Parameters

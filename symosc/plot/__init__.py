@@ -3,6 +3,13 @@
 May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
 
 One more figure: a module of its own that returns a matplotlib Figure; its function is named here.
+
+Examples
+--------
+>>> from symosc import plot, simulate
+>>> drawing = plot.figure(simulate("fig5", t_end=7))
+>>> len(drawing.axes)
+4
 """
 
 from symosc.plot.branch import branch_figure

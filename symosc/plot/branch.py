@@ -49,6 +49,13 @@ def branch_figure(branch: Branch) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from symosc import continue_orbit, load_scene, plot
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.9, 4.1))
+    >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
+    ['position $x$ at the switching', 'moduli of the multipliers']
     """
     with rc_context(STYLE):
         drawing = Figure(figsize=(7.0, 3.1), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04))

@@ -92,6 +92,13 @@ def figure(
     ------
     ParameterError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> from symosc import plot
+    >>> drawing = plot.figure("fig9", panels="ac")
+    >>> [axes.get_xlabel() for axes in drawing.axes]
+    ['time $t$', 'displacement $x$']
     """
     scene = load_scene(subject) if isinstance(subject, str) else subject
     if not isinstance(scene, (Scene, Trajectory)):
@@ -120,6 +127,12 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
     ------
     ParameterError
         If it has more events than a figure can show.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot
+    >>> plot.simulated(load_scene("fig5"))
+    <Trajectory t = 0 … 9, 6 events: t_end>
     """
     end = default_end(scene) if t_end is None else t_end
     found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
@@ -132,7 +145,16 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
 
 
 def check_panels(panels: Any) -> None:
-    """Raise ParameterError unless these are letters of panels."""
+    """Raise ParameterError unless these are letters of panels.
+
+    Examples
+    --------
+    >>> from symosc import plot
+    >>> plot.check_panels("az")
+    Traceback (most recent call last):
+        ...
+    symosc.errors.ParameterError: panels = 'az': must be different letters out of abcdef
+    """
     if isinstance(panels, str) and panels and not set(panels) - set(PANELS) and len(set(panels)) == len(panels):
         return
     raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
@@ -147,12 +169,28 @@ def default_end(scene: Scene) -> Any:
 
 
 def default_panels(scene: Scene) -> str:
-    """Return the panels of a scene's figure if nobody says which."""
+    """Return the panels of a scene's figure if nobody says which.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot
+    >>> plot.default_panels(load_scene("fig9"))
+    'abcdef'
+    """
     return "abcdef" if scene.structure else "abcd"
 
 
 def check_suffix(path: str | Path) -> None:
-    """Raise OutputError unless figures can be written to a file of that name."""
+    """Raise OutputError unless figures can be written to a file of that name.
+
+    Examples
+    --------
+    >>> from symosc import plot
+    >>> plot.check_suffix("motion.gif")
+    Traceback (most recent call last):
+        ...
+    symosc.errors.OutputError: cannot write motion.gif: a figure's name must end in .pdf, .svg or .png
+    """
     _suffix(path)
 
 
@@ -174,6 +212,14 @@ def save(drawing: Figure, path: str | Path) -> Path:
         If `drawing` is no figure or `path` no file name.
     OutputError
         If the suffix is another one or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from symosc import plot
+    >>> with TemporaryDirectory() as folder:
+    ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
+    'motion.svg'
     """
     if not isinstance(drawing, Figure):
         raise ParameterError("drawing", drawing, "must be a figure, such as figure(...) returns")

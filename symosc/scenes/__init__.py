@@ -45,6 +45,13 @@ class Scene:
         If a number is not finite, t_end <= t0, or another argument is not of its type.
     WordError
         If the structure is none.
+
+    Examples
+    --------
+    >>> from symosc import Scene, load_scene, simulate
+    >>> scene = Scene("mine", load_scene("fig5").parameters, t0=0, x0="1/3", v0=-2, t_end=6)
+    >>> simulate(scene).word
+    ['P1', 'P2', 'P1']
     """
 
     name: str
@@ -82,7 +89,14 @@ class Scene:
 
 
 def scene_names() -> list[str]:
-    """Return the names of the shipped scenes in the order of the paper's figures."""
+    """Return the names of the shipped scenes in the order of the paper's figures.
+
+    Examples
+    --------
+    >>> from symosc import scene_names
+    >>> scene_names()[:4]
+    ['fig5', 'fig6', 'fig7', 'fig7-exact']
+    """
     names = [path.stem for path in FOLDER.glob("*.toml")]
     return sorted(names, key=lambda name: (int(name.removeprefix("fig").partition("-")[0]), len(name), name))
 
@@ -96,6 +110,13 @@ def load_scene(name_or_path: str | Path) -> Scene:
         If there is no such scene, or the file is no TOML, or a key is missing or unknown.
     ParameterError
         If a number is out of range.
+
+    Examples
+    --------
+    >>> from symosc import load_scene
+    >>> scene = load_scene("fig6")
+    >>> print(scene.v0, scene.t_end, scene.parameters.Omega)
+    5 20 1/10
     """
     text = str(name_or_path)
     path = FOLDER / f"{text}.toml" if text in scene_names() else Path(text)

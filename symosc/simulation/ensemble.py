@@ -45,6 +45,13 @@ class EventTable:
         MODE_NAMES).
     status : list of str
         Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> table = simulate_many(load_scene("fig5").parameters, (0, 0, 0), t_end=7, use_numba=False)
+    >>> table.kind.tolist(), table.status
+    (['stick', 'slip', 'stick', 'slip', 'stick'], ['t_end'])
     """
 
     trajectory: np.ndarray
@@ -124,8 +131,8 @@ def simulate_many(
     max_events : int, optional
         Per trajectory (default 1,000,000).
     accuracy : float, optional
-        A trajectory with an event known to less than that is followed as by `simulate`, with more digits (default
-        1e-13). With ``math.inf`` the paths that doubles compute are followed for what they are, as by `simulate`.
+        As in `simulate` (default 1e-13): a trajectory that has an event with a larger error is followed with more
+        digits. With ``math.inf`` the paths that doubles compute are followed as they are.
     start_error : number or three numbers, optional
         Half-widths to which all t0, x0 and v0 are known, as in `simulate`; None: they are exact.
     use_numba : bool, optional
@@ -144,8 +151,17 @@ def simulate_many(
 
     Notes
     -----
-    Events, errors and statuses are those of `simulate` for each motion, to the last bit: the same source, and a motion
-    with a contact that doubles cannot decide, or an event known to less than `accuracy`, is followed by `simulate`.
+    Events, errors and statuses are those of `simulate` for each motion, to the last bit. The source is the same, and
+    `simulate` itself follows a motion with a contact that doubles cannot decide, or with an event whose error is larger
+    than `accuracy`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> starts = [(0, 0, 0), (0, 1, 2)]  # for so few starts the compilation would not be worth its time
+    >>> table = simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False)
+    >>> table.trajectory.tolist()
+    [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     sets, problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)

@@ -59,10 +59,10 @@ def simulate(
         None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
         max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
-        In double precision, an event whose time or position is known to less than that (relative to max(1, |value|),
-        for times also to |t0|) is computed once more with 36 digits (default 1e-13). Where errors grow, a coarser one
-        is faster. With ``math.inf`` the path that doubles compute is followed for what it is: only contacts within
-        their rounding get more digits.
+        For double precision (default 1e-13). An event whose time or position has a larger error than this, relative to
+        max(1, |value|), for times also to |t0|, is computed once more with 36 digits. Where errors grow, a larger value
+        is faster. With ``math.inf`` the path that doubles compute is followed as it is: only contacts that their
+        rounding leaves open get more digits.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene; without one
         the start is exact, however many digits it has. A contact that the error of the start can make a touch is a
@@ -77,6 +77,15 @@ def simulate(
     ParameterError
         If a number is missing, not finite or out of range, if both `digits` and `accuracy` are given, or if t_end is
         more than 1e8 forcing periods away and the motion goes on until then.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> trajectory = simulate("fig5", t_end=7)
+    >>> [(event.kind, f"{event.t:.6f}") for event in trajectory.events[:2]]
+    [('stick', '0.122303'), ('slip', '1.220981')]
+    >>> print(simulate("fig8-exact", digits=30).events[0].t)
+    3.14159265358979323846264338328
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS

@@ -53,6 +53,13 @@ class Event:
         "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
     t_error, x_error : float
         Estimated standard errors of t and x.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> event = simulate("fig5").events[0]
+    >>> f"{event.t:.6f}", event.kind, event.boundary, event.source, event.target
+    ('0.122303', 'stick', 1, 'Omega1', 'belt1')
     """
 
     t: Any
@@ -78,6 +85,13 @@ class Segment:
         "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
     label : str or None
         The mapping "P1" to "P8" that the segment is, None for one that starts or ends between the belts.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> segment = simulate("fig5").segments[1]
+    >>> segment.label, segment.mode, f"{segment.t_end:.6f}"
+    ('P1', 'belt1', '1.220981')
     """
 
     t_start: Any
@@ -121,6 +135,16 @@ class Trajectory:
         First and last time.
     digits : int or None
         How many digits were asked for, relative to max(1, |value|); None is double precision.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> trajectory = simulate("fig5", t_end=7)
+    >>> x, v = trajectory(2.5)
+    >>> print(f"x = {x:.6f}, v = {v:.6f} in {trajectory.mode(2.5)}")
+    x = -0.144666, v = -4.125063 in Omega1
+    >>> trajectory.word
+    ['P1', 'P2', 'P1', 'P3']
     """
 
     def __init__(

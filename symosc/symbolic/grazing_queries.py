@@ -46,6 +46,12 @@ class Answer(NamedTuple):
         When it holds.
     values : sympy Set
         The values that have the property then.
+
+    Examples
+    --------
+    >>> from symosc import values_empty
+    >>> values_empty(None, "P3", "B0")[0]
+    Answer(condition=k*v_lambda > 0, values=Interval(-k*v_lambda/Omega, k*v_lambda/Omega))
     """
 
     condition: Expr
@@ -96,8 +102,9 @@ def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any 
 
     Examples
     --------
-    >>> from symosc import load_scene
-    >>> values_containing(load_scene("fig9").parameters, "P2", "Omega", sp.pi * 7 / 6)
+    >>> from sympy import pi
+    >>> from symosc import load_scene, values_containing
+    >>> values_containing(load_scene("fig9").parameters, "P2", "Omega", 7 * pi / 6)
     Interval.open(0, 2/3)
     """
     problem, full = _problem(p, mapping, name), check_order(order) == "full"
@@ -113,13 +120,26 @@ def values_empty(p: Parameters | None, mapping: str, name: str) -> Any:
     """Return for which values of a parameter the window of a map is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_empty
+    >>> values_empty(load_scene("fig9").parameters, "P3", "Omega")
+    Interval.Lopen(0, 1/3)
     """
     problem = _problem(p, mapping, name)
     return _collected(problem, _reaching(problem, -problem.where.side, closed=True, at_zero=True))
 
 
 def values_everything(p: Parameters | None, mapping: str, name: str, order: str = "full") -> Any:
-    """Return for which values of a parameter every phase is in the window of a map; see `values_containing`."""
+    """Return for which values of a parameter every phase is in the window of a map; see `values_containing`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_everything
+    >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
+    Interval.open(0, 1/3)
+    """
     problem, full = _problem(p, mapping, name), check_order(order) == "full"
     return _collected(problem, _reaching(problem, problem.where.side, closed=full, at_zero=False))
 

@@ -50,6 +50,13 @@ class Case(NamedTuple):
         When it holds, in gamma and the amplitude.
     phases : sympy Set
         The phases theta in [0, 2 pi) at which a contact grazes.
+
+    Examples
+    --------
+    >>> from sympy import Symbol
+    >>> from symosc import theorem7
+    >>> theorem7("P3", Symbol("gamma", positive=True), 1)[0]
+    Case(label='(56.1)', condition=gamma < 1, phases=Interval.open(asin(gamma) + pi, -asin(gamma) + 2*pi))
     """
 
     label: str
@@ -85,6 +92,7 @@ def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "paper") -> 
 
     Examples
     --------
+    >>> from symosc import theorem7
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """

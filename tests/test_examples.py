@@ -1,0 +1,36 @@
+"""Every public name has an example in its docstring. It runs as it stands there, and prints what it says."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import symosc
+from symosc import plot
+
+PUBLIC = {name: getattr(symosc, name) for name in symosc.__all__}
+PUBLIC |= {f"plot.{name}": getattr(plot, name) for name in plot.__all__ if callable(getattr(plot, name))}
+#: Examples that need an optional package, and which.
+NEEDED = {"compiled_residual": "numba"}
+SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_name_has_an_example_that_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    subject = PUBLIC[name]
+    assert SECTION.search(subject.__doc__ or ""), f"the docstring of {name} has no section Examples with >>>"
+    if name in NEEDED:
+        pytest.importorskip(NEEDED[name])
+    monkeypatch.chdir(tmp_path)
+    # Without the names of its module: what a user can paste. A class is searched with its methods.
+    finder, runner = doctest.DocTestFinder(recurse=inspect.isclass(subject)), doctest.DocTestRunner(verbose=False)
+    printed: list[str] = []
+    for example in finder.find(subject, name, module=False, globs={}):
+        runner.run(example, out=printed.append)
+    assert runner.tries > 0
+    assert runner.failures == 0, "".join(printed)
+    assert not list(tmp_path.iterdir()), "an example left a file behind"
