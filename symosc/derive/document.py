@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from symosc.citation import paper_reference
-from symosc.derive import latex
+from symosc.derive import latex, line_breaks
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Heading, Prose, Step, StepError, StepEvidence
@@ -153,13 +153,13 @@ def _rows(group: _Group, scope: Scope) -> list[tuple[list[str], str, Step, StepE
         statement = step.statement
         statement = statement._replace(left=scope.shown(statement.left), right=scope.shown(statement.right))
         shown.append((number, step, evidence, statement))
-    left = max(latex.width(latex.latex(statement.left, decimals)) for *_, statement in shown)
+    left = max(line_breaks.width(latex.latex(statement.left, decimals)) for *_, statement in shown)
     found = []
     for number, step, evidence, statement in shown:
-        rows = latex.lines(statement, decimals, left)
+        rows = line_breaks.lines(statement, decimals, left)
         if step.note:
             joined = rf"{rows[-1]} \quad\text{{{step.note}}}"
-            if latex.width(rows[-1]) + 0.7 * len(latex.plain_words(step.note)) < latex.LINE - 4:
+            if line_breaks.width(rows[-1]) + 0.7 * len(latex.plain_words(step.note)) < line_breaks.LINE - 4:
                 rows[-1] = joined
             else:
                 rows.append(rf"&\quad \text{{{step.note}}}")

@@ -16,7 +16,7 @@ from latex_reader import Reader
 from sympy.core.function import AppliedUndef
 
 from symosc.cli.derive import derive
-from symosc.derive import document, latex
+from symosc.derive import document, latex, line_breaks
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Exact, Step, StepError, StepEvidence, equation, mutations, points
@@ -172,7 +172,7 @@ def test_formulas_fit_the_line() -> None:
             if not isinstance(group, document._Group):
                 continue
             for rows, *_ in document._rows(group, Scope()):
-                assert all(latex.width(row.replace("&", "")) < 1.12 * latex.LINE for row in rows), rows
+                assert all(line_breaks.width(row.replace("&", "")) < 1.12 * line_breaks.LINE for row in rows), rows
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -183,7 +183,7 @@ def test_what_is_printed_reads_back(key: str) -> None:
         shown = step.statement._replace(
             left=Scope().shown(step.statement.left), right=Scope().shown(step.statement.right)
         )
-        left, right = " ".join(latex.lines(shown, step.decimals)).split("&", 1)
+        left, right = " ".join(line_breaks.lines(shown, step.decimals)).split("&", 1)
         right = re.sub(r"^(?:=|>|<|\\ge|\\le)(?![a-z])", "", right)
         for text, side in ((left, shown.left), (right, shown.right)):
             point = next(points(side, count=1))
