@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -19,8 +20,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def report(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
-    """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it."""
+    """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it.
+
+    The environment variable SYMOSC_REPORT names one that was just made.
+    """
     import fcntl
+
+    if made := os.environ.get("SYMOSC_REPORT"):
+        assert (Path(made) / "report.json").is_file(), f"no report in SYMOSC_REPORT = {made}"
+        return Path(made)
 
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if hasattr(request.config, "workerinput") else base

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from careful_solver import TIGHT, Run, random_parameters, solve
+from samples import sample_of
 
 from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks.compare import CrossCheck, crosscheck
@@ -322,11 +323,12 @@ def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_right_samples_of_random_systems_pass() -> None:
+@sample_of(20, 60)
+def test_right_samples_of_random_systems_pass(count: int) -> None:
     """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
     rng = np.random.default_rng(5)
     events = 0
-    for _ in range(60):
+    for _ in range(count):
         p = random_parameters(rng)
         t0 = float(rng.choice([0.0, 3.5, 1e6]))
         v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
@@ -340,4 +342,4 @@ def test_right_samples_of_random_systems_pass() -> None:
         assert crosscheck(p, t, x + noise[0], v + noise[1]).ok
         assert not crosscheck(p, t, x, v * (1 + 1e-6)).ok
         events += len(exact.events)
-    assert events > 500
+    assert events > 8 * count

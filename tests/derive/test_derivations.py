@@ -42,13 +42,17 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every fourth step of the chapter of the domains, so that two workers may share it.
+#: Every fourth step of the chapter of the domains; the other three quarters are a campaign.
 PIECES = {"domains": 4}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 
 
 @pytest.mark.parametrize(
-    ("key", "part"), [pytest.param(*each, marks=[pytest.mark.slow] * (each[0] not in QUICK)) for each in PARTS]
+    ("key", "part"),
+    [
+        pytest.param(*each, marks=[pytest.mark.slow] * (each[0] not in QUICK) + [pytest.mark.campaign] * (each[1] > 0))
+        for each in PARTS
+    ],
 )
 def test_a_changed_sign_fails(key: str, part: int) -> None:
     _, items = document.chapter_items(key, Scope())
