@@ -34,7 +34,7 @@ TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
 MANY_TURNS = 64.0
 # A search ends a little later than the motion: a contact exactly at its end would else not be found, nor excluded.
-PAST_END = 1.0 + 1e-9
+PAST_END = 1e-9
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
 
@@ -73,7 +73,7 @@ def advance_flight(mode, at, n, theta, x, v, F0, S11, S12, S22, t, t_low, left, 
     on_below, on_above = at == mode - 1 and at > 0, at == mode
     while True:
         if tau_max >= left:
-            tau_max = left * PAST_END if left > 0.0 else left
+            tau_max = left + PAST_END * left if left > 0.0 else left
         code, side, tau, dx, dv, F, _, s, c, E0, E1, E2 = first_exit(
             tau_max, v, F0, s0, c0, v - lower.v, upper.v - v, has_below, has_above, on_below, on_above, S11, S12, S22, K
         )

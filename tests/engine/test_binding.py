@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
 import os
@@ -113,3 +114,52 @@ def test_names_that_do_not_fit_are_refused() -> None:
         bind((one, two), {})
     with pytest.raises(ValueError, match="f is written in one and in two"):
         compiled((one, two))
+
+
+# -- one binder for all arithmetics ------------------------------------------------------------------------------------
+
+
+def test_every_name_has_one_home() -> None:
+    """Sources are flattened into one namespace: a second function or constant of a name would replace the first."""
+    assert len(functions_of(SOURCES)) > 30  # it raises where two functions have one name
+    homes: dict[str, set[str]] = {}
+    for module in SOURCES:
+        for node in ast.parse(inspect.getsource(module)).body:
+            targets = node.targets if isinstance(node, ast.Assign) else []
+            for target in targets:
+                for name in ast.walk(target):
+                    if isinstance(name, ast.Name):
+                        homes.setdefault(name.id, set()).add(module.__name__)
+    assert {name: where for name, where in homes.items() if len(where) > 1} == {}
+
+
+def test_two_functions_of_one_name_are_refused() -> None:
+    first, second = types.ModuleType("first"), types.ModuleType("second")
+    for module in (first, second):
+        exec("def twice(x):\n    return 2 * x\n", vars(module))
+        module.twice.__module__ = module.__name__
+    with pytest.raises(ValueError, match="twice is written in first and in second"):
+        functions_of([first, second])
+
+
+def is_short(value: float) -> bool:
+    """Whether a number is a limit that somebody chose, such as 4e-3 or 64, and no constant of mathematics."""
+    return value == float(f"{value:.2g}") or (1024 * value).is_integer()
+
+
+def test_no_double_constant_gets_into_many_digits() -> None:
+    """pi, 1/6 or the rounding unit of doubles would spoil every digit behind the 16th."""
+    namespace = MpArithmetic(load_scene("fig5").parameters, 50).namespace
+    used, literals = set(), set()
+    # What makes the constants is told which numbers to make, pi among them.
+    for name in functions_of(SOURCES).keys() - {"constants", "with_march", "_chunk", "_period_rest", "_belt_constants"}:
+        code = getattr(namespace[name], "__code__", None)
+        used |= set(code.co_names) if code else set()
+        literals |= {value for value in code.co_consts if isinstance(value, float)} if code else set()
+    assert {"EPS", "PI", "TWO_PI", "SIXTH", "ROUNDING"} <= used
+    for name in used & set(namespace):
+        value = namespace[name]
+        assert not isinstance(value, float) or is_short(value), (name, value)
+    assert all(is_short(value) for value in literals), literals
+    for name in ("EPS", "PI", "TWO_PI", "SIXTH", "NEAR"):
+        assert namespace[name].context.dps >= 50, name
