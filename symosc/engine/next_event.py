@@ -265,4 +265,4 @@ def passing_time(error, first, second, third, K):
         best = min(best, error / abs(first))
     if second != 0.0:
         best = min(best, sqrt(2.0 * error / abs(second)))
-    return min(best, (6.0 * error / abs(third)) ** (1.0 / 3.0)) if third != 0.0 else best
+    return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH)) if third != 0.0 else best
