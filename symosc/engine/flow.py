@@ -24,8 +24,8 @@ LONGEST_SWING = 10**9
 # A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few of its periods.
 HEAVY = 50
 SLOW_DRIVE = 100
-# A free oscillation that loses less than 1 % of its velocity per radian.
-LASTING = 10**4
+# A free oscillation that loses less than a twentieth of its velocity per radian.
+LASTING = 400
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
 SIGMAS = Fraction(8)
