@@ -26,9 +26,9 @@ h = c / (2.0 * m)
 w0sq = k / m
 square = w0sq - h * h
 under = square > 0.0
-w = sqrt(abs(square))
+omega_d = sqrt(abs(square))
 w0 = sqrt(w0sq)
-l2 = -(h + w)
+l2 = -(h + omega_d)
 l1 = w0sq / l2 if l2 != 0.0 else 0.0
 rate0 = w0 if under else -l2
 rate = rate0 if rate0 > Omega else Omega
@@ -36,7 +36,7 @@ p = w0sq - Omega * Omega
 q = 2.0 * h * Omega
 larger = w0sq if w0sq > Omega * Omega else Omega * Omega
 apart = under and p * p + q * q >= 0.04 * larger * larger
-detuning = (square - Omega * Omega) / (w + Omega) if under else -Omega
+detuning = (square - Omega * Omega) / (omega_d + Omega) if under else -Omega
 cm = 2.0 * h
 f0 = B0 / m
 Om = Omega

@@ -214,7 +214,7 @@ def test_the_number_of_steps_is_bounded(module: object) -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
     scan = module is peers_scan
-    few = {"MOST_SAMPLES" if scan else "MOST_STEPS": 2}
+    few = {"MOST_SAMPLES" if scan else "MOST_DOP853_STEPS": 2}
     functions = bind(module.MODULES, few)  # type: ignore[attr-defined]
     s = peers_scan.scan_of(motion, 20, 1e-9) if scan else peers_numba.settings(motion, 1e-9, True)
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
@@ -226,7 +226,7 @@ def test_a_late_clock_costs_no_steps() -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
     q, s = scalars(motion), peers_numba.settings(motion, 1e-14, True)
-    follow = bind(peers_numba.MODULES, {"MOST_STEPS": 200})["follow"]
+    follow = bind(peers_numba.MODULES, {"MOST_DOP853_STEPS": 200})["follow"]
     for t in (0.0, 1e6):
         rows, count, outcome, _ = follow(q, s, t, 4.5, 0.0, 1, 0, 1e-14, t + 5.0)
         assert outcome == 0
