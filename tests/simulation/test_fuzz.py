@@ -1,6 +1,6 @@
 """Small campaigns of the fuzzer, and checks of what the fuzzer itself takes for true.
 
-Larger ones: python tests/fuzz.py --scenes 2000 --seed 1
+Larger ones: python tests/support/fuzz.py --scenes 2000 --seed 1
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Attack the engine with random scenes and an independent oracle: python tests/fuzz.py --scenes 2000 --seed 1
+"""Attack the engine with random scenes and an independent oracle: python tests/support/fuzz.py --scenes 2000 --seed 1
 
 Prints a table per family and every failing scene as a Python snippet. Exits 1 if a scene failed.
 """
