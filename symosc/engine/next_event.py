@@ -126,18 +126,18 @@ def advance_flight(mode, at, n, theta, x, v, F0, S11, S12, S22, t, t_low, left, 
         F = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
     G1, G2, G3 = derivatives(v, F, s, c, K)
     t_error = passing_time(sqrt(S22), F, G1, G2, K)
-    doubt = 2.0 * K.sigmas * t_error  # a gap that is a^2/(2 b) deep is open if its error is as large as that
+    doubt = 2.0 * K.sigmas * t_error  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
     vague = abs(F) <= (abs(G1) + abs(G2) * doubt) * doubt  # as far as this precision tells the acceleration is 0 here
     if vague or code == TANGENCY:
         vague = True
         inflection = side * G2 > abs(G3) * doubt and abs(G1) <= abs(G2) * doubt
+        speed_up, F = F, 0.0 * F
         if not inflection:
-            if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind it
-                shift = min(-F / G1, left - tau)
-                x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
+            if speed_up * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
+                shift = min(-speed_up / G1, left - tau)
+                x = x + (v + (0.5 * speed_up + SIXTH * G1 * shift) * shift) * shift
                 n, theta = later(n, theta, shift, K)
                 t, t_low = added(t, t_low, shift, K)
-            F = 0.0 * F
             t_error = passing_time(K.rate * (sqrt(S22) + v_noise), G1, G2, G3, K)
             touch = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
             return touch, boundary, False, t_error, mode, boundary, n, theta, x, v, F, F, S11, S12, S22, t, t_low

@@ -234,3 +234,19 @@ def test_a_force_on_the_far_side_within_its_error_is_in_doubt(
             monkeypatch.setattr(next_event, "first_exit", lambda *_, hit=turning: hit)
             found = next_event.advance(*with_error, 9.0, 0.0, K)
             assert found[0] == (next_event.CROSS if decided or towards > 0 else next_event.STICK)
+
+
+@pytest.mark.parametrize(("mode", "side"), [(1, 1), (2, -1), (2, 1), (3, -1)])
+def test_a_triple_contact_leaves_no_acceleration(mode: int, side: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the acceleration is 0 as far as is known it is 0: the force of the domain that the motion came from too."""
+    boundary = mode - 1 if side < 0 else mode
+    v = float(BASE.belt(boundary))
+    state, K = state_in(mode, v - side, 0.0)
+    F, s, c = side * 1e-12, -K.w0sq * v / K.fB, -float(side)  # G1 = 0, G2 on the side of the belt
+    hit = (touches.HIT, side, 1.0 / K.rate, 0.0, float(side), F, 0.0, s, c, 1.0, 0.0, 0.0)
+    monkeypatch.setattr(next_event, "first_exit", lambda *_: hit)
+    monkeypatch.setattr(next_event, "acceleration", lambda *_: F)
+    found = next_event.advance(*state[:10], 1e-18, 0.0, 0.0, 9.0, 0.0, K)
+    assert found[:3] == (next_event.STICK, boundary, False)
+    Fb, Fa = found[10:12]
+    assert (Fb if side > 0 else Fa) == 0.0
