@@ -44,9 +44,8 @@ from .grazing.sweep import WindowColumns as WindowColumns
 from .grazing.sweep import grazing_windows as grazing_windows
 from .grazing.window import GrazingWindow as GrazingWindow
 from .grazing.window import grazing_window as grazing_window
-from .mappings.equations import (
-    compiled_residual as compiled_residual,
-)
+from .mappings.compiled import CompiledResidual as CompiledResidual
+from .mappings.compiled import compiled_residual as compiled_residual
 from .mappings.equations import (
     jacobian as jacobian,
 )

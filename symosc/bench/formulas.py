@@ -10,7 +10,8 @@ import numpy as np
 
 from symosc.grazing.sweep import grazing_windows
 from symosc.grazing.window import grazing_window
-from symosc.mappings.equations import compiled_residual, residual
+from symosc.mappings.compiled import compiled_residual
+from symosc.mappings.equations import residual
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -55,12 +56,29 @@ def _residuals(points: int, repeats: int) -> dict[str, Any]:
     row: dict[str, Any] = {"residuals": points, "numpy_s": generated, **{f"{k}_s": t for k, t in times.items()}}
     row |= {f"numpy_speedup_over_{name}": seconds / generated for name, seconds in times.items()}
     try:
-        compiled = compiled_residual(p, "P3")
+        compiled, slopes = compiled_residual(p, "P3"), compiled_residual(p, "P3", jacobian=True)
     except ImportError:
         return row
-    compiled(*(a[:9] for a in arguments))
+    for function in (compiled, slopes):
+        function(*(a[:9] for a in arguments))
     row["compiled_s"] = best(lambda: compiled(*arguments), repeats)
+    row["with_jacobian_over_residual"] = best(lambda: slopes(*arguments), repeats) / row["compiled_s"]
+    row["compiled_error"] = _error(p, compiled, arguments)
     return row | {f"compiled_speedup_over_{name}": seconds / row["compiled_s"] for name, seconds in times.items()}
+
+
+def _error(p: Parameters, compiled: Callable[..., Any], arguments: tuple[Any, ...]) -> float:
+    """Return the largest error of a sample of residuals against 40 digits, relative to the largest residual."""
+    import mpmath
+
+    sample = [column[:300] for column in arguments]
+    found, error = compiled(*sample), 0.0
+    with mpmath.workdps(40):
+        for n, point in enumerate(zip(*sample, strict=True)):
+            x_i, theta_i, x_j, theta_j = map(mpmath.mpf, point)
+            true = residual(p, "P3", (x_i, theta_i), (x_j, theta_j))
+            error = max(error, *(abs(float(f[n] - exact)) for f, exact in zip(found, true, strict=True)))
+    return error / float(max(abs(f).max() for f in found))
 
 
 def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
@@ -110,6 +128,16 @@ def _exact_window(p: Parameters) -> None:
     _ = window.phases, window.theta_cr, window.intervals
 
 
+def _jacobian_line(result: dict[str, Any]) -> list[str]:
+    if "compiled_error" not in result:
+        return []
+    return [
+        f"residual of P3 with its Jacobian, compiled: {result['with_jacobian_over_residual']:.2f} times the residual; "
+        f"largest error {result['compiled_error']:.1e} of the largest residual",
+        "",
+    ]
+
+
 def table(result: dict[str, Any]) -> str:
     """Return the result of `run` as text."""
     from tabulate import tabulate
@@ -128,6 +156,7 @@ def table(result: dict[str, Any]) -> str:
             colalign=("left", "right", "right", "right"),
         ),
         "",
+        *_jacobian_line(result),
         f"periodic orbit P4645 of fig10: {result['newton_P4645_ms']:.2f} ms from a guess with one decimal, "
         f"{result['orbit_P4645_without_guess_ms']:.0f} ms without a guess",
         f"grazing window: {result['exact_window_ms']:.2f} ms exact, "

@@ -100,7 +100,7 @@ def compiled(
     inlined = set() if outlined is None else set(written) - set(outlined)
     replaced = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func") and name in seen}
     replaced = {name: value for name, value in replaced.items() if name not in written}
-    sources = version(seen, modules, (value.py_func.__module__ for value in replaced.values()))
+    sources = version(seen, modules, {name: value.py_func for name, value in replaced.items()})
 
     def wrap(function: Any) -> Any:
         # numba's disk cache looks for changes in the function's own file only. The name of the entry says the rest.
@@ -110,7 +110,7 @@ def compiled(
     return bind(modules, replaced, wrap)
 
 
-def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], others: Iterable[str] = ()) -> str:
+def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], callees: dict[str, Any] | None = None) -> str:
     """Return a short text that changes with anything that the functions of `modules` are compiled from.
 
     Parameters
@@ -118,11 +118,12 @@ def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], others: I
     seen : dict
         Their globals; constants count, wherever they are written.
     modules : iterable of modules
-    others : iterable of str
-        Names of the modules that the functions are from which these call.
+    callees : dict, optional
+        Functions of other modules that these call, by the name that they have here.
     """
     constants = sorted((name, repr(value)) for name, value in seen.items() if isinstance(value, CONSTANTS))
-    digest = hashlib.sha256(repr(constants).encode())
-    for module in (*modules, *(sys.modules[name] for name in sorted(set(others)))):
+    called = sorted((name, function.__module__, function.__name__) for name, function in (callees or {}).items())
+    digest = hashlib.sha256(repr((constants, called)).encode())
+    for module in (*modules, *(sys.modules[name] for name in sorted({module for _, module, _ in called}))):
         digest.update(inspect.getsource(module).encode())
     return digest.hexdigest()[:12]

@@ -42,12 +42,16 @@ def basis_at(tau, s, c, K):
     if K.rate * tau < SERIES_BELOW:
         E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
     elif K.apart and K.w0 * tau >= APART_ABOVE:
-        w_tau = K.omega_d * tau
-        decay = exp(-K.h * tau)
-        E0, E1, E2, R2, I2 = basis_apart(decay, sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+        E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
     else:
         E0, E1, E2, R2, I2 = careful(tau, s, c, K)
     return E0, E1, E2, R2, I2, s, c
+
+
+def closed_form(tau, s, c, K):
+    """Return E0, E1, E2, R2, I2 where the roots and the drive are apart, with s, c = sin, cos(Omega tau)."""
+    w_tau = K.omega_d * tau
+    return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau, cm, w0sq, Om):
@@ -78,37 +82,54 @@ def series(tau, cm, w0sq, Om):
     return E0, E1, E2, R2, I2
 
 
-def careful(tau, s_Om, c_Om, K):
+def careful(tau, s, c, K):
     """Return E0, E1, E2, R2, I2 by divided differences over the farthest pair of nodes."""
+    if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
+        E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
+    else:
+        E0, E1 = impulse(tau, K)
+        E2 = impulse_integral(tau, E1, K)
+    R2, I2 = wave_integrals(tau, s, c, E1, K)
+    return E0, E1, E2, R2, I2
+
+
+def impulse(tau, K):
+    """Return E0 and E1."""
     if K.under:
-        real1, imag1 = -K.h, K.omega_d  # l1, the root nearer to i Omega
-        real2, imag2 = -K.h, -K.omega_d
         decay = exp(-K.h * tau)
-        s = sin(K.omega_d * tau)
-        E1 = decay * s / K.omega_d
+        E1 = decay * sin(K.omega_d * tau) / K.omega_d
         E0 = decay * cos(K.omega_d * tau) - K.h * E1
     else:
-        real1, imag1 = K.l1, 0.0  # the slow root
-        real2, imag2 = K.l2, 0.0
         gap = 2.0 * K.omega_d
         spread = -expm1(-gap * tau) / gap if gap > 0.0 else tau
         decay = exp(K.l1 * tau)
         E1 = decay * spread
         E0 = decay * (K.l1 * spread + exp(-gap * tau))
-    if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
-        E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
-    else:
-        # (e[0, l1] - e[l1, l2]) / (0 - l2), real by symmetry
-        real, imag = expm1_over(real1, imag1, tau)
-        E2 = -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
-    # (e[i Om, l1] - e[l1, l2]) / (i Om - l2)
+    return E0, E1
+
+
+def impulse_integral(tau, E1, K):
+    """Return E2 = (e[0, l1] - e[l1, l2]) / (0 - l2), real by symmetry; not for k = 0 without damping."""
+    real1, imag1, real2, imag2 = roots(K)
+    real, imag = expm1_over(real1, imag1, tau)
+    return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
+
+
+def wave_integrals(tau, s, c, E1, K):
+    """Return R2, I2 from (e[i Om, l1] - e[l1, l2]) / (i Om - l2), with s, c = sin, cos(Omega tau)."""
+    real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
-    top_real, top_imag = c_Om * real - s_Om * imag - E1, c_Om * imag + s_Om * real
+    top_real, top_imag = c * real - s * imag - E1, c * imag + s * real
     real2, imag2 = -real2, K.Om - imag2
     size = real2 * real2 + imag2 * imag2
-    R2 = (top_real * real2 + top_imag * imag2) / size
-    I2 = (top_imag * real2 - top_real * imag2) / size
-    return E0, E1, E2, R2, I2
+    return (top_real * real2 + top_imag * imag2) / size, (top_imag * real2 - top_real * imag2) / size
+
+
+def roots(K):
+    """Return the real and imaginary parts of l1, the slow root or the one nearer to i Omega, and of l2."""
+    if K.under:
+        return -K.h, K.omega_d, -K.h, -K.omega_d
+    return K.l1, 0.0, K.l2, 0.0
 
 
 def expm1_over(real, imag, tau):

@@ -66,9 +66,3 @@ def stick_slopes(theta_j, v, K):
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
     """Return the derivatives of f2 = F by c, k, A_alpha, B0, v and m, and of f1 by Omega and v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
-
-
-def flights(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K, f1, f2):
-    """Fill the arrays f1, f2 with the residuals of many flights."""
-    for n in range(len(f1)):
-        f1[n], f2[n] = flight(x_i[n], theta_i[n], x_j[n], theta_j[n], v_i, v_j, A, K)

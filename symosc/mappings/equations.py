@@ -24,7 +24,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine import binding
-from symosc.engine.arithmetic import compiled
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array, mapping, repeated
@@ -120,45 +119,6 @@ def parameter_jacobian(p: Parameters, label: str, start: Any, end: Any, exit: st
     numbers = _floats(p)
     found = [_matrix(_parameter_jacobian(p, row, numbers, point, exit)) for point in zip(*points, strict=True)]
     return np.stack(found, axis=-1).reshape((2, 11, *shape))
-
-
-def compiled_residual(p: Parameters, label: str) -> Callable[..., tuple[np.ndarray, np.ndarray]]:
-    """Return a compiled function (x_i, theta_i, x_j, theta_j) -> (f1, f2) of one-dimensional arrays, for a flight.
-
-    Raises
-    ------
-    MissingExtraError
-        If numba is not installed.
-    ParameterError
-        For a stick: its residual is a short formula and needs no compiling.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from symosc import compiled_residual, load_scene
-    >>> f = compiled_residual(load_scene("fig9").parameters, "P2")
-    >>> f1, f2 = f(np.array([4.5]), np.array([0.5]), np.array([-4.0]), np.array([4.0]))
-    >>> f1.round(6), f2.round(6)
-    (array([-0.146366]), array([1.642603]))
-    """
-    row = _row(label)
-    _check_parameters(p)
-    if row.sticks:
-        raise ParameterError("map", label, "is a stick; only flights are compiled, `residual` takes arrays")
-    loop, K = _compiled_loop(), _floats(p).K
-    v_i, v_j, A = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v, (K.A1, K.A2, K.A3)[row.domain - 1]
-
-    def flights(x_i: Any, theta_i: Any, x_j: Any, theta_j: Any) -> tuple[np.ndarray, np.ndarray]:
-        points = [np.ascontiguousarray(column, dtype=float) for column in (x_i, theta_i, x_j, theta_j)]
-        if any(column.shape != (len(points[0]),) for column in points):
-            raise ParameterError("points", [column.shape for column in points], "must be four arrays of one length")
-        if np.any(points[3] < points[1]):
-            raise ParameterError("theta_j", "array", UNWRAPPED)
-        f1, f2 = np.empty_like(points[0]), np.empty_like(points[0])
-        loop(*points, v_i, v_j, A, K, f1, f2)
-        return f1, f2
-
-    return flights
 
 
 class Numbers(NamedTuple):
@@ -259,11 +219,6 @@ def _mp_numbers(p: Parameters, context: Any, precision: int) -> Numbers:
     return Numbers(K, binding.bind((mapping,), names), number)
 
 
-@lru_cache(maxsize=1)
-def _compiled_loop() -> Callable[..., None]:
-    return binding.compiled((mapping,), {"flights"}, compiled())["flights"]
-
-
 # --- reading arguments ---
 
 UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_j - theta_i)/Omega"
@@ -275,7 +230,8 @@ def _row(label: Any) -> Map:
     return MAPS[label]
 
 
-def _check_parameters(p: Any) -> None:
+def check_parameters(p: Any) -> None:
+    """Raise ParameterError unless p is Parameters."""
     if not isinstance(p, Parameters):
         raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
 
@@ -285,7 +241,7 @@ def read_points(
 ) -> tuple[Map, Numbers, list[Any], Any]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
     row = _row(label)
-    _check_parameters(p)
+    check_parameters(p)
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)

@@ -1,0 +1,242 @@
+"""Residuals of maps and words over arrays at the speed of SIMD, and for a user's own compiled code."""
+
+from __future__ import annotations
+
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from symosc.engine import arithmetic, binding
+from symosc.engine.flow import BeltConstants, Constants, constants
+from symosc.errors import ParameterError
+from symosc.kernels import _generated, elementary, entire, entire_array, entire_branchless, mapping, mapping_loops
+from symosc.kernels.mapping_loops import BACKWARD, CLOSED, KINDS, WIDE
+from symosc.mappings.equations import EXITS, UNWRAPPED, check_parameters
+from symosc.model import SIDES, Parameters
+from symosc.words import MAPS, Map, read_word
+
+FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
+
+
+def compiled_residual(
+    p: Parameters, label: str, *, jacobian: bool = False, exit: str | None = None
+) -> CompiledResidual:
+    """Return a compiled function for the residuals of a map, or of a word, over arrays.
+
+    Parameters
+    ----------
+    p : Parameters
+    label : str
+        "P1" to "P8", or a word such as "P32", read right to left.
+    jacobian : bool
+        Whether it returns the derivatives too.
+    exit : str, optional
+        For sticks: the domain that they slip into, "below" or "above"; None: for each point the one with the
+        smaller |f2|.
+
+    Returns
+    -------
+    CompiledResidual
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    ParameterError
+        For parameters that are none, and for an exit of a map that is no stick.
+    WordError
+        For a word that no motion can follow.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import compiled_residual, load_scene
+    >>> f = compiled_residual(load_scene("fig9").parameters, "P2")
+    >>> f1, f2 = f(np.array([4.5]), np.array([0.5]), np.array([-4.0]), np.array([4.0]))
+    >>> f1.round(6), f2.round(6)
+    (array([-0.146366]), array([1.642603]))
+    """
+    check_parameters(p)
+    labels = (label,) if isinstance(label, str) and label in MAPS else read_word(label).labels
+    rows = tuple(MAPS[one] for one in labels)
+    if exit is not None and not (exit in EXITS and any(row.sticks for row in rows)):
+        raise ParameterError("exit", exit, f'must be None, or "below" or "above" for a stick; the map is {label}')
+    _loops(WIDE)  # says at once when numba is missing
+    return CompiledResidual(p, rows, jacobian, exit)
+
+
+class CompiledResidual:
+    """The residuals of a map, or of a word, compiled: what `compiled_residual` returns.
+
+    A map is called with four arrays x_i, theta_i, x_j, theta_j of one length n; phases are unwrapped. It returns f1 and
+    f2, eq. (54), and with ``jacobian=True`` also an array (2, 4, n): the derivatives by the four.
+
+    A word of N maps is called with two arrays x, theta of shape (N + 1, n): its switching points in order of time. It
+    returns an array (2 N, n), and with ``jacobian=True`` also an array (N, 2, 4, n): the derivatives of the two
+    equations of each map by x_i, theta_i, x_j, theta_j of that map.
+
+    Attributes
+    ----------
+    maps : tuple of str
+        The labels in order of time.
+    scalar : numba function
+        (x_i, theta_i, x_j, theta_j) -> (f1, f2), or (f1, f2, (8 derivatives by rows)): to be called from compiled code
+        of your own. It uses the C library's functions and does not check its arguments. Of a map only.
+
+    Examples
+    --------
+    >>> import numba
+    >>> from symosc import compiled_residual, load_scene
+    >>> f = compiled_residual(load_scene("fig9").parameters, "P2", jacobian=True).scalar
+    >>> @numba.njit
+    ... def newton_step(x_i, theta_i, x_j, theta_j):
+    ...     f1, f2, (_, _, a, b, _, _, c, d) = f(x_i, theta_i, x_j, theta_j)
+    ...     size = a * d - b * c
+    ...     return x_j - (d * f1 - b * f2) / size, theta_j - (a * f2 - c * f1) / size
+    >>> x_j, theta_j = newton_step(4.5, 0.5, -4.0, 4.0)
+    >>> print(f"{x_j:.6f} {theta_j:.6f}")
+    -4.194448 3.927220
+    """
+
+    def __init__(self, p: Parameters, rows: tuple[Map, ...], jacobian: bool, exit: str | None) -> None:
+        self.parameters, self.maps, self.jacobian, self.exit = p, tuple(row.label for row in rows), jacobian, exit
+        self._rows, self._K = rows, constants(p)
+
+    def __repr__(self) -> str:
+        return f"CompiledResidual(maps={self.maps}, jacobian={self.jacobian})"
+
+    def __call__(self, *columns: Any) -> Any:
+        """Return the residuals, and the derivatives if they were asked for.
+
+        Raises
+        ------
+        ParameterError
+            For arrays of other shapes, and for a flight with theta_j < theta_i.
+        """
+        if len(self._rows) == 1:
+            points = self._read(columns, ("x_i", "theta_i", "x_j", "theta_j"), 1)
+            f, J = self._fill(self._rows[0], points)
+            return (f[0], f[1], J) if self.jacobian else (f[0], f[1])
+        x, theta = self._read(columns, ("x", "theta"), 2)
+        if len(x) != len(self._rows) + 1:
+            raise ParameterError("x", x.shape, f"must have {len(self._rows) + 1} rows: a point more than maps")
+        found = [self._fill(row, (x[n], theta[n], x[n + 1], theta[n + 1])) for n, row in enumerate(self._rows)]
+        f = np.concatenate([f for f, _ in found])
+        return (f, np.stack([J for _, J in found if J is not None])) if self.jacobian else f
+
+    @cached_property
+    def scalar(self) -> Any:
+        """The residual of one pair of points, compiled for a user's own compiled code."""
+        if len(self._rows) > 1:
+            raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
+        return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
+
+    @staticmethod
+    def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
+        if len(columns) != len(names):
+            raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
+        try:
+            arrays = tuple(np.require(column, dtype=float, requirements=["C", "W"]) for column in columns)
+        except (TypeError, ValueError):
+            raise ParameterError("points", columns, "must be arrays of real numbers") from None
+        shapes = [array.shape for array in arrays]
+        if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:
+            how = "one-dimensional arrays of one length" if dimensions == 1 else "two-dimensional arrays of one shape"
+            raise ParameterError("points", shapes, f"must be {how}")
+        return arrays
+
+    def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
+        n = len(points[0])
+        f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
+        results = (f,) if J is None else (f, J)
+        name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
+        if row.sticks:
+            wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
+            _loops(WIDE if wide else CLOSED)[name](points, *_belt_and_sides(row, self._K, self.exit), self._K, *results)
+            return f, J
+        kinds = np.empty(n, dtype=np.uint8)
+        counts = _loops(WIDE)["kinds_of"](points[1], points[3], self._K, kinds)
+        if counts[BACKWARD]:
+            raise ParameterError("theta_j", "array", UNWRAPPED)
+        # The commonest formula goes over all points, which need not be picked out; others then mend where it is wrong.
+        order = sorted((kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind])
+        arguments = (*_speeds_and_domain(row, self._K), self._K)
+        for kind in order:
+            if kind == order[0]:
+                _loops(kind)[name](points, *arguments, *results)
+            else:
+                self._mend(_loops(kind)[name], np.flatnonzero(kinds == kind), points, arguments, results)
+        return f, J
+
+    @staticmethod
+    def _mend(loop: Any, at: np.ndarray, points: Any, arguments: Any, results: Any) -> None:
+        picked = tuple(np.empty((*result.shape[:-1], len(at))) for result in results)
+        loop(tuple(column[at] for column in points), *arguments, *picked)
+        for result, part in zip(results, picked, strict=True):
+            result[..., at] = part
+
+
+def _speeds_and_domain(row: Map, K: Constants) -> tuple[tuple[float, float], float]:
+    return (_belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v), (K.A1, K.A2, K.A3)[row.domain - 1]
+
+
+def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tuple[float, float]]:
+    below, above = ((K.A1, K.A2, K.A3)[domain - 1] for domain in SIDES[row.start.boundary])
+    sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
+    return _belt(K, row.start.boundary).v, sides
+
+
+def _belt(K: Constants, boundary: int) -> BeltConstants:
+    return K.belt1 if boundary == 1 else K.belt2
+
+
+@lru_cache(maxsize=KINDS)
+def _loops(kind: int) -> dict[str, Any]:
+    """Return the loops compiled with the formula of this kind."""
+    outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
+    if kind == WIDE:
+        return binding.compiled((mapping, mapping_loops), outlined | {"flight", "flight_slopes"}, arithmetic.compiled())
+    series = binding.compiled((entire_array,), ())["series"]
+    modules = (elementary, _generated, entire, entire_branchless)
+    basis = binding.compiled(modules, (), {"all_terms": series})[FORMULAS[kind]]
+    return binding.compiled((elementary, _generated, mapping, mapping_loops), outlined, {"basis": basis})
+
+
+def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
+    import numba
+
+    functions = _loops(WIDE)
+    flight, flight_slopes = functions["flight"], functions["flight_slopes"]
+    stick, stick_slopes = functions["stick"], functions["stick_slopes"]
+    if row.sticks:
+        v, (below, above) = _belt_and_sides(row, K, exit)
+
+        def residual(x_i, theta_i, x_j, theta_j):
+            f1, force_below = stick(x_i, theta_i, x_j, theta_j, v, below, K)
+            _, force_above = stick(x_i, theta_i, x_j, theta_j, v, above, K)
+            return f1, (force_below if abs(force_below) <= abs(force_above) else force_above)
+
+        def slopes(x_i, theta_i, theta_j):
+            x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, v, K)
+            return 1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1
+    else:
+        (v_i, v_j), A = _speeds_and_domain(row, K)
+
+        def residual(x_i, theta_i, x_j, theta_j):
+            return flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
+
+        def slopes(x_i, theta_i, theta_j):
+            x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_slopes(x_i, theta_i, theta_j, v_i, A, K)
+            return x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1
+
+    compile_ = numba.njit(error_model="numpy")
+    if not jacobian:
+        return compile_(residual)
+    residual, slopes = compile_(residual), compile_(slopes)
+
+    def both(x_i, theta_i, x_j, theta_j):
+        f1, f2 = residual(x_i, theta_i, x_j, theta_j)
+        return f1, f2, slopes(x_i, theta_i, theta_j)
+
+    return compile_(both)
