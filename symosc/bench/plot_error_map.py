@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt, label
 
 from symosc.bench.error_map import NEAREST, place_of
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 
 #: Range of the colours, as powers of ten.
 COLOURS = (-17, 0)

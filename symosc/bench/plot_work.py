@@ -12,7 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.bench import ours
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 
 COLUMNS = 3
 #: A colour per library, a mark per method of it.

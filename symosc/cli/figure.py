@@ -13,7 +13,11 @@ from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, sce
 @click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png. -: SVG to stdout.")
 @click.option("--t-end", metavar="T", help="End of the time axis; default: what the paper shows, else the scene's end.")
 @set_option
-@click.option("--panels", metavar="LETTERS", help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v).")
+@click.option(
+    "--panels",
+    metavar="LETTERS",
+    help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).",
+)
 @click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
 def figure(
     scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, columns: int

@@ -169,7 +169,7 @@ def _plane(axes: Any, window: GrazingWindow) -> None:
 
 
 def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
-    from symosc.plot.figures import check_suffix, save
+    from symosc.plot.drawing import check_suffix, save
 
     check_suffix(output)
     from symosc.plot.windows import sweep_figure, window_figure

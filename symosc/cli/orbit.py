@@ -101,23 +101,15 @@ def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
 
 
 def _check_suffix(output: str) -> None:
-    from symosc.plot.figures import check_suffix
+    from symosc.plot.drawing import check_suffix
 
     check_suffix(output)
 
 
 def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
-    from symosc.plot.figures import figure, save
-    from symosc.simulation.simulate import simulate
+    from symosc import plot
 
-    if branch is not None:
-        from symosc.plot.branch import branch_figure
-
-        save(branch_figure(branch), output)
-        return
-    (t0, x0), belt = found.points[0], found.equations().pieces[0].start
-    start = {"t0": t0, "x0": x0, "v0": found.parameters.belt(belt), "t_end": float(t0) + 2.5 * float(found.period)}
-    save(figure(simulate(found.parameters, **start), panels="abcdef", boundary=belt), output)
+    plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
 
 
 def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> dict[str, Any]:

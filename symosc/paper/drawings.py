@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
 from symosc.model import SIDES, Parameters
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 from symosc.plot.panels import BELT, END, MASS, ONSET
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate

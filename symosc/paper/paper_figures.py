@@ -76,7 +76,7 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
     """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start beside it."""
     view, scene = orbit_view(name), load_scene(printed_scene(name))
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
-    panels: dict[str, Panel] = dict(PANELS)
+    panels: dict[str, Panel] = {letter: PANELS[letter] for letter in "abcdef"}
     for letter, start in (("a", (t, x)), ("b", (t, v))):
         panels[letter] = partial(_with_start, panel=PANELS[letter], start=start)
     panels["c"] = partial(_phase_plane_with_start, start=(x, v))

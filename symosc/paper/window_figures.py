@@ -14,7 +14,7 @@ from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 from symosc.plot.panels import SWITCH
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene

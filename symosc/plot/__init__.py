@@ -13,15 +13,8 @@ Examples
 """
 
 from symosc.plot.branch import branch_figure
-from symosc.plot.figures import (
-    MOST_DRAWN_EVENTS,
-    check_panels,
-    check_suffix,
-    default_panels,
-    figure,
-    save,
-    simulated,
-)
+from symosc.plot.drawing import check_suffix, save
+from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
 
 __all__ = [
     "MOST_DRAWN_EVENTS",
@@ -30,6 +23,7 @@ __all__ = [
     "check_suffix",
     "default_panels",
     "figure",
+    "orbit_figure",
     "save",
     "simulated",
 ]

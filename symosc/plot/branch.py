@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from symosc.orbits.branch import Branch, BranchEnd
 from symosc.orbits.continuation import MOST, STALLED
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from symosc.crosschecks.compare import CrossCheck
-from symosc.plot.figures import STYLE, save
+from symosc.plot.drawing import STYLE, save
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
 # Zeros are drawn here, and no axis goes further down.

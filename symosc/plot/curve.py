@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from symosc.errors import ParameterError
 from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.mappings.theorem7_cases import place
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 
 START, CONTACT, GAP = "#d7191c", "#1f3fd6", "0.85"
 QUARTERS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}

@@ -1,28 +1,26 @@
-"""Figures of trajectories, in the form of the paper's Figs. 5 to 10.
-
-A figure is built without pyplot, so that nothing global changes and nothing stays open.
-"""
+"""Figures of motions and of periodic orbits, in the form of the paper's Figs. 5 to 10."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi
-from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 
-from symosc.errors import OutputError, ParameterError
+from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.files import STDOUT, read_path, write_whole
-from symosc.plot.panels import PANELS, Panel, View, view_of
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.plot.drawing import STYLE, Drawing, figure_of, read_panels
+from symosc.plot.insets import ROOM, TOP, draw_insets
+from symosc.plot.panels import PANELS, SHAPES, Panel, View, look, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
-
-SUFFIXES = (".pdf", ".svg", ".png")
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
 SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
@@ -33,30 +31,6 @@ MOST_DRAWN_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
 
-STYLE: dict[Any, Any] = {
-    "font.family": "STIXGeneral",
-    "mathtext.fontset": "stix",
-    "font.size": 9.0,
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.linewidth": 0.6,
-    "axes.formatter.use_mathtext": True,
-    "axes.unicode_minus": False,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "legend.fontsize": 8.0,
-    "lines.solid_capstyle": "round",
-    "savefig.dpi": 200.0,
-    "figure.dpi": 100.0,
-    "pdf.fonttype": 42,  # TrueType: text stays text
-    "svg.fonttype": "path",  # drawn letters: the same on machines without these fonts
-    "svg.hashsalt": "symosc",  # the same figure gives the same file
-}
-
 
 def figure(
     subject: Trajectory | Scene | str,
@@ -65,8 +39,9 @@ def figure(
     panels: str | None = None,
     boundary: int | None = None,
     columns: int = 2,
+    ax: Axes | None = None,
 ) -> Figure:
-    """Draw a trajectory: displacement, velocity, phase plane and forces.
+    """Draw a motion: displacement, velocity, phase plane and forces.
 
     Parameters
     ----------
@@ -77,12 +52,15 @@ def figure(
         structure, and for the paper's scenes what the paper speaks of.
     panels : str, optional
         Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against x, f forces
-        against x'. Default: "abcd", for scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10).
+        against x', g the product of the forces against t (> 0 at a passage, < 0 in a stick). Default: "abcd", for
+        scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10).
     boundary : int, optional
         1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the boundary of the
         first event.
     columns : int, optional
         2: panels side by side, for the width of a page (7 in). 1: above each other, for one column of it (3.4 in).
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw one panel into, without insets. Their figure is returned, a legend is left to the caller.
 
     Returns
     -------
@@ -107,7 +85,7 @@ def figure(
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
     if panels is None:
         panels = default_panels(scene) if isinstance(scene, Scene) else "abcd"
-    check_panels(panels)
+    check_panels(panels, ax)
     boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
     subject = simulated(scene, t_end) if isinstance(scene, Scene) else scene
@@ -115,6 +93,9 @@ def figure(
         allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
         raise ParameterError("subject", subject, allowed)
     view = view_of(subject, boundary)
+    if ax is not None:
+        PANELS[panels](ax, view)
+        return figure_of(ax)
     drawn = [(PANELS[letter], view) for letter in panels]
     tall = panels.index("b") if "b" in panels and view.magnified else None
     return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
@@ -144,8 +125,33 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
     return found
 
 
-def check_panels(panels: Any) -> None:
-    """Raise ParameterError unless these are letters of panels.
+def orbit_figure(orbit: PeriodicOrbit, panels: str = "abcdef", *, columns: int = 2, ax: Axes | None = None) -> Figure:
+    """Draw a periodic orbit for a few periods; panels, columns and ax as for `figure`.
+
+    Raises
+    ------
+    ParameterError
+        If `orbit` is none, or the root that was found is no motion (`admissible` is False).
+
+    Examples
+    --------
+    >>> from symosc import find_orbit, load_scene, plot
+    >>> orbit = find_orbit(load_scene("fig9").parameters, "P32")
+    >>> [axes.get_ylabel() for axes in plot.orbit_figure(orbit, "c").axes]
+    ['velocity $\\\\dot{x}$']
+    """
+    if not isinstance(orbit, PeriodicOrbit):
+        raise ParameterError("orbit", type(orbit).__name__, "must be a PeriodicOrbit; find_orbit(...) makes one")
+    if not orbit.admissible:
+        raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
+    (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
+    t_end = float(t0) + PERIODS_SHOWN * float(orbit.period)
+    motion = simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
+    return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax)
+
+
+def check_panels(panels: Any, ax: Any = None) -> None:
+    """Raise ParameterError unless these are letters of panels, and one of them for axes of a user's own.
 
     Examples
     --------
@@ -153,11 +159,9 @@ def check_panels(panels: Any) -> None:
     >>> plot.check_panels("az")
     Traceback (most recent call last):
         ...
-    symosc.errors.ParameterError: panels = 'az': must be different letters out of abcdef
+    symosc.errors.ParameterError: panels = 'az': must be different letters out of abcdefg
     """
-    if isinstance(panels, str) and panels and not set(panels) - set(PANELS) and len(set(panels)) == len(panels):
-        return
-    raise ParameterError("panels", panels, f"must be different letters out of {''.join(PANELS)}")
+    read_panels(panels, tuple(PANELS), ax)
 
 
 def default_end(scene: Scene) -> Any:
@@ -180,89 +184,41 @@ def default_panels(scene: Scene) -> str:
     return "abcdef" if scene.structure else "abcd"
 
 
-def check_suffix(path: str | Path) -> None:
-    """Raise OutputError unless figures can be written to a file of that name.
-
-    Examples
-    --------
-    >>> from symosc import plot
-    >>> plot.check_suffix("motion.gif")
-    Traceback (most recent call last):
-        ...
-    symosc.errors.OutputError: cannot write motion.gif: a figure's name must end in .pdf, .svg or .png
-    """
-    _suffix(path)
-
-
-def _suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file; standard output gets SVG."""
-    name = read_path(path)
-    suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise OutputError(name, f"a figure's name must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
-    return suffix
-
-
-def save(drawing: Figure, path: str | Path) -> Path:
-    """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all; ``"-"``: SVG to standard output.
-
-    Raises
-    ------
-    ParameterError
-        If `drawing` is no figure or `path` no file name.
-    OutputError
-        If the suffix is another one or the file cannot be written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from symosc import plot
-    >>> with TemporaryDirectory() as folder:
-    ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
-    'motion.svg'
-    """
-    if not isinstance(drawing, Figure):
-        raise ParameterError("drawing", drawing, "must be a figure, such as figure(...) returns")
-    suffix = _suffix(path)
-    kind = suffix.removeprefix(".")
-    # No date in the file: drawing it again gives the same bytes.
-    metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": None}[kind]
-
-    def write(draft: Path) -> None:
-        with rc_context(STYLE):
-            drawing.savefig(draft, format=kind, metadata=metadata)
-
-    return write_whole(path, write, suffix)
-
-
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
     """Draw panels into the rows of one figure, with a letter for each and one legend for all below them.
 
     Parameters
     ----------
     panels : sequence of (panel, view)
-        The panel draws the view into the axes that it is given.
+        The panel draws the view into the axes that it is given. What the view magnifies is drawn above panel `tall`.
     columns : int
     width : float
         In inches.
     tall : int, optional
-        Index of a panel in whose row insets need more room.
+        Index of a panel with insets, whose row is higher.
     """
     with rc_context(STYLE):
         heights = [2.0] * -(-len(panels) // columns)
         if tall is not None:
-            heights[tall // columns] *= 1.4
+            heights[tall // columns] *= 1.45
         layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-        drawing = Figure(figsize=(width, sum(heights) + 0.35), layout=layout)
+        drawing = Drawing(figsize=(width, sum(heights) + 0.35), layout=layout)
         grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)
         entries: dict[str, Any] = {}
         for number, (panel, view) in enumerate(panels):
-            ax = drawing.add_subplot(grid[number // columns, number % columns])
+            cell = grid[number // columns, number % columns]
+            if number == tall:
+                cell = cell.subgridspec(2, 1, height_ratios=(ROOM, 1.0))[1]
+            ax = drawing.add_subplot(cell)
             panel(ax, view)
-            ax.set_title(f"({'abcdef'[number]})", loc="left", x=-0.12, pad=4)
+            if number == tall:
+                draw_insets(ax, view)
+            place: dict[str, Any] = {"x": -0.12} | ({"y": TOP} if number == tall else {})
+            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
+            title.set_in_layout(number != tall)  # the grid keeps that room free
             ax.tick_params(labelfontfamily="STIXGeneral")
             for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-                entries.setdefault(label, handle)
+                entries.setdefault(label, _legend_handle(handle, label))
         order = [label for label in LEGEND_ORDER if label in entries]
         order += [label for label in entries if label not in order]  # the forces
         rows = -(-len(order) // round(width))
@@ -279,3 +235,10 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             borderpad=0.1,
         )
     return drawing
+
+
+def _legend_handle(handle: Any, label: str) -> Any:
+    """Return what a legend shows: marks in their full size, however small they are among many."""
+    if label not in SHAPES:
+        return handle
+    return Line2D([], [], linestyle="none", **look(label, handle.get_markerfacecolor()))

@@ -1,11 +1,15 @@
-"""What the panels of a figure show: the mass, the belts, the forces, and a dot for each event."""
+"""What the panels of a figure show: the mass, the belts, the forces, and a mark for each event.
+
+Every kind of event has a shape of its own and the upper force is dashed, so that nothing rests on colour alone.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import floor, log10, pi, sqrt
+from math import pi, sqrt
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -17,6 +21,21 @@ from symosc.simulation.trajectory import Trajectory
 BELT, MASS = "black", "#d7191c"
 ONSET, END, SWITCH = "#1f3fd6", "#0f8a2a", "#d7191c"
 FORCE_BELOW, FORCE_ABOVE = ONSET, END
+ABOVE_STYLE = (0, (4, 1.6))
+
+#: Shape and size (points) of each mark. Over its onset the end of a stick leaves a rim, because it is smaller.
+SHAPES = {
+    "start": ("o", 4.2),
+    "onset of stick": ("o", 5.4),
+    "start of period": ("o", 5.4),
+    "end of stick": ("s", 3.7),
+    "end of period": ("s", 3.7),
+    "crossing": ("^", 5.6),
+    "grazing point": ("*", 8.0),
+    "contact": ("*", 8.0),
+}
+# With more marks than this they shrink, so that together they cover no more of the curves; down to this size.
+ROOMY, LEAST_SCALE = 16, 0.2
 
 POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 120, 40, 20_000
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
@@ -29,16 +48,18 @@ BELT_STRETCH = 0.65
 # How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
 BELT_REACH = 0.06, 0.15
 STICK_SHADE = "0.92"
-IN_INSET: dict[str, Any] = {"fontsize": 7.5, "ha": "center", "va": "center"}
+# Among more short sticks than have insets, those stand out that are shorter than this part of their median.
+OUTSTANDING = 0.1
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A dot: what it is, and the event that it stands for."""
+    """A mark: what it is, its time, and the belt of its event (None: not one of a belt)."""
 
     label: str
     color: str
     t: float
+    belt: int | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +83,6 @@ class View:
     t, x, v : numpy.ndarray
         The samples of the curves.
     marks : tuple of Mark
-        The dots.
     contacts : tuple of Contact
         Where panel (a) shows the displacement of a point of a belt.
     magnified : tuple of Contact
@@ -80,6 +100,11 @@ class View:
     contacts: tuple[Contact, ...]
     magnified: tuple[Contact, ...]
     belt_reach: tuple[float, float] = BELT_REACH
+
+    @property
+    def scale(self) -> float:
+        """How large marks and lines are, 1 if there is room."""
+        return max(min(1.0, sqrt(ROOMY / max(len(self.marks), 1))), LEAST_SCALE)
 
     @property
     def domains(self) -> tuple[int, int]:
@@ -106,8 +131,7 @@ def view_of(trajectory: Trajectory, boundary: int | None) -> View:
     contacts = _sticks(trajectory) + [
         Contact(float(event.t), float(event.t), event.boundary) for event in trajectory.events if event.kind == "graze"
     ]
-    short = tuple(contact for contact in contacts if _is_short(contact, t))
-    return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), short[:MOST_INSETS])
+    return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), _outstanding(contacts, t))
 
 
 def _sample_times(trajectory: Trajectory) -> np.ndarray:
@@ -127,14 +151,15 @@ def _sample_times(trajectory: Trajectory) -> np.ndarray:
 def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
     start = float(trajectory.t_start)
     on_belt = trajectory.segments[0].mode.startswith("belt")
-    marks = [Mark("onset of stick", ONSET, start) if on_belt else Mark("start", "white", start)]
+    belt = int(trajectory.segments[0].mode[-1])
+    marks = [Mark("onset of stick", ONSET, start, belt) if on_belt else Mark("start", "white", start)]
     kinds = {
         "stick": ("onset of stick", ONSET),
         "slip": ("end of stick", END),
         "cross": ("crossing", SWITCH),
         "graze": ("grazing point", SWITCH),
     }
-    marks += [Mark(*kinds[event.kind], float(event.t)) for event in trajectory.events]
+    marks += [Mark(*kinds[event.kind], float(event.t), event.boundary) for event in trajectory.events]
     return tuple(marks)
 
 
@@ -152,31 +177,28 @@ def _displacement(ax: Axes, view: View) -> None:
         ends = np.array([contact.since - reach, contact.until + reach])
         ax.plot(ends, x + speed * (ends - contact.since), color=BELT, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
-    _dots(ax, view, lambda t: t, lambda t: view.trajectory(t)[0])
+    _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[0])
     _time_axis(ax, view)
 
 
 def _velocity(ax: Axes, view: View) -> None:
     _curve(ax, view, view.t, view.v, r"velocity $\dot{x}$")
     _belt_lines(ax, view)
-    _dots(ax, view, lambda t: t, lambda t: view.trajectory(t)[1])
+    _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[1])
     _time_axis(ax, view)
-    _insets(ax, view)
 
 
 def _phase_plane(ax: Axes, view: View) -> None:
     _curve(ax, view, view.x, view.v, r"velocity $\dot{x}$")
     _belt_lines(ax, view)
-    _dots(ax, view, lambda t: view.trajectory(t)[0], lambda t: view.trajectory(t)[1])
+    _dots(ax, view, view.marks, lambda t: view.trajectory(t)[0], lambda t: view.trajectory(t)[1])
     ax.set_xlabel("displacement $x$")
 
 
 def _forces_in_time(ax: Axes, view: View) -> None:
-    for stick in _sticks(view.trajectory):
-        if stick.belt == view.boundary:
-            ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
+    _shade_sticks(ax, view)
     _forces(ax, view, view.t, lambda t: t)
-    crossings = [mark.t for mark in view.marks if mark.label == "crossing"]
+    crossings = [mark.t for mark in _marks_of_forces(view) if mark.label == "crossing"]
     ends = [view.trajectory.force(domain, crossings) for domain in view.domains]
     ax.vlines(crossings, *ends, color="0.6", lw=0.6, zorder=0)
     _time_axis(ax, view)
@@ -196,6 +218,22 @@ def _forces_in_velocity(ax: Axes, view: View) -> None:
     ax.set_xlabel(r"velocity $\dot{x}$")
 
 
+def _force_product(ax: Axes, view: View) -> None:
+    """Panel (g): the product of the forces. The mass passes the belt where it is > 0 and sticks where it is < 0."""
+    below, above = view.domains
+    name = f"$F^{{({below})}}\\, F^{{({above})}}$"
+
+    def product(t: Any) -> Any:
+        return np.asarray(view.trajectory.force(below, t)) * view.trajectory.force(above, t)
+
+    _shade_sticks(ax, view)
+    ax.axhline(0, color="0.6", lw=0.6, zorder=0)
+    ax.plot(view.t, product(view.t), color="black", lw=max(view.scale, 0.5), label=name)
+    _dots(ax, view, _marks_of_forces(view), lambda t: t, product)
+    ax.set_ylabel(f"product {name}")
+    _time_axis(ax, view)
+
+
 Panel = Callable[[Axes, View], None]
 
 PANELS: dict[str, Panel] = {
@@ -205,6 +243,7 @@ PANELS: dict[str, Panel] = {
     "d": _forces_in_time,
     "e": _forces_in_displacement,
     "f": _forces_in_velocity,
+    "g": _force_product,
 }
 
 
@@ -212,7 +251,7 @@ PANELS: dict[str, Panel] = {
 
 
 def _curve(ax: Axes, view: View, across: np.ndarray, up: np.ndarray, label: str) -> None:
-    ax.plot(across, up, color=MASS, lw=1.3, label="mass")
+    ax.plot(across, up, color=MASS, lw=1.3 * max(view.scale, 0.5), label="mass")
     ax.set_ylabel(label)
 
 
@@ -233,23 +272,39 @@ def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any
     below, above = view.domains
     force = view.trajectory.force
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    for domain, color in ((below, FORCE_BELOW), (above, FORCE_ABOVE)):
-        ax.plot(across, force(domain, view.t), color=color, lw=1.0, label=f"$F^{{({domain})}}$")
+    for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
+        line: dict[str, Any] = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
+        ax.plot(across, force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
-        _dots(ax, view, place, lambda t, domain=domain: force(domain, t), start=False)  # type: ignore[misc]
+        _dots(ax, view, _marks_of_forces(view), place, lambda t, domain=domain: force(domain, t))  # type: ignore[misc]
     ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
 
 
-def _dots(ax: Axes, view: View, across: Callable[[Any], Any], up: Callable[[Any], Any], start: bool = True) -> None:
-    for label, color in dict.fromkeys((mark.label, mark.color) for mark in view.marks):
-        if label == "start" and not start:
-            continue
-        times = np.array([mark.t for mark in view.marks if mark.label == label])
-        # The end of a stick is smaller: over its onset it leaves a blue ring.
-        size, edge, width, level = (4.2, "black", 0.8, 4) if label == "start" else (5.4, "white", 0.4, 5)
-        size, level = (4.0, 6) if color == END else (size, level)
-        style: dict[str, Any] = {"ms": size, "mfc": color, "mec": edge, "mew": width, "zorder": level}
-        ax.plot(across(times), up(times), linestyle="none", marker="o", clip_on=False, label=label, **style)
+def _marks_of_forces(view: View) -> list[Mark]:
+    """Return the marks that the two forces of a boundary decide: those of its own belt."""
+    return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
+
+
+def _shade_sticks(ax: Axes, view: View) -> None:
+    for stick in _sticks(view.trajectory):
+        if stick.belt == view.boundary:
+            ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
+
+
+def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: Callable[[Any], Any], up: Callable[[Any], Any]) -> None:
+    for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
+        times = np.array([mark.t for mark in marks if mark.label == label])
+        ax.plot(
+            across(times), up(times), linestyle="none", clip_on=False, label=label, **look(label, color, view.scale)
+        )
+
+
+def look(label: str, color: str, scale: float = 1.0) -> dict[str, Any]:
+    """Return how a mark is drawn: its shape, colour and size."""
+    marker, size = SHAPES[label]
+    edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
+    level += color == END
+    return {"marker": marker, "ms": size * scale, "mfc": color, "mec": edge, "mew": width * scale, "zorder": level}
 
 
 def _sticks(trajectory: Trajectory) -> list[Contact]:
@@ -257,59 +312,17 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
     return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
 
 
+def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
+    """Return the sticks that insets magnify: those too short to be seen, where they are few or far below the others."""
+    short = [contact for contact in contacts if _is_short(contact, t)]
+    if len(short) > MOST_INSETS:
+        lengths = [contact.until - contact.since for contact in contacts if contact.until > contact.since]
+        limit = OUTSTANDING * median(lengths)
+        short = [contact for contact in short if contact.until - contact.since < limit]
+    return tuple(short[:MOST_INSETS])
+
+
 def _is_short(contact: Contact, t: np.ndarray) -> bool:
     """Tell whether a stick is too short to be seen, but long enough to be resolved, and ends in the picture."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
     return bool(finest < contact.until - contact.since < longest and contact.until < t[-1])
-
-
-def _insets(ax: Axes, view: View) -> None:
-    """Magnify contacts that are too short to be seen, in room made above the curve."""
-    if not view.magnified:
-        return
-    low, high = ax.get_ylim()
-    ticks = [tick for tick in ax.get_yticks() if low <= tick <= high]
-    ax.set_ylim(low, high + 0.9 * (high - low))
-    ax.set_yticks(ticks)
-    boxes = ((0.14, 0.34), (0.62, 0.34)) if len(view.magnified) == 2 else ((0.27, 0.6),)
-    for contact, (left, width) in zip(view.magnified, boxes, strict=True):
-        _inset(ax, view, contact, (left, 0.6, width, 0.26))
-
-
-def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
-    since, until, belt = contact.since, contact.until, contact.belt
-    speed = float(view.trajectory.parameters.belt(belt))
-    length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
-    times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
-    times = np.union1d(times, [since, until])
-    away = view.trajectory(times)[1] - speed
-    shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
-    inset = ax.inset_axes(box)
-    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS, lw=1.3)
-    inset.axhline(0, color=BELT, lw=0.6, zorder=3)
-    dots = ((since, ONSET, 5.4), (until, END, 4.0)) if until > since else ((since, SWITCH, 5.4),)
-    for time, color, size in dots:
-        inset.plot((time - since) / 10.0**shift, 0, "o", color=color, ms=size, mec="white", mew=0.4, zorder=5)
-    if until > since:
-        # Clear of the belt, between the branches of the curve.
-        height = 0.62 if away.mean() > 0 else 0.42
-        inset.text(0.5, height, f"length\n{_scientific(length)}", transform=inset.transAxes, **IN_INSET)
-    inset.margins(x=0, y=0.2)
-    # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
-    inset.xaxis.tick_top()
-    inset.xaxis.set_label_position("top")
-    inset.set_xlabel(f"{_power(-shift)}(t - {since:.6f})$", fontsize=IN_INSET["fontsize"], labelpad=2)
-    inset.set_ylabel(f"{_power(-scale)}(\\dot{{x}} - v_{belt})$", fontsize=IN_INSET["fontsize"], labelpad=2)
-    inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
-    for corner in (box[0], box[0] + box[2]):
-        style = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
-        ax.annotate("", (since, speed), (corner, box[1]), "data", "axes fraction", style, zorder=0)
-
-
-def _power(exponent: int) -> str:
-    return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
-
-
-def _scientific(value: float) -> str:
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    return f"${mantissa}\\cdot 10^{{{int(exponent)}}}$"

@@ -30,7 +30,7 @@ from symosc.mappings.theorem7_cases import (
     place,
 )
 from symosc.model import Parameters
-from symosc.plot.figures import STYLE
+from symosc.plot.drawing import STYLE
 
 INSIDE, SHADE, OUTSIDE, CRITICAL = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 TURN = 2 * pi

@@ -23,7 +23,7 @@ from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.time_limit import HANG, Worker
 from symosc.errors import OutputError
 from symosc.machine import machine, sentence
-from symosc.plot.figures import save
+from symosc.plot.drawing import save
 
 EXACT = simulate("fig5", digits=40).events
 RIGHT = [FoundEvents(float(event.t), float(event.x), event.kind, event.boundary) for event in EXACT]
