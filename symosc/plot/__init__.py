@@ -13,8 +13,10 @@ Examples
 """
 
 from symosc.plot.branch import branch_figure
+from symosc.plot.curve import figure_grazing_curve
 from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
+from symosc.plot.windows import sweep_figure, window_figure
 
 __all__ = [
     "MOST_DRAWN_EVENTS",
@@ -23,7 +25,10 @@ __all__ = [
     "check_suffix",
     "default_panels",
     "figure",
+    "figure_grazing_curve",
     "orbit_figure",
     "save",
     "simulated",
+    "sweep_figure",
+    "window_figure",
 ]

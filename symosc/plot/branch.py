@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
+from scipy.interpolate import Akima1DInterpolator
 
+from symosc.errors import ParameterError
 from symosc.orbits.branch import Branch, BranchEnd
 from symosc.orbits.continuation import MOST, STALLED
-from symosc.plot.drawing import STYLE
+from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -33,22 +35,34 @@ PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$
     f"{letter}{number}": rf"${symbol}_{number}$" for letter, symbol in (("v", "v"), ("mu", r"\mu")) for number in (1, 2)
 }
 ORDINALS = ("", "2nd ", "3rd ")
-UNSTABLE = (0, (4, 2))
+STABLE, UNSTABLE = "-", (0, (4, 2))
+UNIT = (0, (1, 2))
+# Points at which the multipliers are drawn between two orbits of the branch.
+BETWEEN = 24
 
 
-def branch_figure(branch: Branch) -> Figure:
+def branch_figure(branch: Branch, panels: str = "ab", *, ax: Axes | None = None) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
-    Solid lines are stable orbits, dashed ones unstable. Marks tell why the branch ends, the words above the second
-    panel name the orbit on the branch and those behind its ends.
+    Solid lines are stable orbits; dashed ones are not, or have a multiplier on the unit circle, which is dotted. Marks
+    tell why the branch ends. The words above the last panel name the orbit on the branch and those behind its ends.
 
     Parameters
     ----------
     branch : Branch
+    panels : str
+        Letters of the panels: a positions, b multipliers.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw one panel into; their figure is returned.
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
 
     Examples
     --------
@@ -57,21 +71,38 @@ def branch_figure(branch: Branch) -> Figure:
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(7.0, 3.1), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04))
-        left, right = drawing.subplots(1, 2)
-        _positions(left, branch)
-        _multipliers(right, branch)
-        for ax, letter in ((left, "a"), (right, "b")):
-            ax.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
-            ax.set_title(f"({letter})", loc="left", x=-0.12, pad=4)
-            ax.tick_params(labelfontfamily="STIXGeneral")
-            for end in branch.ends:
-                if end.kind in MARKERS:
-                    ax.axvline(end.value, color="0.6", lw=0.6, zorder=0)
-        _next_words(right, branch)
-        _legend(drawing, left, branch)
+    if not isinstance(branch, Branch):
+        raise ParameterError("branch", type(branch).__name__, "must be a Branch; continue_orbit(...) makes one")
+    read_panels(panels, tuple(PANELS), ax)
+    if ax is not None:
+        drawing = figure_of(ax)
+        _panel(ax, branch, panels)
+        _next_words(ax, branch)
+        ax.legend(**_legend([ax], branch))
+        return drawing
+    with style_for(ax):
+        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
+        drawing = Drawing(figsize=(3.5 * len(panels), 3.1), layout=layout)
+        row = drawing.subplots(1, len(panels), squeeze=False)[0]
+        for axes, letter, shown in zip(row, panels, "ab", strict=False):
+            _panel(axes, branch, letter)
+            axes.set_title(f"({shown})", loc="left", x=-0.12, pad=4)
+            axes.tick_params(labelfontfamily="STIXGeneral")
+        _next_words(row[-1], branch)
+        entries = _legend(row, branch)
+        style: dict[str, Any] = {"frameon": False, "handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
+        drawing.legend(
+            **entries, loc="outside lower center", ncols=min(len(entries["labels"]), 3 * len(panels)), **style
+        )
     return drawing
+
+
+def _panel(ax: Axes, branch: Branch, letter: str) -> None:
+    PANELS[letter](ax, branch)
+    ax.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
+    for end in branch.ends:
+        if end.kind in MARKERS:
+            ax.axvline(end.value, color="0.6", lw=0.6, zorder=0)
 
 
 def _positions(ax: Axes, branch: Branch) -> None:
@@ -79,26 +110,54 @@ def _positions(ax: Axes, branch: Branch) -> None:
         color, before = COLORS[i % len(COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
         for part, stable in _runs(branch.stable):
-            style: Any = "-" if stable else UNSTABLE
+            style: Any = STABLE if stable else UNSTABLE
             ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=style, lw=1.2, label=name)
         for end in branch.ends:
             _mark(ax, end, end.points[i].x, color)
+        last = int(np.argmax(branch.values))
+        place = branch.values[last], branch.points[last, i, 1]
+        ax.annotate(f"$P_{label[1:]}$", place, (4, 0), textcoords="offset points", va="center", fontsize=8)
+    ax.margins(x=0.09)
     ax.set_ylabel("position $x$ at the switching")
 
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
+    for part, stable in _runs(branch.stable):
+        values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
+        for column in (0, 1):
+            ax.plot(values, sizes[:, column], color="black", ls=STABLE if stable else UNSTABLE, lw=1.2)
     sizes = np.abs(branch.multipliers)
-    for column in (0, 1):
-        for part, stable in _runs(branch.stable):
-            ax.plot(branch.values[part], sizes[part, column], color="black", ls="-" if stable else UNSTABLE, lw=1.2)
     for end, row in zip(branch.ends, (0, -1), strict=True):
         for size in sizes[row]:
             _mark(ax, end, size, "black")
-    top = max(float(sizes.max()), 1e-12)
-    if top > 0.7:
-        ax.axhline(1, color="0.6", lw=0.6, zorder=0)
-    ax.set_ylim(-0.04 * top, 1.18 * top)
+    ax.axhline(1, color="0.4", lw=0.8, ls=UNIT, zorder=0, label="unit circle")
+    top = max(float(sizes.max()), 1.0)
+    ax.set_ylim(-0.04 * top, 1.12 * top)
     ax.set_ylabel("moduli of the multipliers")
+
+
+PANELS = {"a": _positions, "b": _multipliers}
+
+
+def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return many parameter values along a stretch of a branch, and both moduli there, the larger one first.
+
+    Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
+    not where a real pair turns complex, and follow from them.
+    """
+    trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
+    columns = np.column_stack([values, trace, determinant])
+    steps = np.linalg.norm(
+        np.diff(columns, axis=0) / (np.ptp(columns, axis=0) + (np.ptp(columns, axis=0) == 0)), axis=1
+    )
+    keep = np.concatenate([[True], steps > 1e-12])
+    along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
+    if len(along) > 2:
+        fine = np.unique(np.concatenate([np.linspace(a, b, BETWEEN) for a, b in pairwise(along)]))
+        columns = Akima1DInterpolator(along, columns[keep], method="makima")(fine)
+    values, trace, determinant = columns.T
+    root = np.sqrt((trace * trace - 4 * determinant).astype(complex))
+    return values, np.sort(np.abs(np.column_stack([trace + root, trace - root])) / 2)[:, ::-1]
 
 
 def _mark(ax: Axes, end: BranchEnd, height: float, color: str) -> None:
@@ -124,12 +183,18 @@ def _runs(stable: np.ndarray) -> list[tuple[slice, bool]]:
     return [(slice(a, min(b + 1, len(stable))), bool(stable[a])) for a, b in pairwise(cuts)]
 
 
-def _legend(drawing: Figure, ax: Axes, branch: Branch) -> None:
-    handles, labels = ax.get_legend_handles_labels()
-    entries = dict(zip(reversed(labels), reversed(handles), strict=True))
-    entries = {label: entries[label] for label in dict.fromkeys(labels)}
+def _legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
+    """Return handles and labels: switching points, stability, the unit circle, and what the marks of the ends mean."""
+    entries: dict[str, Any] = {}
+    for ax in row:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(str(label), handle)
+    unit = entries.pop("unit circle", None)
     for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in MARKERS):
         entries[kind] = Line2D([], [], linestyle="none", marker=MARKERS[kind], ms=5.0, color="black")
-    style: dict[str, Any] = {"frameon": False, "handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
-    columns = min(len(entries), 6)
-    drawing.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns, **style)
+    for name, style, occurs in (("stable", STABLE, True), ("not stable", UNSTABLE, False)):
+        if occurs in branch.stable:
+            entries[name] = Line2D([], [], color="black", ls=style, lw=1.2)
+    if unit is not None:
+        entries["unit circle"] = unit
+    return {"handles": list(entries.values()), "labels": list(entries)}

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from symosc.crosschecks.compare import CrossCheck
-from symosc.plot.drawing import STYLE, save
+from symosc.plot.drawing import STYLE, Drawing, save
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
 # Zeros are drawn here, and no axis goes further down.
@@ -27,7 +27,7 @@ def figure(check: CrossCheck) -> Figure:
     tolerances are dotted horizontal lines. `write` saves it.
     """
     with rc_context(STYLE):
-        drawing = Figure(figsize=(7.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04))
+        drawing = Drawing(figsize=(7.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04))
         axes = drawing.subplots(3, 1, sharex=True)
         x_scale, v_scale = check.scales
         _errors(axes[0], check.t, check.errors, (x_scale, v_scale), check.global_tolerance)

@@ -6,21 +6,20 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from symosc.errors import ParameterError
 from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.mappings.theorem7_cases import place
-from symosc.plot.drawing import STYLE
+from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
 START, CONTACT, GAP = "#d7191c", "#1f3fd6", "0.85"
 QUARTERS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
 TURN = 2 * pi
 
 
-def figure_grazing_curve(curve: GrazingCurve) -> Figure:
+def figure_grazing_curve(curve: GrazingCurve, panels: str = "ab", *, ax: Axes | None = None) -> Figure:
     """Draw a grazing curve.
 
     Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
@@ -30,45 +29,81 @@ def figure_grazing_curve(curve: GrazingCurve) -> Figure:
     Parameters
     ----------
     curve : GrazingCurve
+    panels : str
+        Letters of the panels: a switching plane, b flight.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw one panel into; their figure is returned.
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene, plot
+    >>> drawing = plot.figure_grazing_curve(grazing_curve(load_scene("fig9").parameters, "P2"))
+    >>> drawing.axes[1].get_title()
+    'flight to the grazing point'
     """
     if not isinstance(curve, GrazingCurve):
         raise ParameterError("curve", type(curve).__name__, "must be a GrazingCurve; grazing_curve(...) makes one")
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(7.0, 3.2), layout="constrained")
-        plane, flight = drawing.subplots(1, 2)
-        draw_plane(plane, curve)
-        for piece in curve.pieces:
-            flight.plot(piece.theta_m, piece.theta_m - piece.theta, color=START, linewidth=1.2)
-            _ends(flight, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
-        for low, high, origin in curve.gaps:
-            flight.axvspan(low, high, color=GAP, linewidth=0, label=f"from: {origin}")
-        flight.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
-        flight.set_title("flight to the grazing point")
-        if curve.windows:
-            flight.set_xlim(*_reach(curve))
-        _quarters(flight)
-        _legend(flight)
+    read_panels(panels, tuple(PANELS), ax)
+    if ax is not None:
+        PANELS[panels](ax, curve)
+        return figure_of(ax)
+    with style_for(ax):
+        drawing = Drawing(figsize=(3.5 * len(panels), 3.2), layout="constrained")
+        for axes, letter in zip(drawing.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+            PANELS[letter](axes, curve)
     return drawing
+
+
+def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
+    for piece in curve.pieces:
+        axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START, linewidth=1.2)
+        _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
+    for low, high, origin in curve.gaps:
+        axes.axvspan(low, high, color=GAP, linewidth=0, label=f"from: {origin}")
+    axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
+    axes.set_title("flight to the grazing point")
+    if not curve.pieces:
+        say_instead(axes, _why_empty(curve))
+    axes.set_xlim(*(_reach(curve) if curve.windows else (0, TURN)))
+    _quarters(axes)
+    _legend(axes)
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the left half of `figure_grazing_curve` into axes of another figure."""
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, START, label="start")
-        _line(axes, piece.theta_m, piece.x_m, CONTACT, label="grazing point")
+        _line(axes, piece.theta_m, piece.x_m, CONTACT, label="grazing point", style=(0, (4, 1.6)))
         _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
     belt = place(curve.mapping).boundary
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
     axes.set_title(rf"${_tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
     if not curve.pieces:
-        why = "no start on this plane grazes" if curve.windows else "the window is empty"
-        axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center")
+        say_instead(axes, _why_empty(curve))
     _quarters(axes)
     _legend(axes)
+
+
+PANELS = {"a": draw_plane, "b": _draw_flight}
+
+
+def say_instead(axes: Axes, why: str) -> None:
+    """Say in axes why there is nothing to draw; a scale of nothing is not shown."""
+    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
+    axes.set_yticks([])
+
+
+def _why_empty(curve: GrazingCurve) -> str:
+    return "no start on this plane grazes" if curve.windows else "the window is empty"
 
 
 def _tex(mapping: str) -> str:
@@ -82,11 +117,11 @@ def _reach(curve: GrazingCurve) -> tuple[float, float]:
     return min(low for low, _ in spans), max(high for _, high in spans)
 
 
-def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str) -> None:
+def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str, style: Any = "-") -> None:
     """Draw a curve with its phase mod 2 pi, broken where that jumps."""
     turns = np.floor(theta / TURN)
     for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
-        axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linewidth=1.2, label=label)
+        axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linestyle=style, linewidth=1.2, label=label)
 
 
 def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> None:

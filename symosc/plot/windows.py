@@ -11,7 +11,6 @@ from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -30,18 +29,24 @@ from symosc.mappings.theorem7_cases import (
     place,
 )
 from symosc.model import Parameters
-from symosc.plot.drawing import STYLE
+from symosc.plot.drawing import Drawing, figure_of, one_axes, read_panels, style_for
 
 INSIDE, SHADE, OUTSIDE, CRITICAL = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 TURN = 2 * pi
 QUARTERS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 POINTS = 1441
 SWEEP_POINTS = 801
+# A value nearer to the frame than this part of the axis gets room of that size.
+LEAST_ROOM, ROOM = 0.02, 0.04
 NAMES = {"Omega": r"\Omega", "B0": "B_0", "k": "k", "v1": "v_1", "v2": "v_2"}
 
 
 def window_figure(
-    windows: Sequence[GrazingWindow], plane: Callable[[Axes, GrazingWindow], None] | None = None
+    windows: GrazingWindow | Sequence[GrazingWindow],
+    plane: Callable[[Axes, GrazingWindow], None] | None = None,
+    *,
+    panels: str = "ab",
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw windows, one row each.
 
@@ -51,32 +56,65 @@ def window_figure(
 
     Parameters
     ----------
-    windows : sequence of GrazingWindow
+    windows : GrazingWindow or sequence of them
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
+    panels : str
+        Letters of the panels: a circle, b contacts.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw one panel of one window into; their figure is returned.
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import grazing_window, load_scene, plot
+    >>> p = load_scene("fig9").parameters
+    >>> drawing = plot.window_figure([grazing_window(p, mapping) for mapping in ("P2", "P3")])
+    >>> len(drawing.axes)
+    4
     """
-    windows = list(windows) if isinstance(windows, Iterable) else []
-    if not windows or not all(isinstance(window, GrazingWindow) for window in windows):
-        raise ParameterError("windows", "...", "must be a sequence of GrazingWindow, at least one")
-    with rc_context(STYLE):
-        columns = 2 if plane is None else 3
-        drawing = Figure(figsize=(1.2 + 2.9 * columns, 2.5 * len(windows) + 0.2), layout="constrained")
-        widths = [1.0, 1.5, 1.5][:columns]
-        grid = drawing.subplots(len(windows), columns, squeeze=False, width_ratios=widths)
-        for row, window in zip(grid, windows, strict=True):
-            _circle(row[0], window)
-            _contacts(row[1], window)
-            if plane is not None:
-                plane(row[2], window)
+    given = [windows] if isinstance(windows, GrazingWindow) else windows
+    chosen = list(given) if isinstance(given, Iterable) else []
+    if not chosen or not all(isinstance(window, GrazingWindow) for window in chosen):
+        raise ParameterError("windows", "...", "must be a GrazingWindow or a sequence of them, at least one")
+    draw = {"a": _circle, "b": _contacts}
+    read_panels(panels, tuple(draw), ax)
+    if ax is not None:
+        drawing = figure_of(ax)
+        if len(chosen) > 1:
+            raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
+        draw[panels](ax, chosen[0])
+        return drawing
+    columns: list[Callable[[Axes, GrazingWindow], None]] = [draw[letter] for letter in panels]
+    columns += [] if plane is None else [plane]
+    with style_for(ax):
+        size = 1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2
+        drawing = Drawing(figsize=size, layout="constrained")
+        widths = [1.0 if column is _circle else 1.5 for column in columns]
+        grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
+        for row, window in zip(grid, chosen, strict=True):
+            for axes, column in zip(row, columns, strict=True):
+                column(axes, window)
     return drawing
 
 
 def sweep_figure(
-    p: Parameters, mapping: str, name: str, low: Any = None, high: Any = None, order: str = "full"
+    p: Parameters,
+    mapping: str,
+    name: str,
+    low: Any = None,
+    high: Any = None,
+    order: str = "full",
+    *,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw the window of a map against one parameter; its border is the curve of the arcsine.
 
@@ -91,6 +129,8 @@ def sweep_figure(
     low, high : number, optional
         Range. Default: from 0 (both signs for B0 and the belts) to twice the larger one of the value and the equality
         |k v_lambda| = |B0| Omega, as far as Parameters allows.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
 
     Returns
     -------
@@ -100,6 +140,13 @@ def sweep_figure(
     ------
     ParameterError
         For a map without grazing, another parameter, or a range that is empty or not allowed.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot
+    >>> drawing = plot.sweep_figure(load_scene("fig9").parameters, "P2", "Omega", "0.1", 4)
+    >>> drawing.axes[0].get_xlabel()
+    '$\\\\Omega$'
     """
     low, high = _sweep_range(check_parameters(p), mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
@@ -109,24 +156,37 @@ def sweep_figure(
     edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
     values = np.unique(np.concatenate([values, [edge for edge in edges if low <= edge <= high]]))
     found = grazing_windows(p, mapping, order, **{name: values})
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(4.6, 3.4), layout="constrained")
-        axes = drawing.subplots()
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (4.6, 3.4))
         _areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
         _borders(axes, values, found)
         for q in equalities:
             for theta, belongs in _critical(grazing_window(p.replace(**{name: q}), mapping, order)):
-                _dot(axes, float(q), theta, belongs)
-        if low <= getattr(p, name) <= high:
-            axes.axvline(float(getattr(p, name)), color="black", linewidth=0.7, linestyle=":", label="given value")
+                _dot(axes, float(q), theta, belongs, label="belongs to it" if belongs else "does not belong to it")
         axes.set(
             xlabel=f"${NAMES[name]}$", ylabel=r"$\mathrm{mod}(\Omega t_m, 2\pi)$", xlim=(low, high), ylim=(0, TURN)
         )
+        _mark_value(axes, float(getattr(p, name)))
         axes.set_yticks(np.arange(5) * pi / 2, QUARTERS)
         axes.set_title(f"grazing window of ${_tex(mapping)}$, {order} order")
-        if axes.get_legend_handles_labels()[0]:
-            drawing.legend(loc="outside lower center", ncols=3, frameon=False)
+        handles, labels = axes.get_legend_handles_labels()
+        if handles:
+            style: dict[str, Any] = {"loc": "outside lower center", "ncols": 3, "frameon": False}
+            once = dict(zip(labels, handles, strict=True))
+            target, options = (drawing, style) if ax is None else (axes, {})
+            target.legend(list(once.values()), list(once), **options)
     return drawing
+
+
+def _mark_value(axes: Axes, value: float) -> None:
+    """Draw a line at the given value, if the axis reaches it; where it would lie on the frame, make room."""
+    low, high = axes.get_xlim()
+    if not low <= value <= high:
+        return
+    axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
+    room, width = ROOM * (high - low), high - low
+    near_low, near_high = value - low < LEAST_ROOM * width, high - value < LEAST_ROOM * width
+    axes.set_xlim(low - room * near_low, high + room * near_high)
 
 
 def _tex(mapping: str) -> str:
@@ -180,9 +240,9 @@ def _critical(window: GrazingWindow) -> list[tuple[float, bool]]:
     return [(theta_cr % TURN, False), (pi - theta_cr, False)]
 
 
-def _dot(axes: Axes, x: float, y: float, belongs: bool) -> None:
-    face = INSIDE if belongs else "white"
-    axes.plot([x], [y], "o", color=INSIDE, markerfacecolor=face, markersize=4.5, zorder=4, clip_on=False)
+def _dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
+    style: dict[str, Any] = {"color": INSIDE, "markerfacecolor": INSIDE if belongs else "white", "markersize": 4.5}
+    axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
 # --- contacts ---
