@@ -27,8 +27,8 @@ from symosc.paper.views import (
 from symosc.plot.panels import Contact, View, view_of
 from symosc.scenes import load_scene
 
-RED_DOT = "Red dot: the contact, magnified in the inset."
-DOTS = "Blue and green dots: onset and end of a stick."
+STAR = "Star: the contact, magnified in the inset."
+MARKS = "Blue circles: onset of a stick; green squares: its end."
 LETTERS = {"Omega": "Ω", "mu1": "μ1", "mu2": "μ2"}
 # A start with more digits than that is cut in captions.
 START_DIGITS = 12
@@ -88,7 +88,7 @@ def domains_caption() -> str:
 def mappings_caption() -> str:
     """Return the caption of Fig. 4."""
     return (
-        "The mappings from one switching (blue dot) to the next (green dot): P1 and P4 are sticks, P2 and P3 return to "
+        "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and P3 return to "
         "belt 1, P5 and P6 to belt 2, P7 leads from belt 2 to belt 1 and P8 from belt 1 to belt 2. "
         f"{listed_parameters(MAPPING_PARAMETERS)}."
     )
@@ -102,8 +102,8 @@ def stick_caption(name: str) -> str:
     spans = [f"t = {_span(stick)} (ended by {_zero_force(view, stick)} = 0)" for stick in sticks]
     return (
         f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) forces per mass {_F(low)} (blue) and "
-        f"{_F(high)} (green), shaded where the mass sticks to belt {view.boundary}. Red: the mass; black: the belts. "
-        f"{DOTS} The mass sticks from {', '.join(spans)}. {_signs(view, sticks)} {given(name)}"
+        f"{_F(high)} (green, dashed), shaded where the mass sticks to belt {view.boundary}. Red: the mass; black: the "
+        f"belts. {MARKS} The mass sticks from {', '.join(spans)}. {_signs(view, sticks)} {given(name)}"
     )
 
 
@@ -136,12 +136,13 @@ def grazing_P2_caption(name: str) -> str:
         )
     else:
         printed = show(load_scene(printed_scene(name)).parameters.A0)
-        what = f"With A0 = {show(p.A0)} instead of {printed}. {_contact(view, touching)} {RED_DOT}"
+        what = f"With A0 = {show(p.A0)} instead of {printed}. {_contact(view, touching)} {STAR}"
     x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
     return (
-        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the dots (black), (b) "
-        f"velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Blue and green "
-        f"dots: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, {number(v)}). {given(name)}"
+        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
+        f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
+        f"square: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, {number(v)}). "
+        f"{given(name)}"
     )
 
 
@@ -151,8 +152,8 @@ def grazing_P3_caption(name: str) -> str:
     touching, stick = first_contact(view), later_stick(view)
     assert touching is not None
     return (
-        f"{_contact(view, touching)} {RED_DOT} (a) Displacement of the mass (red) and of the points of belt 1 "
-        f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {DOTS} The later "
+        f"{_contact(view, touching)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
+        f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {MARKS} The later "
         f"stick lasts from t = {_span(stick)}. {_signs(view, [stick])} {given(name)}"
     )
 
@@ -189,13 +190,22 @@ def orbit_caption(orbit: str) -> str:
     )
 
 
+def product_caption() -> str:
+    """Return the caption of the products of forces."""
+    return (
+        "The product of the forces per mass on both sides of the belt that the motion switches at: (a) Fig. 5, belt 1, "
+        "(b) Fig. 6, belt 2, (c) Fig. 9, belt 1, (d) Fig. 10, belt 2. It is positive where the mass passes (triangle), "
+        "negative while it sticks (shaded), and 0 where a stick ends (squares)."
+    )
+
+
 def _six_panels(view: View) -> str:
     low, high = view.domains
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
-    dots = DOTS if sticks else "Red dots: the mass passes a belt."
+    marks = MARKS if sticks else "Triangles: the mass passes a belt."
     return (
         f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) forces per mass {_F(low)} (blue) and {_F(high)} "
-        f"(green) against time, displacement and velocity. {dots}"
+        f"(green, dashed) against time, displacement and velocity. {marks}"
     )
 
 

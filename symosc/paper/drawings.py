@@ -35,22 +35,22 @@ Edges = tuple[float, float]
 
 #: The oscillator of Fig. 4, where and when each of its mappings starts (x_i, t_i), and the longest time that one takes.
 MAPPING_PARAMETERS = Parameters(
-    m=1, c="0.1", k="0.4", A0=0, B0=20, Omega=4, v1=3, v2=7, mu1="0.9", mu2="0.7", FN="9.81"
+    m=1, c="0.1", k="0.4", A0=0, B0=20, Omega="2.5", v1=4, v2=8, mu1="0.7", mu2="0.5", FN="9.81"
 )
 MAPPING_STARTS = {
-    "P1": ("-13", "0.47"),
-    "P2": ("8.2", "0.6"),
-    "P3": ("-1", "0.06"),
-    "P4": ("7.6", "1.26"),
-    "P5": ("-4.4", "0.94"),
-    "P6": ("-13", "1.35"),
-    "P7": ("4", "0.39"),
-    "P8": ("-7.4", "1.18"),
+    "P1": ("-6.5", "1.59"),
+    "P2": ("-11", "1.01"),
+    "P3": ("-3", "0.25"),
+    "P4": ("1.5", "1.97"),
+    "P5": ("-9.5", "1.51"),
+    "P6": ("-7.5", "2.51"),
+    "P7": ("4.5", "0.59"),
+    "P8": ("-14", "1.84"),
 }
 #: Where the names stand, from the middle of the curves: alignment, and distance in points.
 MAPPING_NAMES = {
-    "P1": ("center", "bottom", 0, 4),
-    "P2": ("left", "center", 8, 0),
+    "P1": ("center", "top", 0, -5),
+    "P2": ("center", "top", 0, -3),
     "P3": ("center", "bottom", 0, 3),
     "P4": ("center", "bottom", 0, 4),
     "P5": ("center", "top", 0, -3),
@@ -59,6 +59,8 @@ MAPPING_NAMES = {
     "P8": ("right", "center", -5, 0),
 }
 MAPPING_SPAN = 3
+#: Start and end of a mapping: shape and colour.
+ENDS = (("o", ONSET), ("s", END))
 
 
 # --- Fig. 1 ---
@@ -318,7 +320,7 @@ def fig4() -> Figure:
         ax.set_xlim(left, right)
         ax.set_ylim(low, high)
         _phase_axes(ax, v1, v2)
-        marks = [Line2D([], [], ls="", marker="o", ms=3.5, color=color) for color in (ONSET, END)]
+        marks = [Line2D([], [], ls="", marker=marker, ms=3.5, color=color) for marker, color in ENDS]
         drawing.legend(marks, ["start", "end"], loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
     return drawing
 
@@ -337,8 +339,8 @@ def _mapping(ax: Axes, label: str) -> None:
     x, v = motion(t)
     sticks = motion.segments[0].mode.startswith("belt")
     ax.plot(x, v, color=MASS, lw=THICK if sticks else LINE, zorder=3, label=label, solid_capstyle="butt")
-    for index, color in ((0, ONSET), (-1, END)):
-        ax.plot(x[index], v[index], "o", color=color, ms=3.5, zorder=5)
+    for index, (marker, color) in zip((0, -1), ENDS, strict=True):
+        ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
     returns = v[0] == v[-1] and not sticks
     middle = POINTS // 2
     head = POINTS // 4 if returns else middle

@@ -27,7 +27,7 @@ from symosc.paper.views import (
     stick_view,
 )
 from symosc.plot.figures import assemble
-from symosc.plot.panels import BELT, END, MASS, PANELS, Panel, View
+from symosc.plot.panels import BELT, END, MASS, PANELS, Panel, View, look
 from symosc.scenes import load_scene
 
 # In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
@@ -83,6 +83,12 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
     return _paper_form([(panel, view) for panel in panels.values()], columns)
 
 
+def product_figure(columns: int = 2) -> Figure:
+    """Draw the products of forces that section 6 speaks of: Figs. 5, 6, 9 and 10."""
+    views = [stick_view("fig5"), stick_view("fig6"), motion_view("fig9"), motion_view("fig10")]
+    return _paper_form([(PANELS["g"], view) for view in views], columns)
+
+
 def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None = None) -> Figure:
     return assemble(panels, columns, WIDTHS[columns], tall=tall)
 
@@ -129,7 +135,7 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
     inset = ax.inset_axes(INSIDE_ORBIT)
     inset.plot(view.x, view.v, color=MASS, lw=1.3)
     inset.axhline(float(crossing.v), color=BELT, lw=0.6)
-    inset.plot(float(crossing.x), float(crossing.v), "o", color=END, ms=4.0, mec="white", mew=0.4, zorder=6)
+    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **look("end of stick", END))
     inset.plot(*start, "D", **START_STYLE)
     inset.set_xlim(start[0] - 3 * distance, start[0] + 2 * distance)
     inset.set_ylim(start[1] - 40 * distance, start[1] + 20 * distance)

@@ -10,7 +10,14 @@ from matplotlib.figure import Figure
 
 from symosc.mappings.theorem7_cases import place
 from symosc.paper import captions, drawings
-from symosc.paper.paper_figures import grazing_figure_P2, grazing_figure_P3, motion_figure, orbit_figure, stick_figure
+from symosc.paper.paper_figures import (
+    grazing_figure_P2,
+    grazing_figure_P3,
+    motion_figure,
+    orbit_figure,
+    product_figure,
+    stick_figure,
+)
 from symosc.paper.window_figures import SCENES, window_caption, window_sweep
 
 
@@ -180,6 +187,15 @@ _ALL = (
         "fig10-orbit",
         title="the periodic orbit P4645",
         alt="The orbit is a closed loop with two straight pieces on belt 2; the printed start lies close to it.",
+    ),
+    Picture(
+        "force-product",
+        "Section 6: product of the forces",
+        "Four curves of products, positive where the mass passes a belt and negative while it sticks to one.",
+        None,
+        product_figure,
+        captions.product_caption,
+        partial(product_figure, columns=1),
     ),
     *map(_window, SCENES),
 )

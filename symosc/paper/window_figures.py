@@ -10,12 +10,13 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from symosc.grazing.window import grazing_window
+from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
 from symosc.plot.drawing import STYLE
-from symosc.plot.panels import SWITCH
+from symosc.plot.panels import SWITCH, look
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -29,23 +30,29 @@ SIZE = 3.6, 3.1
 
 
 def window_sweep(mapping: str) -> Figure:
-    """Draw when a mapping grazes (Theorem 7 as printed) against its belt's speed, and the graze of its scene."""
+    """Draw when a mapping grazes against its belt's speed, the graze of its scene, and what Theorem 7 leaves out."""
     where, name = place(mapping), f"v{place(mapping).boundary}"
-    drawing = sweep_figure(_room(mapping), mapping, name, *_range(mapping), order="paper")
+    drawing = sweep_figure(_room(mapping), mapping, name, *_range(mapping), order="full")
     drawing.set_size_inches(SIZE)
     (axes,) = drawing.axes
     axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
     for area in axes.collections:
         area.set_linewidth(1.0)  # no seam where two areas meet
-    (given,) = [line for line in axes.lines if line.get_label() == "given value"]
-    given.set_label(f"$v_{where.boundary}$ in Fig. {_number(mapping)}")
+    names = {
+        "given value": f"$v_{where.boundary}$ in Fig. {_number(mapping)}",
+        "belongs to it": f"grazes, not in ({where.equation})",
+        "does not belong to it": "does not graze",
+    }
+    for line in axes.lines:
+        line.set_label(names.get(str(line.get_label()), line.get_label()))
     graze = _graze(mapping)
     if graze is not None:
-        style: dict[str, Any] = {"color": SWITCH, "ms": 5.4, "mec": "white", "mew": 0.4, "zorder": 6, "clip_on": False}
-        axes.plot(float(graze.v), float(graze.theta), "o", label="grazing point", ls="", **style)
+        style: dict[str, Any] = look("grazing point", SWITCH) | {"clip_on": False, "ls": ""}
+        axes.plot(float(graze.v), _phase(graze, load_scene(SCENES[mapping]).parameters), label="grazing point", **style)
     drawing.legends[0].remove()
     with rc_context(STYLE):
-        drawing.legend(loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
+        handles, labels = axes.get_legend_handles_labels()
+        drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
     return drawing
 
 
@@ -80,19 +87,26 @@ def _graze(mapping: str) -> Event | None:
     return next((each for each in grazes if each.boundary == where.boundary and each.source == domain), None)
 
 
+def _phase(graze: Event, p: Parameters) -> float:
+    """Return the phase of a graze in [0, 2 pi); one that is 0 but for the error of its time is 0."""
+    theta, error = float(graze.theta), 10 * float(p.Omega) * max(graze.t_error, EPS * abs(float(graze.t)))
+    return 0.0 if 2 * pi - theta <= error else theta
+
+
 def window_caption(mapping: str) -> str:
     """Return the caption of `window_sweep`."""
     where, p = place(mapping), load_scene(SCENES[mapping]).parameters
-    case = grazing_window(p, mapping, "paper").case.strip("()").partition(".")[2]
+    case = grazing_window(p, mapping).case.strip("()").partition(".")[2]
     graze = _graze(mapping)
-    red = "" if graze is None else f"; red dot: its graze at t = {number(float(graze.t), 7)}"
+    red = "" if graze is None else f"; star: its graze at t = {number(float(graze.t), 7)}"
     speed = f"v{where.boundary}"
     critical = "Θ^{cr}"
     return (
         f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a motion in domain "
         f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed {speed}, which makes "
         f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 Ω)) and π − {critical}, "
-        f"which do not belong to it; white dots: |γ| = B0 Ω/m. Dotted: {speed} in Fig. {_number(mapping)}, case {case} "
+        f"which do not belong to it; dots: |γ| = B0 Ω/m, where a full one grazes and an open one does not. "
+        f"Dotted: {speed} in Fig. {_number(mapping)}, case {case} "
         f"of ({where.equation}){red}. {_left_out(mapping)}{listed_parameters(p)}."
     )
 
@@ -108,6 +122,6 @@ def _left_out(mapping: str) -> str:
     quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
     phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
     return (
-        f"The white dot at {name} = {number(float(speed))}, {phase} grazes too: there the force and its first two "
-        "derivatives vanish and the third decides. "
+        f"At the full dot, {name} = {number(float(speed))}, {phase}, the force and its first two derivatives vanish "
+        f"and the third decides: it grazes, though ({where.equation}) as printed leaves it out. "
     )

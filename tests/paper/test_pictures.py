@@ -16,13 +16,15 @@ from matplotlib.transforms import Bbox
 from symosc import find_orbit, load_scene, plot, simulate
 from symosc.paper.pictures import PICTURES
 from symosc.plot.panels import END, ONSET, SWITCH
+from symosc.plot.windows import INSIDE
 
 pytestmark = pytest.mark.slow  # draws all figures
 
 PRINTED = {f"fig{number}": number for number in range(1, 11)}
 CORRECTED = {"fig7-corrected", "fig7-exact", "fig8-exact", "fig9-orbit", "fig10-orbit"}
 WINDOWS = {"theorem7-p2", "theorem7-p3", "theorem7-p5", "theorem7-p6"}
-COMPUTED = [key for key in PICTURES if key not in ("fig1", "fig2", "fig3", "fig4") and key not in WINDOWS]
+OTHERS = {"fig1", "fig2", "fig3", "fig4", "force-product"} | WINDOWS
+COMPUTED = [key for key in PICTURES if key not in OTHERS]
 # As the captions of the paper's figures say: what the axes of the panels (a) to (f) are.
 TIME, X, V, FORCES = "time $t$", "displacement $x$", r"velocity $\dot{x}$", "forces"
 HISTORIES = [(TIME, X), (TIME, V)]
@@ -64,7 +66,9 @@ def labels(drawing: Figure) -> set[str]:
 
 def test_the_ten_figures_and_the_corrected_ones() -> None:
     assert {key: picture.paper_figure for key, picture in PICTURES.items() if picture.paper_figure} == PRINTED
-    assert {key for key, picture in PICTURES.items() if picture.paper_figure is None} == CORRECTED | WINDOWS
+    assert {key for key, picture in PICTURES.items() if picture.paper_figure is None} == (
+        CORRECTED | WINDOWS | {"force-product"}
+    )
     assert all(key == picture.key for key, picture in PICTURES.items())
     assert list(PICTURES)[-4:] == sorted(WINDOWS)
     assert list(dict.fromkeys(number_of(key) for key in PICTURES))[:10] == [str(number) for number in range(1, 11)]
@@ -265,7 +269,8 @@ def test_captions_have_the_parameters_and_the_start(key: str) -> None:
 @pytest.mark.parametrize("key", list(PICTURES))
 def test_titles_and_texts(key: str) -> None:
     picture = PICTURES[key]
-    assert picture.title.startswith("Theorem 7, eq. (5" if key in WINDOWS else f"Fig. {number_of(key)}")
+    titles = dict.fromkeys(WINDOWS, "Theorem 7, eq. (5") | {"force-product": "Section 6"}
+    assert picture.title.startswith(titles.get(key, f"Fig. {number_of(key)}"))
     assert 30 < len(picture.alt) < 150
     assert picture.alt.count(". ") == 0  # one sentence
     assert len(picture.caption) > 80
@@ -296,7 +301,7 @@ def test_signs_that_do_not_hold_are_said_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "graze", "left_out"), [("theorem7-p3", (-4, 2 * pi), (-4, pi / 2)), ("theorem7-p5", None, (5.25, 1.5 * pi))]
+    ("key", "graze", "left_out"), [("theorem7-p3", (-4, 0), (-4, pi / 2)), ("theorem7-p5", None, (5.25, 1.5 * pi))]
 )
 def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) -> None:
     picture = PICTURES[key]
@@ -308,13 +313,28 @@ def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) ->
     assert axes.get_xlabel() == ("$v_1$" if key == "theorem7-p3" else "$v_2$")
     red = dots(axes, "grazing point")
     assert red == pytest.approx(np.array([graze] if graze else np.empty((0, 2))))
-    white = [np.ravel(line.get_data()) for line in axes.lines if line.get_markerfacecolor() == "white"]
-    assert any(place == pytest.approx(np.array(left_out)) for place in white)
+    # What the theorem leaves out at equality is a full dot, what does not graze there an open one: both are named.
+    ends = [line for line in axes.lines if line.get_marker() == "o"]
+    grazes, not_grazing = sorted(ends, key=lambda line: line.get_markerfacecolor() == "white")
+    assert np.ravel(grazes.get_data()) == pytest.approx(np.array(left_out))
+    assert (grazes.get_markerfacecolor(), not_grazing.get_markerfacecolor()) == (INSIDE, "white")
+    assert "does not graze" in [text.get_text() for text in legend.get_texts()]
+    assert any("grazes, not in (5" in text.get_text() for text in legend.get_texts())
     # Equality is where the scene's k |v| is B0 Omega, and the picture shows as much again beyond it.
     p = load_scene({"theorem7-p3": "fig8", "theorem7-p5": "fig10"}[key]).parameters
     assert axes.get_xlim() == pytest.approx((-2 * float(p.B0 * p.Omega / p.k), 2 * float(p.B0 * p.Omega / p.k)))
-    assert f"The white dot at v{1 if graze else 2} = " in picture.caption
-    assert "grazes too" in picture.caption
+    assert f"At the full dot, v{1 if graze else 2} = " in picture.caption
+    assert "it grazes, though" in picture.caption
+
+
+def test_products_of_forces_are_drawn_for_the_figures_that_section_6_speaks_of() -> None:
+    axes = PICTURES["force-product"].build().axes
+    for ax, (name, boundary) in zip(axes, (("fig5", 1), ("fig6", 2), ("fig9", 1), ("fig10", 2)), strict=True):
+        assert ax.get_ylabel() == f"product $F^{{({boundary})}}\\, F^{{({boundary + 1})}}$"
+        for label, events in (("crossing", "cross"), ("end of stick", "slip")):
+            motion = simulate(name, t_end=ENDS[name])
+            times = [event.t for event in motion.events if (event.kind, event.boundary) == (events, boundary)]
+            assert list(dots(ax, label)[: len(times), 0]) == times
 
 
 def test_pictures_can_be_sent_to_another_process() -> None:

@@ -292,7 +292,7 @@ def test_fig4_shows_each_mapping() -> None:
         x, v = np.asarray(curve.get_xdata(), dtype=float), np.asarray(curve.get_ydata(), dtype=float)
         start, end = (float(p.belt(plane.boundary)) for plane in (MAPS[label].start, MAPS[label].end))
         assert (v[0], v[-1]) == pytest.approx((start, end), abs=1e-12)
-        edges = [-np.inf, 3.0, 7.0, np.inf]
+        edges = [-np.inf, float(p.v1), float(p.v2), np.inf]
         domain = MAPS[label].domain
         low, high = edges[domain - 1 : domain + 1] if domain else (start, start)
         assert np.all(v[1:-1] >= low - 1e-12)
@@ -302,6 +302,18 @@ def test_fig4_shows_each_mapping() -> None:
         phases = float(p.Omega) * motion.t_start, float(p.Omega) * event.t
         assert (x[0], x[-1]) == pytest.approx((float(drawings.MAPPING_STARTS[label][0]), event.x))
         assert residual(p, label, (x[0], phases[0]), (event.x, phases[1])) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_no_mapping_of_fig4_is_a_needle() -> None:
+    """Every flight is at least a quarter as wide as it is high, on the page."""
+    drawing = drawings.fig4()
+    drawing.draw_without_rendering()
+    (ax,) = drawing.axes
+    for line in ax.lines:
+        label = str(line.get_label())
+        if label in MAPS and MAPS[label].domain:
+            size = np.ptp(ax.transData.transform(np.column_stack(line.get_data()).astype(float)), axis=0)
+            assert size[0] > 0.25 * size[1], label
 
 
 def test_checks_are_named_in_the_claims() -> None:
