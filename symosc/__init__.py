@@ -15,8 +15,15 @@ scenes) are for all. The public names are listed in ``__init__.pyi`` and loaded 
 neither sympy nor matplotlib nor numba.
 """
 
+from functools import partial
+from importlib import import_module
+
 import lazy_loader
 
+from symosc import drawable
+
 __version__ = "0.1.0"
+
+drawable.loaders.append(partial(import_module, "symosc.plot"))
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -13,7 +13,7 @@ ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
     {"errors"},
-    {"exact", "files"},
+    {"exact", "files", "drawable"},
     {"model"},
     {"words"},
     {"scenes", "machine", "citation"},

@@ -11,13 +11,14 @@ import numpy as np
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
+from symosc.drawable import Drawable
 from symosc.simulation.trajectory import Event, Trajectory
 
 LISTED = 5  # events of a kind in a summary
 
 
 @dataclass(frozen=True, eq=False)
-class CrossCheck:
+class CrossCheck(Drawable):
     """How samples compare with the exact motion.
 
     Attributes

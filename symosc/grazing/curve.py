@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.drawable import Drawable
 from symosc.exact import whole_number
 from symosc.grazing.origin import Origins
 from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
@@ -107,7 +108,7 @@ class CurvePiece:
 
 
 @dataclass(frozen=True)
-class GrazingCurve:
+class GrazingCurve(Drawable):
     """The grazing curve of a mapping.
 
     Attributes

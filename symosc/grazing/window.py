@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.drawable import Drawable
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
@@ -64,7 +65,7 @@ def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingW
 
 
 @dataclass(frozen=True, repr=False)
-class GrazingWindow:
+class GrazingWindow(Drawable):
     """The grazing window of a map; see `grazing_window`, which makes it.
 
     Attributes

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.drawable import Drawable
 from symosc.errors import SymoscError
 from symosc.exact import whole_number
 from symosc.model import Parameters
@@ -98,7 +99,7 @@ class BranchEnd(NamedTuple):
     beyond: str | None = None
 
 
-class Branch:
+class Branch(Drawable):
     """A branch of periodic orbits over one parameter.
 
     Attributes

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.drawable import Drawable
 from symosc.engine.first_exit import state_at
 from symosc.errors import ParameterError
 from symosc.model import Parameters
@@ -71,7 +72,7 @@ class Approach(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PeriodicOrbit:
+class PeriodicOrbit(Drawable):
     """A periodic orbit, or a root of its closing equations that is none (`admissible` is False).
 
     Calling it gives the state: ``orbit(t)`` is ``[x, v]``, of shape (2,) or (2, n), for any times.

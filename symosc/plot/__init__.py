@@ -2,7 +2,8 @@
 
 May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
 
-One more figure: a module of its own that returns a matplotlib Figure; its function is named here.
+One more figure: a module of its own that returns a matplotlib Figure; its function is named here, and registered for
+the answer whose ``.plot()`` it is (`symosc.drawable`).
 
 Examples
 --------
@@ -12,17 +13,26 @@ Examples
 4
 """
 
+from symosc.crosschecks.report import CrossCheck
+from symosc.drawable import register
+from symosc.grazing.curve import GrazingCurve
+from symosc.grazing.window import GrazingWindow
+from symosc.orbits.branch import Branch
+from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.plot.branch import branch_figure
+from symosc.plot.crosscheck import figure as crosscheck_figure
 from symosc.plot.curve import figure_grazing_curve
 from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
 from symosc.plot.windows import sweep_figure, window_figure
+from symosc.simulation.trajectory import Trajectory
 
 __all__ = [
     "MOST_DRAWN_EVENTS",
     "branch_figure",
     "check_panels",
     "check_suffix",
+    "crosscheck_figure",
     "default_panels",
     "figure",
     "figure_grazing_curve",
@@ -32,3 +42,11 @@ __all__ = [
     "sweep_figure",
     "window_figure",
 ]
+
+# What ``.plot()`` of an answer calls.
+register(Trajectory, figure)
+register(PeriodicOrbit, orbit_figure)
+register(Branch, branch_figure)
+register(GrazingWindow, window_figure)
+register(GrazingCurve, figure_grazing_curve)
+register(CrossCheck, crosscheck_figure)

@@ -41,7 +41,7 @@ UNIT = (0, (1, 2))
 BETWEEN = 24
 
 
-def branch_figure(branch: Branch, panels: str = "ab", *, ax: Axes | None = None) -> Figure:
+def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
     Solid lines are stable orbits; dashed ones are not, or have a multiplier on the unit circle, which is dotted. Marks
@@ -50,8 +50,8 @@ def branch_figure(branch: Branch, panels: str = "ab", *, ax: Axes | None = None)
     Parameters
     ----------
     branch : Branch
-    panels : str
-        Letters of the panels: a positions, b multipliers.
+    panels : str, optional
+        Letters of the panels: a positions, b multipliers. Default: both, with `ax` b.
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel into; their figure is returned.
 
@@ -73,7 +73,7 @@ def branch_figure(branch: Branch, panels: str = "ab", *, ax: Axes | None = None)
     """
     if not isinstance(branch, Branch):
         raise ParameterError("branch", type(branch).__name__, "must be a Branch; continue_orbit(...) makes one")
-    read_panels(panels, tuple(PANELS), ax)
+    panels = read_panels(panels, tuple(PANELS), ax, alone="b")
     if ax is not None:
         drawing = figure_of(ax)
         _panel(ax, branch, panels)

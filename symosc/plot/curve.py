@@ -19,7 +19,7 @@ QUARTERS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 
 TURN = 2 * pi
 
 
-def figure_grazing_curve(curve: GrazingCurve, panels: str = "ab", *, ax: Axes | None = None) -> Figure:
+def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a grazing curve.
 
     Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
@@ -29,8 +29,8 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str = "ab", *, ax: Axes | 
     Parameters
     ----------
     curve : GrazingCurve
-    panels : str
-        Letters of the panels: a switching plane, b flight.
+    panels : str, optional
+        Letters of the panels: a switching plane, b flight. Default: both, with `ax` a.
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel into; their figure is returned.
 
@@ -52,7 +52,7 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str = "ab", *, ax: Axes | 
     """
     if not isinstance(curve, GrazingCurve):
         raise ParameterError("curve", type(curve).__name__, "must be a GrazingCurve; grazing_curve(...) makes one")
-    read_panels(panels, tuple(PANELS), ax)
+    panels = read_panels(panels, tuple(PANELS), ax)
     if ax is not None:
         PANELS[panels](ax, curve)
         return figure_of(ax)

@@ -85,19 +85,22 @@ def figure_of(ax: Any) -> Figure:
     return ax.figure  # type: ignore[return-value]
 
 
-def read_panels(panels: Any, known: Sequence[str], ax: Any = None) -> str:
-    """Return the letters of panels.
+def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = "a") -> str:
+    """Return the letters of panels; None is all of them, with `ax` the one that stands for all `alone`.
 
     Raises
     ------
     ParameterError
-        Unless they are different known letters; with `ax` it must be one.
+        Unless they are different known letters; with `ax`, which must be axes, it must be one.
     """
     letters = "".join(known)
+    if panels is None:
+        panels = letters if ax is None else alone
     if not (isinstance(panels, str) and panels and not set(panels) - set(known) and len(set(panels)) == len(panels)):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
-    if ax is not None and len(panels) > 1:
+    if ax is not None:
         figure_of(ax)
+    if ax is not None and len(panels) > 1:
         raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
     return panels
 

@@ -53,7 +53,7 @@ def figure(
     panels : str, optional
         Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against x, f forces
         against x', g the product of the forces against t (> 0 at a passage, < 0 in a stick). Default: "abcd", for
-        scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10).
+        scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10), with `ax` "a".
     boundary : int, optional
         1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the boundary of the
         first event.
@@ -85,6 +85,7 @@ def figure(
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
     if panels is None:
         panels = default_panels(scene) if isinstance(scene, Scene) else "abcd"
+        panels = panels if ax is None else "a"
     check_panels(panels, ax)
     boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
@@ -125,8 +126,10 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
     return found
 
 
-def orbit_figure(orbit: PeriodicOrbit, panels: str = "abcdef", *, columns: int = 2, ax: Axes | None = None) -> Figure:
-    """Draw a periodic orbit for a few periods; panels, columns and ax as for `figure`.
+def orbit_figure(
+    orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None
+) -> Figure:
+    """Draw a periodic orbit for a few periods; panels, columns and ax as for `figure`, by default all panels or c.
 
     Raises
     ------
@@ -147,6 +150,8 @@ def orbit_figure(orbit: PeriodicOrbit, panels: str = "abcdef", *, columns: int =
     (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
     t_end = float(t0) + PERIODS_SHOWN * float(orbit.period)
     motion = simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
+    if panels is None:
+        panels = "abcdef" if ax is None else "c"
     return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax)
 
 

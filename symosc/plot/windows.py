@@ -45,7 +45,7 @@ def window_figure(
     windows: GrazingWindow | Sequence[GrazingWindow],
     plane: Callable[[Axes, GrazingWindow], None] | None = None,
     *,
-    panels: str = "ab",
+    panels: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
     """Draw windows, one row each.
@@ -59,8 +59,8 @@ def window_figure(
     windows : GrazingWindow or sequence of them
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
-    panels : str
-        Letters of the panels: a circle, b contacts.
+    panels : str, optional
+        Letters of the panels: a circle, b contacts. Default: both, with `ax` a.
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel of one window into; their figure is returned.
 
@@ -86,7 +86,7 @@ def window_figure(
     if not chosen or not all(isinstance(window, GrazingWindow) for window in chosen):
         raise ParameterError("windows", "...", "must be a GrazingWindow or a sequence of them, at least one")
     draw = {"a": _circle, "b": _contacts}
-    read_panels(panels, tuple(draw), ax)
+    panels = read_panels(panels, tuple(draw), ax)
     if ax is not None:
         drawing = figure_of(ax)
         if len(chosen) > 1:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.drawable import Drawable
 from symosc.engine.flow import Constants, constants
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, whole_number
@@ -113,7 +114,7 @@ class Piece:
     elapsed: float
 
 
-class Trajectory:
+class Trajectory(Drawable):
     """An exact event-driven trajectory.
 
     Calling it gives the state: ``traj(t)`` is ``[x, v]``, of shape (2,) for a scalar and (2, n) for n times.

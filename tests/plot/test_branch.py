@@ -73,6 +73,6 @@ def test_one_panel_into_given_axes(branch: Branch) -> None:
 @pytest.mark.parametrize("value", [None, 5, "P32", []])
 def test_what_is_no_branch(value: Any, branch: Branch) -> None:
     refused(lambda: plot.branch_figure(value), "branch")
-    refused(lambda: plot.branch_figure(branch, value or "c"), "panels")
+    refused(lambda: plot.branch_figure(branch, "c"), "panels")
     refused(lambda: plot.branch_figure(branch, "a", ax=value or 3), "ax")
-    refused(lambda: plot.branch_figure(branch, ax=Figure().add_subplot()), "panels")
+    refused(lambda: plot.branch_figure(branch, "ab", ax=Figure().add_subplot()), "panels")
