@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from fractions import Fraction
 from typing import Any
 
@@ -11,9 +10,7 @@ import numpy as np
 
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
-
-# Longer texts are no angles that somebody means.
-LONGEST_TEXT = 200
+from symosc.mappings.phase import has_pi, read_text
 
 
 def read_phase(name: str, value: Any) -> Any:
@@ -26,15 +23,8 @@ def read_phase(name: str, value: Any) -> Any:
 def read_angle(name: str, value: Any) -> Any:
     """Return a Fraction, or a real sympy constant, for a number, a text such as "3*pi/2" or a sympy expression."""
     forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
-    if isinstance(value, str) and len(value) > LONGEST_TEXT and "pi" in value:
-        raise ParameterError(name, f"{value[:20]}...", f"must have at most {LONGEST_TEXT} characters")
-    if isinstance(value, str) and re.fullmatch(r"(?!.*\*\*)(?=.*pi)(?:pi|[\d.\s()+\-*/])+", value):
-        import sympy
-
-        try:
-            value = sympy.nsimplify(sympy.sympify(value), rational=True)
-        except (sympy.SympifyError, TypeError, SyntaxError, ValueError, AttributeError):
-            raise ParameterError(name, value, forms) from None
+    if has_pi(value):
+        return read_text(name, value).symbolic()
     if getattr(value, "is_Float", None) is False and not value.is_Rational:  # sympy's, and no plain number
         if not _is_real_constant(value):
             raise ParameterError(name, value, forms)

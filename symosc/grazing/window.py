@@ -19,6 +19,7 @@ from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.kernels import double_double
+from symosc.mappings.phase import Phase, of_sympy, read_text, sine_sign
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     ARC,
@@ -181,9 +182,10 @@ class GrazingWindow(Drawable):
 
         Parameters
         ----------
-        theta : number, sympy expression or numpy array
-            Any real number; it is taken mod 2 pi. sympy expressions such as pi/3 or pi + asin(3/5) are exact. A float
-            is used as the exact binary number, because phases are computed and not typed.
+        theta : number, text, sympy expression or numpy array
+            Any real number; it is taken mod 2 pi. Text such as "3*pi/2" and sympy expressions such as pi/3 or
+            pi + asin(3/5) are exact. A float is used as the exact binary number, because phases are computed and not
+            typed.
 
         Returns
         -------
@@ -203,7 +205,7 @@ class GrazingWindow(Drawable):
 
         Parameters
         ----------
-        theta : number, sympy expression or numpy array
+        theta : number, text, sympy expression or numpy array
             A phase in the window.
 
         Returns
@@ -259,29 +261,11 @@ class GrazingWindow(Drawable):
         exact = _read_phase(theta)
         if self.kind in (EMPTY, EVERYTHING):
             return 1 if self.kind == EVERYTHING else -1
-        if isinstance(exact, Fraction):
-            return self.place.side * self._rational_sign(exact)
+        if isinstance(exact, Phase):
+            return self.place.side * sine_sign(self.gamma, self.amplitude, exact)
         from symosc.symbolic.theorem7 import rational, sign_of, sp
 
         return self.place.side * sign_of(rational(self.gamma) + rational(self.amplitude) * sp.sin(exact))
-
-    def _rational_sign(self, theta: Fraction) -> int:
-        """Return the sign of gamma + amplitude sin(theta); amplitude != 0.
-
-        The sine of a rational number other than 0 is transcendental (Lindemann): the sum is never 0, and enough
-        digits show its sign.
-        """
-        if theta == 0:
-            return self.signs[0]
-        ratio = self.gamma / self.amplitude
-        digits = DIGITS
-        while True:
-            context = mp_context(digits + len(str(abs(theta.numerator))))
-            sine = context.sin(context.mpf(theta.numerator) / theta.denominator)
-            total = sine + context.mpf(ratio.numerator) / ratio.denominator
-            if abs(total) > context.mpf(10) ** (5 - digits):
-                return self.signs[1] * (1 if total > 0 else -1)
-            digits *= 2
 
     def _contains_array(self, theta: np.ndarray) -> np.ndarray:
         if theta.dtype.kind not in "fiu":
@@ -332,17 +316,20 @@ def _latex_number(mapping: str) -> str:
 
 
 def _read_phase(theta: Any) -> Any:
-    """Return a phase as an exact Fraction, or as a sympy expression if it is one."""
+    """Return a phase as a Phase, or as a sympy expression if it is no sum of a rational number and multiple of pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0
+    if isinstance(theta, str):
+        return read_text("theta", theta)
     if isinstance(theta, float | np.floating):
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
-        return Fraction(float(theta))
+        return Phase(Fraction(float(theta)), Fraction(0))
     if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
         from symosc.symbolic.theorem7 import real
 
-        return real("theta", theta)
-    return read_exact("theta", theta)
+        number = real("theta", theta)
+        return of_sympy(number) or number
+    return Phase(read_exact("theta", theta), Fraction(0))

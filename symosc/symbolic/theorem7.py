@@ -18,6 +18,7 @@ import sympy as sp
 
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
+from symosc.mappings.phase import has_pi, read_text
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     EMPTY,
@@ -250,7 +251,7 @@ def real(name: str, value: Any) -> Expr:
             if not value.is_comparable:
                 raise ParameterError(name, value, "must be a real number")
         return value
-    return rational(read_exact(name, value))
+    return read_text(name, value).symbolic() if has_pi(value) else rational(read_exact(name, value))
 
 
 def rational(value: Fraction) -> Expr:

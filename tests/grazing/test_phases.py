@@ -1,0 +1,133 @@
+"""Phases as exact numbers: text with pi, and membership in windows without a rounded decision."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import sympy as sp
+from bad_values import refused
+from sympy import pi
+
+from symosc import Parameters, grazing_start, grazing_window, is_grazing, load_scene, values_containing
+from symosc.mappings.phase import Phase, of_sympy, read_text, sine_sign
+
+FIG9 = load_scene("fig9").parameters
+MAPS = ("P2", "P3", "P5", "P6")
+
+
+def fraction(rng: random.Random, size: int = 9) -> Fraction:
+    return Fraction(rng.randint(-size, size), rng.randint(1, 7))
+
+
+def texts(rng: random.Random) -> tuple[str, Any]:
+    """Return a way to write a phase, and what it means."""
+    a, b = fraction(rng), fraction(rng)
+    rest, multiple = (sp.Rational(each.numerator, each.denominator) for each in (a, b))
+    return rng.choice(
+        [
+            (f"{b.numerator}*pi/{b.denominator}", multiple * pi),
+            (f"{b.numerator}pi/{b.denominator}", multiple * pi),
+            (f"({b})*pi", multiple * pi),
+            (f"pi*({b})", multiple * pi),
+            (f"{b.numerator}*π/{b.denominator}", multiple * pi),
+            (f"({b})*pi + {a.numerator}/{a.denominator}", multiple * pi + rest),
+            (f"({a}) - 2*(pi - {abs(b)})", rest - 2 * pi + 2 * abs(multiple)),
+            (f"-(-pi)/{b.denominator}", pi / b.denominator),
+            ("0.1*pi + 0.25", pi / 10 + sp.Rational(1, 4)),
+        ]
+    )
+
+
+def test_text_is_read_exactly() -> None:
+    rng = random.Random(1)
+    for _ in range(300):
+        text, meant = texts(rng)
+        assert sp.expand(read_text("theta", text).symbolic() - meant) == 0, text
+    assert read_text("theta", "pi") == Phase(Fraction(0), Fraction(1))
+    assert read_text("theta", "3*pi/2") == Phase(Fraction(0), Fraction(3, 2))
+    assert read_text("theta", " 1.5 ") == Phase(Fraction(3, 2), Fraction(0))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "pi*pi", "1/pi", "pi/0", "pi**2", "pi//2", "sin(pi)", "pipi", "pi pi", "exp(pi)", "2*", "pi +", "pi)", "(pi",
+        "１*pi", "1_0*pi", "pi.real", "1e3*pi", "[pi]", "pi,pi", "lambda: pi", "(" * 90 + "pi" + ")" * 90 + "*pi",
+        "9" * 5000 + "*pi", "9" * 100 + "*pi", "e", "two pi", "-pi-", "pi\n.x",
+    ],
+)  # fmt: skip
+def test_other_expressions_cost_one_line(text: str) -> None:
+    window = grazing_window(FIG9, "P2")
+    for call in (
+        lambda: window.contains(text),
+        lambda: window.contact(text),
+        lambda: values_containing(FIG9, "P2", "Omega", text),
+        lambda: grazing_start(FIG9, "P2", text),
+    ):
+        refused(call, "theta")
+
+
+def random_parameters(rng: random.Random) -> Parameters:
+    """Return parameters near the cases' borders: sines of the windows' ends are often rational."""
+    v1 = fraction(rng, 20)
+    changes = {"v1": v1, "v2": v1 + abs(fraction(rng)) + 1, "k": rng.randint(0, 6), "Omega": rng.randint(1, 6)}
+    p = FIG9.replace(**changes, B0=rng.randint(-8, 8))
+    if p.B0 and rng.random() < 0.6:  # k v1 = -B0 Omega sine: the window's end is at a multiple of pi/6
+        sine = rng.choice([Fraction(1), Fraction(1, 2), Fraction(-1, 2), Fraction(-1)])
+        v1 = -p.B0 * p.Omega * sine / max(p.k, 1)
+        p = p.replace(k=max(p.k, 1), v1=v1, v2=v1 + 1)
+    return p
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
+    """Against sympy's sets, whose ends are compared by sympy, at their ends and at random multiples of pi."""
+    rng, at_ends = random.Random(mapping), 0
+    for _ in range(14):
+        p = random_parameters(rng)
+        order = rng.choice(["full", "paper"])
+        window = grazing_window(p, mapping, order)
+        ends = [of_sympy(end) for end in window.phases.boundary] if window.phases else []
+        tried = [end.multiple for end in ends if end is not None and end.rest == 0]
+        at_ends += len(tried)
+        for multiple in [*tried, Fraction(rng.randint(0, 23), 12), abs(fraction(rng)) % 2]:
+            text = f"{multiple.numerator}*pi/{multiple.denominator}"
+            phase = pi * sp.Rational(multiple.numerator, multiple.denominator)
+            inside = window.contains(text + rng.choice(["", " + 2*pi", " - 4*pi"]))
+            assert inside == (phase % (2 * pi) in window.phases), (p, mapping, order, text)
+            assert inside == window.contains(phase)
+            if inside and p.k:
+                assert sp.expand(window.contact(text) - window.contact(phase)) == 0
+    assert at_ends > 8
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_windows_agree_with_theorem_6_at_the_contact(mapping: str) -> None:
+    """A phase is in the full window iff F and its derivatives at the contact say so, in 50 digits."""
+    rng = random.Random(f"contact {mapping}")
+    for _ in range(40):
+        p = random_parameters(rng)
+        p = p.replace(k=max(p.k, 1))
+        window = grazing_window(p, mapping)
+        text = f"{rng.randint(0, 23)}*pi/12"
+        where, phase = window.place, sp.sympify(text)
+        x = (sp.Rational(p.A(where.domain) - p.c * window.speed) + sp.Rational(p.B0) * sp.cos(phase)) / sp.Rational(p.k)
+        verdict = is_grazing(p, mapping, x if x.is_Rational else sp.nsimplify(x), text)
+        assert window.contains(text) == verdict.grazing, (p, text)
+
+
+def test_signs_next_to_zero() -> None:
+    """The sign is right however near a rational level comes to an irrational sine."""
+    rng = random.Random(5)
+    for _ in range(60):
+        phase = Phase(rng.choice([Fraction(0), fraction(rng)]), fraction(rng))
+        digits = rng.choice([10, 40, 120])
+        near = Fraction(str(sp.sin(phase.symbolic()).evalf(digits + 20))[: digits + 2])
+        difference = sp.sin(phase.symbolic()).evalf(400) - sp.Rational(near.numerator, near.denominator)
+        expected = 0 if difference == 0 or abs(difference) < sp.Rational(1, 10**300) else int(sp.sign(difference))
+        assert sine_sign(-near, Fraction(1), phase) == expected
+        assert sine_sign(near, Fraction(-3, 2) * 2 / 3, phase) == -expected
+    assert sine_sign(Fraction(1, 2), Fraction(1), Phase(Fraction(0), Fraction(7, 6))) == 0
