@@ -98,6 +98,7 @@ from .symbolic.grazing_queries import (
     values_everything as values_everything,
 )
 from .symbolic.theorem7 import Case as Case
+from .symbolic.theorem7 import Theorem7Cases as Theorem7Cases
 from .symbolic.theorem7 import theorem7 as theorem7
 from .words import Word as Word
 from .words import WordError as WordError

@@ -284,11 +284,12 @@ class GrazingWindow(Drawable):
 
     def latex(self) -> str:
         """Return the window with its case as LaTeX (no dollar signs)."""
+        from symosc.symbolic.grazing_latex import latex
         from symosc.symbolic.theorem7 import rational, sp
 
         p, number = self.place, _latex_number(self.mapping)
         relation = "=><"[self.signs[2]]
-        phases = sp.latex(self.phases, inv_trig_style="full")
+        phases = latex(self.phases)
         sizes = [sp.latex(rational(abs(value))) for value in (self.gamma, self.amplitude)]
         return (
             rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{p.boundary}}} = "

@@ -30,9 +30,11 @@ from symosc.mappings.theorem7_cases import (
     place,
     window_kind,
 )
+from symosc.symbolic.grazing_latex import latex, table
 
 Expr = Any  # sympy ships no types
 
+GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
 TOP, BOTTOM = sp.pi / 2, sp.pi + sp.pi / 2  # where the sine is 1 and -1
 
@@ -64,27 +66,67 @@ class Case(NamedTuple):
     condition: Expr
     phases: Expr
 
+    def latex(self) -> str:
+        """Return "condition: phases" as LaTeX (no dollar signs)."""
+        return rf"{latex(self.condition)}:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {latex(self.phases)}"
 
-def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "paper") -> Any:
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
+
+
+class Theorem7Cases(tuple[Case, ...]):
+    """The cases of Theorem 7 for symbols: a tuple of Case that can be printed and computed with.
+
+    Examples
+    --------
+    >>> from symosc import theorem7
+    >>> cases = theorem7("P2")
+    >>> cases[0].label, len(cases)
+    ('(55.1)', 16)
+    >>> cases.piecewise().subs({"gamma": 3, "a": 5})
+    Union(Interval.Ropen(0, asin(3/5) + pi), Interval.open(-asin(3/5) + 2*pi, 2*pi))
+    """
+
+    def piecewise(self) -> Expr:
+        """Return the cases as one sympy Piecewise, whose values are the sets of phases."""
+        return sp.Piecewise(*((case.phases, case.condition) for case in self), evaluate=False)
+
+    def latex(self) -> str:
+        """Return the cases as a table in LaTeX (an array, no dollar signs)."""
+        heads = [r"\text{case}", r"\text{condition}", r"\mathrm{mod}(\Omega t_m, 2\pi) \in"]
+        rows = ((_label_latex(case.label), latex(case.condition), latex(case.phases)) for case in self)
+        return table(heads, rows)
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
+
+
+def _label_latex(label: str) -> str:
+    number, shifted, _ = label.partition(" shifted by pi")
+    return rf"{number}\text{{, shifted by }}\pi" if shifted else number
+
+
+def theorem7(mapping: str, gamma: Any = GAMMA, amplitude: Any = AMPLITUDE, order: str = "paper") -> Any:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
     Parameters
     ----------
     mapping : {"P2", "P3", "P5", "P6"}
         P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt 2.
-    gamma : number or sympy expression
-        (c/m) x'' + (k/m) x' at the contact, which is k v_lambda/m there.
-    amplitude : number or sympy expression
-        B0 Omega/m, of any sign.
+    gamma : number or sympy expression, optional
+        (c/m) x'' + (k/m) x' at the contact, which is k v_lambda/m there. Default: the letter gamma.
+    amplitude : number or sympy expression, optional
+        B0 Omega/m, of any sign. Default: the letter a.
     order : {"paper", "full"}
         "paper" stops at G^(1); "full" goes on to the first G-function that does not vanish, which adds the tangency of
         fourth order at |gamma| = |amplitude|.
 
     Returns
     -------
-    sympy Set, or tuple of Case
+    sympy Set, or Theorem7Cases
         For numbers (as for Parameters, or real numbers of sympy such as sqrt(2)) the exact set in [0, 2 pi). With
-        symbols, which stand for real numbers, every case that is left with its condition; exactly one holds.
+        symbols, which stand for real numbers, every case that is left with its condition; exactly one holds. The cases
+        are a tuple of Case, with ``latex()`` for a table and ``piecewise()`` for a sympy Piecewise.
 
     Raises
     ------
@@ -160,9 +202,8 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 # --- the cases, for symbols ---
 
 
-def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> tuple[Case, ...]:
-    g, a = sp.symbols("gamma a", real=True)
-    values = {g: gamma, a: amplitude}
+def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
+    values = {GAMMA: gamma, AMPLITUDE: amplitude}
     found = []
     for case in all_cases(where, full):
         condition = case.condition.subs(values, simultaneous=True)
@@ -170,7 +211,7 @@ def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> tuple[Case
             # The sets are written for the signs that the condition demands.
             phases = _substituted(case.phases, values)
             found.append(Case(case.label, condition, phases))
-    return tuple(found)
+    return Theorem7Cases(found)
 
 
 def _substituted(phases: Expr, values: dict[Expr, Expr]) -> Expr:
@@ -182,7 +223,7 @@ def _substituted(phases: Expr, values: dict[Expr, Expr]) -> Expr:
 @cache
 def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
     """Return every case in the real symbols gamma and a = B0 Omega/m, those with a > 0 first, in the paper's order."""
-    g, a = sp.symbols("gamma a", real=True)
+    g, a = GAMMA, AMPLITUDE
     found = [
         Case(*_case(where, g, a, amplitude_sign, gamma_sign, excess_sign, condition, full))
         for amplitude_sign in (1, -1)
