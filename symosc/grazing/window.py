@@ -19,7 +19,7 @@ from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.kernels import double_double
-from symosc.mappings.phase import Phase, of_sympy, read_text, sine_sign
+from symosc.mappings.phase import ExactPhase, of_sympy, read_text, sine_sign
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     ARC,
@@ -261,7 +261,7 @@ class GrazingWindow(Drawable):
         exact = _read_phase(theta)
         if self.kind in (EMPTY, EVERYTHING):
             return 1 if self.kind == EVERYTHING else -1
-        if isinstance(exact, Phase):
+        if isinstance(exact, ExactPhase):
             return self.place.side * sine_sign(self.gamma, self.amplitude, exact)
         from symosc.symbolic.theorem7 import rational, sign_of, sp
 
@@ -317,7 +317,7 @@ def _latex_number(mapping: str) -> str:
 
 
 def _read_phase(theta: Any) -> Any:
-    """Return a phase as a Phase, or as a sympy expression if it is no sum of a rational number and multiple of pi."""
+    """Return a phase as a ExactPhase, or as a sympy expression if it is no sum of a rational number and multiple of pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0
     if isinstance(theta, str):
@@ -325,7 +325,7 @@ def _read_phase(theta: Any) -> Any:
     if isinstance(theta, float | np.floating):
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
-        return Phase(Fraction(float(theta)), Fraction(0))
+        return ExactPhase(Fraction(float(theta)), Fraction(0))
     if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
@@ -333,4 +333,4 @@ def _read_phase(theta: Any) -> Any:
 
         number = real("theta", theta)
         return of_sympy(number) or number
-    return Phase(read_exact("theta", theta), Fraction(0))
+    return ExactPhase(read_exact("theta", theta), Fraction(0))

@@ -27,7 +27,7 @@ SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
 DIGITS = 30
 
 
-class Phase(NamedTuple):
+class ExactPhase(NamedTuple):
     """The number rest + multiple pi."""
 
     rest: Fraction
@@ -51,7 +51,7 @@ def has_pi(text: Any) -> bool:
     return isinstance(text, str) and ("pi" in text or "π" in text)
 
 
-def read_text(name: str, text: str) -> Phase:
+def read_text(name: str, text: str) -> ExactPhase:
     """Return the phase that a text such as "3*pi/2", "pi - 1/3" or "0.7" says.
 
     Raises
@@ -60,7 +60,7 @@ def read_text(name: str, text: str) -> Phase:
         If it is neither a number nor a sum of a number and a rational multiple of pi.
     """
     if not has_pi(text):
-        return Phase(read_exact(name, text), Fraction(0))
+        return ExactPhase(read_exact(name, text), Fraction(0))
     if len(text) > LONGEST_TEXT:
         raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
@@ -70,7 +70,7 @@ def read_text(name: str, text: str) -> Phase:
     names = iter(range(len(numbers)))
     try:
         tree = ast.parse(NUMBER.sub(lambda _: f"n{next(names)}", plain), mode="eval").body
-        phase = _value(tree, {"pi": Phase(Fraction(0), Fraction(1))} | _named(numbers))
+        phase = _value(tree, {"pi": ExactPhase(Fraction(0), Fraction(1))} | _named(numbers))
     except (SyntaxError, ValueError, ZeroDivisionError, RecursionError, MemoryError):
         raise ParameterError(name, text, FORMS) from None
     if max(map(abs, phase)) > LARGEST:
@@ -78,11 +78,11 @@ def read_text(name: str, text: str) -> Phase:
     return phase
 
 
-def _named(numbers: list[str]) -> dict[str, Phase]:
-    return {f"n{i}": Phase(Fraction(number), Fraction(0)) for i, number in enumerate(numbers)}
+def _named(numbers: list[str]) -> dict[str, ExactPhase]:
+    return {f"n{i}": ExactPhase(Fraction(number), Fraction(0)) for i, number in enumerate(numbers)}
 
 
-def _value(node: ast.expr, known: dict[str, Phase]) -> Phase:
+def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
     """Return the value of an expression that is linear in pi; raises ValueError for another one."""
     if isinstance(node, ast.Name):
         return known[node.id] if node.id in known else _refuse()
@@ -95,21 +95,21 @@ def _value(node: ast.expr, known: dict[str, Phase]) -> Phase:
         left, right = right, left
     if isinstance(node.op, ast.Add | ast.Sub):
         right = _scaled(right, Fraction(1 if isinstance(node.op, ast.Add) else -1))
-        return Phase(left.rest + right.rest, left.multiple + right.multiple)
+        return ExactPhase(left.rest + right.rest, left.multiple + right.multiple)
     if isinstance(node.op, ast.Mult | ast.Div) and right.multiple == 0:
         return _scaled(left, right.rest if isinstance(node.op, ast.Mult) else 1 / right.rest)
     return _refuse()
 
 
-def _scaled(phase: Phase, factor: Fraction) -> Phase:
-    return Phase(phase.rest * factor, phase.multiple * factor)
+def _scaled(phase: ExactPhase, factor: Fraction) -> ExactPhase:
+    return ExactPhase(phase.rest * factor, phase.multiple * factor)
 
 
-def _refuse() -> Phase:
+def _refuse() -> ExactPhase:
     raise ValueError
 
 
-def of_sympy(value: Any) -> Phase | None:
+def of_sympy(value: Any) -> ExactPhase | None:
     """Return a sympy number as a phase, None if it is not a + b pi with rational a and b."""
     import sympy
 
@@ -117,16 +117,16 @@ def of_sympy(value: Any) -> Phase | None:
     rest = value - multiple * sympy.pi
     if not (multiple.is_Rational and rest.is_Rational):
         return None
-    return Phase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
+    return ExactPhase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
 
 
-def rational_sine(phase: Phase) -> Fraction | None:
+def rational_sine(phase: ExactPhase) -> Fraction | None:
     """Return the sine if it is rational, else None."""
     sixths = phase.multiple * 6 % 12
     return SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
 
 
-def sine_sign(level: Fraction, amplitude: Fraction, phase: Phase) -> int:
+def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     """Return the sign of level + amplitude sin(phase), exactly."""
     sine = rational_sine(phase)
     if sine is not None or amplitude == 0:

@@ -79,11 +79,13 @@ class Theorem7Cases(tuple[Case, ...]):
 
     Examples
     --------
+    >>> from sympy import symbols
     >>> from symosc import theorem7
-    >>> cases = theorem7("P2")
+    >>> gamma, a = symbols("gamma a", real=True)
+    >>> cases = theorem7("P2", gamma, a)
     >>> cases[0].label, len(cases)
     ('(55.1)', 16)
-    >>> cases.piecewise().subs({"gamma": 3, "a": 5})
+    >>> cases.piecewise().subs({gamma: 3, a: 5})
     Union(Interval.Ropen(0, asin(3/5) + pi), Interval.open(-asin(3/5) + 2*pi, 2*pi))
     """
 

@@ -12,7 +12,7 @@ from bad_values import refused
 from sympy import pi
 
 from symosc import Parameters, grazing_start, grazing_window, is_grazing, load_scene, values_containing
-from symosc.mappings.phase import Phase, of_sympy, read_text, sine_sign
+from symosc.mappings.phase import ExactPhase, of_sympy, read_text, sine_sign
 
 FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
@@ -46,9 +46,9 @@ def test_text_is_read_exactly() -> None:
     for _ in range(300):
         text, meant = texts(rng)
         assert sp.expand(read_text("theta", text).symbolic() - meant) == 0, text
-    assert read_text("theta", "pi") == Phase(Fraction(0), Fraction(1))
-    assert read_text("theta", "3*pi/2") == Phase(Fraction(0), Fraction(3, 2))
-    assert read_text("theta", " 1.5 ") == Phase(Fraction(3, 2), Fraction(0))
+    assert read_text("theta", "pi") == ExactPhase(Fraction(0), Fraction(1))
+    assert read_text("theta", "3*pi/2") == ExactPhase(Fraction(0), Fraction(3, 2))
+    assert read_text("theta", " 1.5 ") == ExactPhase(Fraction(3, 2), Fraction(0))
 
 
 @pytest.mark.parametrize(
@@ -123,11 +123,11 @@ def test_signs_next_to_zero() -> None:
     """The sign is right however near a rational level comes to an irrational sine."""
     rng = random.Random(5)
     for _ in range(60):
-        phase = Phase(rng.choice([Fraction(0), fraction(rng)]), fraction(rng))
+        phase = ExactPhase(rng.choice([Fraction(0), fraction(rng)]), fraction(rng))
         digits = rng.choice([10, 40, 120])
         near = Fraction(str(sp.sin(phase.symbolic()).evalf(digits + 20))[: digits + 2])
         difference = sp.sin(phase.symbolic()).evalf(400) - sp.Rational(near.numerator, near.denominator)
         expected = 0 if difference == 0 or abs(difference) < sp.Rational(1, 10**300) else int(sp.sign(difference))
         assert sine_sign(-near, Fraction(1), phase) == expected
         assert sine_sign(near, Fraction(-3, 2) * 2 / 3, phase) == -expected
-    assert sine_sign(Fraction(1, 2), Fraction(1), Phase(Fraction(0), Fraction(7, 6))) == 0
+    assert sine_sign(Fraction(1, 2), Fraction(1), ExactPhase(Fraction(0), Fraction(7, 6))) == 0
