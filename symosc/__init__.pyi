@@ -85,8 +85,17 @@ from .simulation.simulate import simulate as simulate
 from .simulation.trajectory import Event as Event
 from .simulation.trajectory import Segment as Segment
 from .simulation.trajectory import Trajectory as Trajectory
-from .symbolic.grazing_queries import (
+from .symbolic.grazing_answers import (
     Answer as Answer,
+)
+from .symbolic.grazing_answers import (
+    Answers as Answers,
+)
+from .symbolic.grazing_answers import (
+    ParameterRegion as ParameterRegion,
+)
+from .symbolic.grazing_answers import (
+    ParameterValues as ParameterValues,
 )
 from .symbolic.grazing_queries import (
     values_containing as values_containing,

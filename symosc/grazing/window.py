@@ -317,7 +317,7 @@ def _latex_number(mapping: str) -> str:
 
 
 def _read_phase(theta: Any) -> Any:
-    """Return a phase as a ExactPhase, or as a sympy expression if it is no sum of a rational number and multiple of pi."""
+    """Return a phase as an ExactPhase, or as a sympy expression if it is none of the form a + b pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0
     if isinstance(theta, str):

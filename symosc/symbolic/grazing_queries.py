@@ -1,4 +1,4 @@
-"""Theorem 7 the other way round: for which values of one parameter has the window of a map a property?
+"""Theorem 7 the other way round: for which values of parameters has the window of a map a property?
 
 The sign function side (k v_lambda + B0 Omega sin theta) is linear in each of Omega, B0, k and v_lambda, and its extreme
 over theta in |B0|. So each answer is a half line or an interval whose end is known in closed form:
@@ -9,6 +9,11 @@ over theta in |B0|. So each answer is a half line or an interval whose end is kn
 
 In full order (see `symosc.grazing.window.grazing_window`) a theta at the top or bottom of the sine belongs to the
 window at equality as well, if side k v_lambda > 0: the tangency of fourth order.
+
+An interval of phases is in the window iff the phases with the smallest and the largest sine of it are. One at an open
+end of the interval may be an end of the window, as long as something in between is inside.
+
+For two parameters the same inequalities are a region (`symosc.symbolic.grazing_regions`).
 """
 
 from __future__ import annotations
@@ -21,41 +26,23 @@ import sympy as sp
 from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
 from symosc.model import Parameters
-from symosc.symbolic.theorem7 import rational, real, sign_of
+from symosc.symbolic.grazing_answers import (
+    CONTAINS,
+    EVERYTHING,
+    LETTERS,
+    NOTHING,
+    Answer,
+    Answers,
+    ParameterValues,
+    Question,
+)
+from symosc.symbolic.grazing_regions import region
+from symosc.symbolic.phase_interval import Extreme, PhaseInterval, read_phases
+from symosc.symbolic.theorem7 import rational, sign_of
 
 Expr = Any  # sympy ships no types
 
-#: The letters of the answers without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
-LETTERS = {
-    "k": sp.Symbol("k", nonnegative=True),
-    "v": sp.Symbol("v_lambda", real=True),
-    "B0": sp.Symbol("B_0", real=True),
-    "Omega": sp.Symbol("Omega", positive=True),
-    "v1": sp.Symbol("v_1", real=True),
-    "v2": sp.Symbol("v_2", real=True),
-}
 THETA = sp.Symbol("theta", real=True)
-
-
-class Answer(NamedTuple):
-    """Values of the parameter that was asked for, under a condition on the others.
-
-    Attributes
-    ----------
-    condition : sympy Boolean
-        When it holds.
-    values : sympy Set
-        The values that have the property then.
-
-    Examples
-    --------
-    >>> from symosc import values_empty
-    >>> values_empty(None, "P3", "B0")[0]
-    Answer(condition=k*v_lambda > 0, values=Interval(-k*v_lambda/Omega, k*v_lambda/Omega))
-    """
-
-    condition: Expr
-    values: Expr
 
 
 class _Problem(NamedTuple):
@@ -74,26 +61,29 @@ class _Problem(NamedTuple):
         return self.where.side * self.letters["k"] * self.letters["v"]
 
 
-def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any = None, order: str = "full") -> Any:
-    """Return for which values of a parameter the window of a map contains a phase.
+def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any = None, order: str = "full") -> Any:
+    """Return for which values of a parameter, or of two, the window of a map contains a phase, or an interval of them.
 
     Parameters
     ----------
     p : Parameters or None
         The other parameters; the value of `name` in it is not used. None: letters (`LETTERS`) in place of numbers.
     mapping : {"P2", "P3", "P5", "P6"}
-    name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}
+    name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}, or a pair of them
         The parameter that is asked for; v_lambda is the map's belt, v1 or v2.
-    theta : number or sympy expression
-        The phase, exactly as for `symosc.theorem7`. With p = None it may be left out and stays the letter theta.
+    theta : number, text, sympy expression, or an interval
+        The phase, exactly: "3*pi/2" as text, the rest as for `symosc.theorem7`. A pair (low, high), or a sympy
+        Interval: every phase of it, ends included unless the Interval is open; it may go through 0, as (-1, 1) does.
+        With p = None it is one phase, and may be left out: the letter theta.
     order : {"full", "paper"}
         See `symosc.grazing_window`.
 
     Returns
     -------
-    sympy Set, or tuple of Answer
-        The values that Parameters allows and that have the property. With letters: one Answer for each condition on the
-        others; exactly one condition holds.
+    ParameterValues, Answers or ParameterRegion
+        The values that Parameters allows and that have the property, as a sympy Set with ``text()`` and ``latex()``.
+        With letters: one Answer for each condition on the others; exactly one condition holds. For two parameters: the
+        region, as a condition.
 
     Raises
     ------
@@ -102,22 +92,30 @@ def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any 
 
     Examples
     --------
-    >>> from sympy import pi
     >>> from symosc import load_scene, values_containing
-    >>> values_containing(load_scene("fig9").parameters, "P2", "Omega", 7 * pi / 6)
+    >>> p = load_scene("fig9").parameters
+    >>> values_containing(p, "P2", "Omega", "7*pi/6")
     Interval.open(0, 2/3)
+    >>> values_containing(p, "P2", "Omega", ("pi", "5*pi/4"))
+    Interval.open(0, sqrt(2)/3)
     """
-    problem, full = _problem(p, mapping, name), check_order(order) == "full"
-    if theta is None and p is None:
-        theta = THETA
-    theta = real("theta", theta)
-    if p is not None and theta.free_symbols:
+    where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
+    phases = THETA if theta is None and p is None else read_phases("theta", theta)
+    if p is None and isinstance(phases, PhaseInterval):
+        raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
+    if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
         raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
-    return _collected(problem, _containing(problem, theta, full))
+    question = Question(mapping, names, CONTAINS, phases)
+    if len(names) == 2:
+        return region(p, where, question, full)
+    problem = _problem(p, where, names[0])
+    if isinstance(phases, PhaseInterval):
+        return ParameterValues(question, _containing_all(problem, phases, full))
+    return _collected(problem, question, _containing(problem, phases, full))
 
 
-def values_empty(p: Parameters | None, mapping: str, name: str) -> Any:
-    """Return for which values of a parameter the window of a map is empty; see `values_containing`.
+def values_empty(p: Parameters | None, mapping: str, name: Any) -> Any:
+    """Return for which values of a parameter, or of two, the window of a map is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
 
@@ -127,12 +125,16 @@ def values_empty(p: Parameters | None, mapping: str, name: str) -> Any:
     >>> values_empty(load_scene("fig9").parameters, "P3", "Omega")
     Interval.Lopen(0, 1/3)
     """
-    problem = _problem(p, mapping, name)
-    return _collected(problem, _reaching(problem, -problem.where.side, closed=True, at_zero=True))
+    where, names = place(mapping), _names(mapping, name, p)
+    question = Question(mapping, names, NOTHING)
+    if len(names) == 2:
+        return region(p, where, question, True)
+    problem = _problem(p, where, names[0])
+    return _collected(problem, question, _reaching(problem, -where.side, closed=True, at_zero=True))
 
 
-def values_everything(p: Parameters | None, mapping: str, name: str, order: str = "full") -> Any:
-    """Return for which values of a parameter every phase is in the window of a map; see `values_containing`.
+def values_everything(p: Parameters | None, mapping: str, name: Any, order: str = "full") -> Any:
+    """Return for which values of a parameter, or of two, every phase is in the window; see `values_containing`.
 
     Examples
     --------
@@ -140,19 +142,33 @@ def values_everything(p: Parameters | None, mapping: str, name: str, order: str 
     >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
     Interval.open(0, 1/3)
     """
-    problem, full = _problem(p, mapping, name), check_order(order) == "full"
-    return _collected(problem, _reaching(problem, problem.where.side, closed=full, at_zero=False))
+    where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
+    question = Question(mapping, names, EVERYTHING)
+    if len(names) == 2:
+        return region(p, where, question, full)
+    problem = _problem(p, where, names[0])
+    return _collected(problem, question, _reaching(problem, where.side, closed=full, at_zero=False))
 
 
-def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
-    where = place(mapping)
+def _names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
+    """Return the names of one parameter or two; the belt is "v" among letters, v1 or v2 among numbers."""
     if p is not None:
         check_parameters(p)
+    belt = f"v{place(mapping).boundary}"
+    known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
+    asked = tuple(given) if isinstance(given, tuple | list) else (given,)
+    own = "v" if p is None else belt
+    names = tuple(own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked)
+    for name, asked_name in zip(names, asked, strict=True):
+        if not isinstance(name, str) or name not in ("Omega", "B0", "k", own):
+            raise ParameterError("name", asked_name, known)
+    if len(names) not in (1, 2) or len(set(names)) < len(names):
+        raise ParameterError("name", given, "give one parameter, or a pair of two different ones")
+    return names
+
+
+def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
-    name = belt if isinstance(name, str) and name == "v_lambda" else name
-    if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt):
-        known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
-        raise ParameterError("name", name, known)
     if p is None:
         letters = LETTERS
     else:
@@ -165,7 +181,7 @@ def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
         "B0": sp.Interval(-sp.oo, sp.oo),
         "v1": sp.Interval.open(-sp.oo, limit),
         "v2": sp.Interval.open(limit, sp.oo),
-    }[name]
+    }[belt if name == "v" else name]
     return _Problem(where, "v" if name == belt else name, letters, domain)
 
 
@@ -174,15 +190,7 @@ def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
 
 def _containing(problem: _Problem, theta: Expr, full: bool) -> Iterator[Answer]:
     """Solve side (k v + B0 Omega sin theta) > 0, which is start + slope * parameter > 0."""
-    letters, side, sine = problem.letters, problem.where.side, sp.sin(theta)
-    if problem.name in ("Omega", "B0"):
-        start = problem.level
-        slope = side * letters["B0" if problem.name == "Omega" else "Omega"] * sine
-        level = start  # side k v at the root
-    else:
-        start = side * letters["B0"] * letters["Omega"] * sine
-        slope = side * letters["v" if problem.name == "k" else "k"]
-        level = -start
+    start, slope, level = _line(problem, sp.sin(theta))
     for slope_sign, sloped in _signs(slope):
         if slope_sign == 0:
             for positive, started in _positive(start):
@@ -190,6 +198,35 @@ def _containing(problem: _Problem, theta: Expr, full: bool) -> Iterator[Answer]:
             continue
         for closed, closing in _tangency(theta, level) if full else [(False, sp.true)]:
             yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
+
+
+def _line(problem: _Problem, sine: Expr) -> tuple[Expr, Expr, Expr]:
+    """Return start, slope and side k v at the root of side (k v + B0 Omega sine), linear in the parameter."""
+    letters, side = problem.letters, problem.where.side
+    if problem.name in ("Omega", "B0"):
+        slope = side * letters["B0" if problem.name == "Omega" else "Omega"] * sine
+        return problem.level, slope, problem.level
+    start = side * letters["B0"] * letters["Omega"] * sine
+    return start, side * letters["v" if problem.name == "k" else "k"], -start
+
+
+def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Expr:
+    """Return the values for which every phase of an interval grazes."""
+    extremes = phases.extremes()
+    values = [_containing_extreme(problem, each, full) for each in extremes]
+    if not all(each.attained for each in extremes):
+        values.append(_containing_extreme(problem, Extreme(phases.between(), True), False))
+    return sp.Intersection(problem.domain, *values)
+
+
+def _containing_extreme(problem: _Problem, extreme: Extreme, full: bool) -> Expr:
+    """Return the values, allowed or not, for which a phase grazes, or is an end of the window if not attained."""
+    start, slope, level = _line(problem, sp.sin(extreme.theta))
+    slope_sign = sign_of(slope)
+    if slope_sign == 0:
+        return sp.S.Reals if sign_of(start) >= (1 if extreme.attained else 0) else sp.S.EmptySet
+    touching = full and sign_of(sp.cos(extreme.theta)) == 0 and sign_of(level) > 0
+    return _half_line(-start / slope, slope_sign, touching or not extreme.attained)
 
 
 def _tangency(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
@@ -274,8 +311,8 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
             yield positive, condition
 
 
-def _collected(problem: _Problem, answers: Iterator[Answer]) -> Any:
-    """Cut answers to the allowed values, join conditions with one answer, and return a set if there is no condition."""
+def _collected(problem: _Problem, question: Question, answers: Iterator[Answer]) -> Any:
+    """Cut answers to the allowed values, join conditions with one answer, return values if there is no condition."""
     found: dict[Expr, Expr] = {}
     for condition, values in answers:
         if condition == sp.false:
@@ -283,5 +320,5 @@ def _collected(problem: _Problem, answers: Iterator[Answer]) -> Any:
         inside = values & problem.domain
         found[inside] = sp.Or(found.get(inside, sp.false), condition)
     if problem.numeric and len(found) == 1:
-        return next(iter(found))
-    return tuple(Answer(condition, values) for values, condition in found.items())
+        return ParameterValues(question, next(iter(found)))
+    return Answers.to(question, (Answer(condition, values) for values, condition in found.items()))

@@ -16,7 +16,8 @@ from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
 from symosc.model import Parameters
 from symosc.scenes import load_scene
-from symosc.symbolic.grazing_queries import LETTERS, THETA, Answer, values_containing, values_empty, values_everything
+from symosc.symbolic.grazing_answers import LETTERS, Answer
+from symosc.symbolic.grazing_queries import THETA, values_containing, values_empty, values_everything
 
 MAPS = ("P2", "P3", "P5", "P6")
 FIG9 = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
