@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.cli import inverse
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings
 from symosc.errors import ParameterError
@@ -41,6 +42,12 @@ if TYPE_CHECKING:
     "--plot", "output", metavar="FILE", help="Draw windows, contact curves and grazing curves: .pdf, .svg or .png."
 )
 @click.option(
+    "--solve", metavar="NAME[,NAME]", help="For which values of Omega, B0, k, v1 or v2, or of two, see --phase."
+)
+@click.option(
+    "--phase", metavar="PHASE[:PHASE]", help="With --solve: where it grazes at this phase, or at all in between."
+)
+@click.option(
     "--against", metavar="NAME[=LOW:HIGH]", help="With --plot and one --map: the window against Omega, B0, k, v1 or v2."
 )
 def grazing(
@@ -52,6 +59,8 @@ def grazing(
     as_json: bool,
     phases: int | None,
     output: str | None,
+    solve: str | None,
+    phase: str | None,
     against: str | None,
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
@@ -63,6 +72,10 @@ def grazing(
     ends: the signs of the G-functions, the exact flow around the contact, and scipy's DOP853. A mismatch gives exit
     code 1.
 
+    --solve asks the other way round: for which values of a parameter a phase, or every phase between two, is in the
+    window, exactly; without --phase, for which values the window is empty and for which it is everything. Two
+    parameters give a region. Without SCENE and --set the answer is in letters.
+
     \b
     Examples:
       symosc grazing fig9
@@ -70,15 +83,27 @@ def grazing(
       symosc grazing fig8 --map P3 --order paper --latex
       symosc grazing fig9 --set k=4 --map P2 --plot window.pdf
       symosc grazing fig9 --map P2 --against Omega=0.1:4 --plot sweep.pdf
+      symosc grazing fig9 --map P2 --solve Omega --phase 7*pi/6
+      symosc grazing fig9 --map P2 --solve Omega,k --phase pi:3*pi/2 --latex
+      symosc grazing --map P3 --solve Omega --phase pi
     """
     piped = goes_to_stdout(output, "--plot", as_json or as_latex)
-    name, p = _parameters(scene, settings)
+    if phase is not None and solve is None:
+        raise click.UsageError("--phase needs --solve, which says what is asked for")
+    if solve is not None and (output is not None or phases is not None or against is not None):
+        raise click.UsageError("--solve prints only; give it without --plot, --check and --against")
+    letters = solve is not None and scene is None and not settings
+    name, p = (None, None) if letters else _parameters(scene, settings)
     if as_latex and as_json:
         raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
     if against is not None and (output is None or len(mappings) != 1):
         raise click.UsageError("--against needs --plot FILE and one --map")
     for mapping in mappings:
         place(mapping)
+    if solve is not None:
+        inverse.solve(p, list(dict.fromkeys(mappings)), solve, phase, order, as_latex, as_json)
+        return 0
+    assert p is not None
     chosen = list(dict.fromkeys(mappings)) or list(PLACES)
     from symosc.grazing.window import grazing_window
 
@@ -134,12 +159,9 @@ def _row(window: GrazingWindow) -> list[str]:
 
 def _set_text(phases: Any) -> str:
     """Return a set in the notation of the paper."""
-    if phases.is_empty:
-        return "empty"
-    parts = phases.args if phases.is_Union else [phases]
-    return " U ".join(
-        f"{'(' if part.left_open else '['}{part.start}, {part.end}{')' if part.right_open else ']'}" for part in parts
-    )
+    from symosc.symbolic.grazing_answers import interval_text
+
+    return "empty" if phases.is_empty else interval_text(phases)
 
 
 def _data(window: GrazingWindow) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from symosc.exact import whole_number
 from symosc.grazing.origin import Origins
 from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
 from symosc.grazing.window import grazing_window
+from symosc.mappings.latex import number, point, table, words
 from symosc.model import Parameters
 
 POINTS = 400
@@ -65,6 +66,14 @@ class CurveEnd:
     x: float
     theta: float
     reason: str
+
+    def latex(self) -> str:
+        """Return the end as LaTeX (no dollar signs)."""
+        start = rf"{point('i', self.theta, self.x)},\quad \Omega t_m = {number(self.theta_m)}"
+        return rf"{start}\quad {words(f'({self.reason})')}"
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +145,16 @@ class GrazingCurve(Drawable):
     gaps: tuple[tuple[float, float, str], ...]
     windows: tuple[tuple[float, float], ...]
     _source: Tracer = field(repr=False, compare=False)
+
+    def latex(self) -> str:
+        """Return the ends of the pieces as LaTeX: a table of (Omega t_i, x_i), Omega t_m and why it ends there."""
+        ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
+        cells = [(number(end.theta), number(end.x), number(end.theta_m), words(end.reason)) for end in ends]
+        heads = r"\Omega t_i", "x_i", r"\Omega t_m", r"\text{end}"
+        return table(heads, cells)
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
     def sample(self, theta_m: float) -> Sample:
         """Return the sample at any phase of the window, computed anew."""

@@ -19,6 +19,7 @@ from symosc.grazing.curve import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curv
 from symosc.grazing.newton import Candidates
 from symosc.grazing.start import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.mappings.latex import number, table, words
 from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
 
@@ -50,6 +51,16 @@ class GrazingSolutions(list[GrazingStart]):
     def __init__(self, starts: Any = (), complete: bool = True, message: str = "") -> None:
         super().__init__(starts)
         self.complete, self.message = complete, message
+
+    def latex(self) -> str:
+        """Return the solutions as a table in LaTeX (an array, no dollar signs); the message if there is none."""
+        if not self:
+            return words(self.message)
+        rows = [[number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)] for start in self]
+        return table((r"\Omega t_i", "x_i", r"\Omega t_m", "x_m"), rows)
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
 
 def solve_grazing(

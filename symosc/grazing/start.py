@@ -25,6 +25,7 @@ from symosc.grazing.backward_flow import HUGE, LARGE, LONG, NEVER, REACHED, TOUC
 from symosc.grazing.flight import Flights
 from symosc.grazing.origin import OPEN, PERIODS, Origins
 from symosc.grazing.window import grazing_window
+from symosc.mappings.latex import point, words
 from symosc.model import Parameters
 
 DEFAULT_DIGITS = 40
@@ -80,6 +81,16 @@ class GrazingStart:
     theta_m: Any
     start: dict[str, Any]
     undecided: bool = False
+
+    def latex(self) -> str:
+        """Return start and tangency as LaTeX, or why there is no start (no dollar signs)."""
+        name, tangency = f"P_{{{self.mapping.removeprefix('P')}}}", point("m", self.theta_m, self.x_m)
+        if not self.found:
+            return rf"{name}:\quad {tangency},\quad {words(self.reason)}"
+        return rf"{name}:\quad {point('i', self.theta, self.x)} \mapsto {tangency}"
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entries as text and booleans."""

@@ -10,6 +10,7 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing.angles import number_of, read_angle, read_phase
 from symosc.kernels._generated import next_derivative
+from symosc.mappings.latex import number
 from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
 
@@ -48,6 +49,19 @@ class GrazingVerdict:
     margins: tuple[float, ...]
     tolerance: float
     reason: str
+
+    def latex(self) -> str:
+        """Return the G-functions that decide, with the reason, as LaTeX (no dollar signs)."""
+        names = ["F", *(f"G^{{({order})}}" for order in range(1, len(self.values)))]
+        small = [margin <= self.tolerance for margin in self.margins]
+        shown = [
+            f"{name} = {'0' if zero else number(value)}"
+            for name, value, zero in zip(names, self.values, small, strict=True)
+        ]
+        return rf"{', '.join(shown)}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"
 
 
 def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = G_TOLERANCE) -> GrazingVerdict:

@@ -8,8 +8,9 @@ import sympy as sp
 
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
+from symosc.mappings.latex import table
 from symosc.model import Parameters
-from symosc.symbolic.grazing_latex import latex, table
+from symosc.symbolic.grazing_latex import latex
 from symosc.symbolic.phase_interval import PhaseInterval
 from symosc.symbolic.theorem7 import rational, sign_of
 
@@ -66,12 +67,24 @@ def interval_text(values: Expr) -> str:
     """Return a set in the notation of the paper."""
     if values.is_empty:
         return "the empty set"
-    if isinstance(values, sp.FiniteSet):
-        return "{" + ", ".join(map(str, values.args)) + "}"
-    parts = values.args if values.is_Union else [values]
-    return " U ".join(
-        f"{'(' if part.left_open else '['}{part.start}, {part.end}{')' if part.right_open else ']'}" for part in parts
-    )
+    if isinstance(values, sp.Interval):
+        return f"{'(' if values.left_open else '['}{values.start}, {values.end}{')' if values.right_open else ']'}"
+    for kind, sign in ((sp.Union, " U "), (sp.Intersection, " & ")):
+        if isinstance(values, kind):
+            return sign.join(interval_text(part) for part in values.args)
+    return str(values)
+
+
+def condition_text(condition: Expr) -> str:
+    """Return a condition in words and signs."""
+    if isinstance(condition, sp.Eq):
+        return f"{condition.lhs} = {condition.rhs}"
+    if isinstance(condition, sp.And):
+        return " and ".join(sorted(condition_text(each) for each in condition.args))
+    if isinstance(condition, sp.Or):
+        parts = [(condition_text(each), isinstance(each, sp.And)) for each in condition.args]
+        return " or ".join(sorted(f"({text})" if joined else text for text, joined in parts))
+    return str(condition)
 
 
 class Answer(NamedTuple):
@@ -124,6 +137,14 @@ class Answers(tuple[Answer, ...]):
         made = cls(answers)
         made.question = question
         return made
+
+    def text(self) -> str:
+        """Return question and answers in words, a line for each condition."""
+        name = LETTERS[self.question.names[0]]
+        lines = [
+            f"  if {condition_text(answer.condition)}: {name} in {interval_text(answer.values)}" for answer in self
+        ]
+        return "\n".join([f"{self.question.text()}:", *lines])
 
     def latex(self) -> str:
         """Return the answers as a table in LaTeX (an array, no dollar signs)."""
@@ -243,7 +264,8 @@ class ParameterRegion:
 
     def text(self) -> str:
         """Return question and answer in words."""
-        where = {sp.true: "everywhere", sp.false: "nowhere"}.get(self.condition, f"where {self.condition}")
+        where = f"where {condition_text(self.condition)}"
+        where = {sp.true: "everywhere", sp.false: "nowhere"}.get(self.condition, where)
         return f"{self.question.text()} {where}"
 
     def latex(self) -> str:

@@ -67,9 +67,3 @@ def _bound(condition: Expr) -> tuple[Any, Any, Any]:
 def latex(expr: Expr) -> str:
     """Return LaTeX of a set of phases or values, a condition or an expression (no dollar signs)."""
     return str(AnswerPrinter().doprint(expr))
-
-
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return an array with a line below its heads."""
-    lines = [" & ".join(heads) + r" \\ \hline", *(" & ".join(row) + r" \\" for row in rows)]
-    return "\n".join([rf"\begin{{array}}{{{'l' * len(heads)}}}", *lines, r"\end{array}"])

@@ -264,7 +264,8 @@ def _reaching(problem: _Problem, direction: int, closed: bool, at_zero: bool) ->
                     elif level_sign == 0:  # Omega > 0
                         yield Answer(levelled & signed, sp.S.EmptySet)
                     else:
-                        yield Answer(levelled & signed, _half_line(level / (B0_sign * B0), -1, closed))
+                        end = level / (B0_sign * B0)  # > 0 under these conditions
+                        yield Answer(levelled & signed, sp.Interval(0, end, True, not closed))
         return
     # factor * parameter >= |B0| Omega
     factor = direction * (v if problem.name == "k" else k)

@@ -32,11 +32,13 @@ def region(p: Parameters | None, where: Place, question: Question, full: bool) -
     letters = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
     letters |= {name: LETTERS[name] for name in question.names}
     level = where.side * letters["k"] * letters[belt]
-    drive = where.side * letters["B0"] * letters["Omega"]
+    scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
+    level, Omega = level / scale, letters["Omega"] / scale
+    drive, size = where.side * letters["B0"] * Omega, sp.Abs(letters["B0"]) * Omega
     condition = {
         CONTAINS: lambda: _containing(level, drive, question.theta, full),
-        NOTHING: lambda: CLOSED_REGION(-level, sp.Abs(letters["B0"]) * letters["Omega"]),
-        EVERYTHING: lambda: _everything(level, sp.Abs(letters["B0"]) * letters["Omega"], full),
+        NOTHING: lambda: CLOSED_REGION(-level, size),
+        EVERYTHING: lambda: _everything(level, size, full),
     }[question.asked]()
     return ParameterRegion(question, condition, _allowed(p, where, question.names), p)
 
@@ -47,7 +49,7 @@ def _containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: boo
         return _at(level, drive, theta, True, full)
     lowest, highest = theta.extremes()
     # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
-    sign = 0 if drive.free_symbols else sign_of(drive)
+    sign = 1 if drive.is_positive else -1 if drive.is_negative else 0
     extremes = [lowest] * (sign >= 0) + [highest] * (sign <= 0)
     conditions = [_at(level, drive, each.theta, each.attained, full) for each in extremes]
     if not all(each.attained for each in extremes):
@@ -69,7 +71,10 @@ def _at(level: Expr, drive: Expr, theta: Expr, attained: bool, full: bool) -> Ex
 
 
 def _everything(level: Expr, size: Expr, full: bool) -> Expr:
-    return sp.And(CLOSED_REGION(level, size), OPEN_REGION(level, 0)) if full else OPEN_REGION(level, size)
+    if not full:
+        return OPEN_REGION(level, size)
+    reached = CLOSED_REGION(level, size)
+    return reached if size.is_positive else sp.And(reached, OPEN_REGION(level, 0))
 
 
 def _allowed(p: Parameters, where: Place, names: tuple[str, ...]) -> Expr:

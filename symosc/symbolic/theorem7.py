@@ -18,6 +18,7 @@ import sympy as sp
 
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
+from symosc.mappings.latex import table
 from symosc.mappings.phase import has_pi, read_text
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
@@ -30,7 +31,7 @@ from symosc.mappings.theorem7_cases import (
     place,
     window_kind,
 )
-from symosc.symbolic.grazing_latex import latex, table
+from symosc.symbolic.grazing_latex import latex
 
 Expr = Any  # sympy ships no types
 

@@ -1,0 +1,80 @@
+"""What `symosc grazing --solve` prints: for which values of one parameter, or of two, a window has a property."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.cli.output import write, write_json
+from symosc.mappings.theorem7_cases import place
+
+if TYPE_CHECKING:
+    from symosc.model import Parameters
+
+
+def solve(
+    p: Parameters | None, mappings: list[str], names: str, phases: str | None, order: str, as_latex: bool, as_json: bool
+) -> None:
+    """Print the answers for all mappings; p = None asks with letters."""
+    asked = read_names(names)
+    found = [each for mapping in _depending(mappings, asked) for each in _answers(p, mapping, asked, phases, order)]
+    if as_json:
+        write_json(
+            {"parameters": None if p is None else p.as_dict(), "order": order, "answers": list(map(_data, found))}
+        )
+        return
+    for answer in found:
+        write(answer.latex() if as_latex else answer.text())
+
+
+def read_names(text: str) -> Any:
+    """Return the name, or the pair of names, of the option ``--solve``."""
+    names = [name.strip() for name in text.split(",")]
+    if not all(names) or len(names) > 2:
+        raise click.BadParameter(f"{text!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
+    return names[0] if len(names) == 1 else tuple(names)
+
+
+def read_phase_option(text: str | None) -> Any:
+    """Return the phase, or the pair (low, high), of the option ``--phase``."""
+    if text is None:
+        return None
+    low, colon, high = text.partition(":")
+    if colon and not (low.strip() and high.strip()):
+        raise click.BadParameter(f"{text!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase")
+    return (low, high) if colon else text
+
+
+def _depending(mappings: list[str], asked: Any) -> list[str]:
+    """Return the given mappings; all that depend on what is asked if none is given."""
+    if mappings:
+        return mappings
+    names = (asked,) if isinstance(asked, str) else asked
+    belts = {name for name in names if name in ("v1", "v2")}
+    every = ("P2", "P3", "P5", "P6")
+    return [mapping for mapping in every if belts <= {f"v{place(mapping).boundary}"}] or list(every)
+
+
+def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: str) -> list[Any]:
+    from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
+
+    if phases is not None:
+        return [values_containing(p, mapping, asked, read_phase_option(phases), order)]
+    return [values_empty(p, mapping, asked), values_everything(p, mapping, asked, order)]
+
+
+def _data(answer: Any) -> dict[str, Any]:
+    from symosc.symbolic.grazing_answers import Answers, ParameterRegion, condition_text, interval_text
+
+    question = answer.question
+    data: dict[str, Any] = {"map": question.mapping, "names": list(question.names), "question": question.text()}
+    if isinstance(answer, Answers):
+        data["answers"] = [
+            {"condition": condition_text(each.condition), "values": interval_text(each.values)} for each in answer
+        ]
+    elif isinstance(answer, ParameterRegion):
+        data |= {"condition": condition_text(answer.condition), "allowed": condition_text(answer.allowed)}
+    else:
+        data["values"] = interval_text(answer.values)
+    return data | {"latex": answer.latex()}
