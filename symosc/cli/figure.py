@@ -18,9 +18,16 @@ from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, sce
     metavar="LETTERS",
     help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).",
 )
+@click.option("--boundary", type=WholeNumber(1, 2), help="Forces at belt 1 or 2. Default: of the first event.")
 @click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
 def figure(
-    scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, columns: int
+    scene: str,
+    output: str,
+    settings: tuple[str, ...],
+    t_end: str | None,
+    panels: str | None,
+    boundary: int | None,
+    columns: int,
 ) -> int:
     """Draw a scene in panels like those of the paper's figures 5 to 10.
 
@@ -28,6 +35,7 @@ def figure(
     Examples:
       symosc figure fig5 -o fig5.pdf
       symosc figure fig8 -o phase.svg --panels c --t-end 22
+      symosc figure fig10 -o product.pdf --panels bdg --boundary 2
     """
     piped = goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
@@ -37,7 +45,7 @@ def figure(
     panels = plot.default_panels(problem) if panels is None else panels
     plot.check_panels(panels)
     trajectory = plot.simulated(problem, t_end)
-    plot.save(plot.figure(trajectory, panels=panels, columns=columns), output)
+    plot.save(plot.figure(trajectory, panels=panels, boundary=boundary, columns=columns), output)
     if piped:
         return int(undecidable(trajectory))
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"

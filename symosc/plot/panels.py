@@ -45,6 +45,8 @@ RESOLVED = 1e-10
 MOST_INSETS = 2
 # A belt is drawn if that stretches the velocity axis by no more than this fraction.
 BELT_STRETCH = 0.65
+# Belts nearer to each other than this part of the axis have their names further apart.
+NEAR_BELTS = 0.08
 # How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
 BELT_REACH = 0.06, 0.15
 STICK_SHADE = "0.92"
@@ -262,10 +264,13 @@ def _time_axis(ax: Axes, view: View) -> None:
 
 def _belt_lines(ax: Axes, view: View) -> None:
     # Above the mass, but thinner: in a stick both are seen.
+    p = view.trajectory.parameters
+    low, high = ax.get_ylim()
+    near = float(p.v2 - p.v1) < NEAR_BELTS * (high - low)  # their names would lie over each other
     for belt in view.belts():
-        speed = float(view.trajectory.parameters.belt(belt))
+        speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
         ax.axhline(speed, color=BELT, lw=0.6, zorder=3, label="belt")
-        ax.annotate(f"$v_{belt}$", (1, speed), (4, 0), ("axes fraction", "data"), "offset points", va="center")
+        ax.annotate(f"$v_{belt}$", (1, speed), (4, shift), ("axes fraction", "data"), "offset points", va="center")
 
 
 def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any]) -> None:
