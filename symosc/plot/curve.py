@@ -14,6 +14,8 @@ from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.mappings.theorem7_cases import place
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
+#: Shapes of the ends inside a window, by how the reason begins; others are diamonds.
+END_SHAPES = {"end of the window": "o", "beyond": "o", "the flow touches": "s"}
 START, CONTACT, GAP = "#d7191c", "#1f3fd6", "0.85"
 QUARTERS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
 TURN = 2 * pi
@@ -129,7 +131,7 @@ def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> N
         if end.reason == "closed":
             continue
         style: dict[str, Any] = {
-            "marker": "o",
+            "marker": next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D"),
             "markersize": 3.5,
             "linestyle": "none",
             "color": START,

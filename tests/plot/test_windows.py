@@ -77,3 +77,15 @@ def test_one_window_or_several() -> None:
     window = grazing_window(FIG9, "P2")
     assert len(plot.window_figure(window).axes) == 2
     assert len(plot.window_figure([window] * 3, panels="b").axes) == 3
+
+
+def test_ends_of_a_curve_have_a_shape_for_each_reason() -> None:
+    curve = grazing_curve(load_scene("fig8").parameters, "P3", 80)
+    (ax,) = plot.figure_grazing_curve(curve, "a").axes
+    looks = {
+        line.get_label(): (line.get_marker(), line.get_markerfacecolor() == "white")
+        for line in ax.lines
+        if line.get_marker() != "None"
+    }
+    assert len(looks) > 1
+    assert len(set(looks.values())) == len(looks)
