@@ -225,8 +225,6 @@ class ParameterRegion:
     question : Question
     condition : sympy Boolean
         In the letters of both parameters; the others are numbers.
-    allowed : sympy Boolean
-        What Parameters allows.
     parameters : Parameters
 
     Examples
@@ -239,8 +237,20 @@ class ParameterRegion:
     (True, False)
     """
 
-    def __init__(self, question: Question, condition: Expr, allowed: Expr, parameters: Parameters) -> None:
-        self.question, self.condition, self.allowed, self.parameters = question, condition, allowed, parameters
+    def __init__(self, question: Question, condition: Expr, parameters: Parameters) -> None:
+        self.question, self.condition, self.parameters = question, condition, parameters
+
+    @property
+    def allowed(self) -> Expr:
+        """What Parameters allows for both, as a sympy Boolean; kept as it is written, though the letters know some."""
+        found = {
+            "k": sp.GreaterThan(LETTERS["k"], 0, evaluate=False),
+            "Omega": sp.StrictGreaterThan(LETTERS["Omega"], 0, evaluate=False),
+            "B0": sp.true,
+            "v1": LETTERS["v1"] < rational(self.parameters.v2),
+            "v2": LETTERS["v2"] > rational(self.parameters.v1),
+        }
+        return sp.And(*(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False)
 
     @property
     def letters(self) -> tuple[Expr, Expr]:

@@ -40,7 +40,7 @@ def region(p: Parameters | None, where: Place, question: Question, full: bool) -
         NOTHING: lambda: CLOSED_REGION(-level, size),
         EVERYTHING: lambda: _everything(level, size, full),
     }[question.asked]()
-    return ParameterRegion(question, condition, _allowed(p, where, question.names), p)
+    return ParameterRegion(question, condition, p)
 
 
 def _containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: bool) -> Expr:
@@ -75,15 +75,3 @@ def _everything(level: Expr, size: Expr, full: bool) -> Expr:
         return OPEN_REGION(level, size)
     reached = CLOSED_REGION(level, size)
     return reached if size.is_positive else sp.And(reached, OPEN_REGION(level, 0))
-
-
-def _allowed(p: Parameters, where: Place, names: tuple[str, ...]) -> Expr:
-    """Return what Parameters allows for two parameters, without what the letters know."""
-    found = {
-        "k": sp.GreaterThan(LETTERS["k"], 0, evaluate=False),
-        "Omega": sp.StrictGreaterThan(LETTERS["Omega"], 0, evaluate=False),
-        "B0": sp.true,
-        "v1": LETTERS["v1"] < rational(p.v2),
-        "v2": LETTERS["v2"] > rational(p.v1),
-    }
-    return sp.And(*(found[name] for name in names), evaluate=False)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 import random
 from fractions import Fraction
 from itertools import combinations
@@ -13,7 +15,15 @@ import sympy as sp
 from bad_values import refused
 from sympy import Interval, Rational, oo, pi
 
-from symosc import Parameters, grazing_window, load_scene, values_containing, values_empty, values_everything
+from symosc import (
+    Parameters,
+    grazing_window,
+    load_scene,
+    theorem7,
+    values_containing,
+    values_empty,
+    values_everything,
+)
 from symosc.errors import ParameterError
 from symosc.grazing.deciders import YES, Ways
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
@@ -251,3 +261,12 @@ def test_extremes_of_the_sine() -> None:
         assert low <= min(sines) + 1e-12
         assert high >= max(sines) - 1e-12
         assert low < float(sp.sin(interval.between())) < high
+
+
+def test_answers_can_be_sent_and_copied() -> None:
+    shown = [values_containing(FIG9, "P2", name, "7*pi/6") for name in ("Omega", ("Omega", "k"), ("B0", "v1"))]
+    shown += [values_empty(None, "P2", "Omega"), theorem7("P2"), values_containing(FIG9, "P2", "k", (1, 2))]
+    for answer in shown:
+        for twin in (pickle.loads(pickle.dumps(answer)), copy.deepcopy(answer)):
+            assert type(twin) is type(answer)
+            assert twin.latex() == answer.latex()
