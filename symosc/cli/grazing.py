@@ -194,7 +194,8 @@ def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> Non
     from symosc.plot.drawing import check_suffix, save
 
     check_suffix(output)
-    from symosc.plot.windows import sweep_figure, window_figure
+    from symosc.plot.sweep import sweep_figure
+    from symosc.plot.windows import window_figure
 
     if against is None:
         save(window_figure(windows, _plane if windows[0].parameters.k else None), output)

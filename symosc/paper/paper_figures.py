@@ -1,7 +1,7 @@
 """Figs. 5 to 10 in the paper's form: its panels in its order, its colours, and dots where its text puts them.
 
-Belts are black and the mass is red. Blue and green dots are onset and end of a stick (in Fig. 7 of the first period),
-red dots switching points and contacts.
+Belts are black and the mass is red. Blue circles and green squares are onset and end of a stick (in Fig. 7 of the first
+period), red triangles switching points, red stars contacts.
 """
 
 from __future__ import annotations

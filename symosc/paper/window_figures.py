@@ -17,7 +17,7 @@ from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
 from symosc.plot.drawing import STYLE
 from symosc.plot.panels import SWITCH, look
-from symosc.plot.windows import sweep_figure
+from symosc.plot.sweep import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event

@@ -24,7 +24,8 @@ from symosc.plot.crosscheck import figure as crosscheck_figure
 from symosc.plot.curve import figure_grazing_curve
 from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
-from symosc.plot.windows import sweep_figure, window_figure
+from symosc.plot.sweep import sweep_figure
+from symosc.plot.windows import window_figure
 from symosc.simulation.trajectory import Trajectory
 
 __all__ = [
