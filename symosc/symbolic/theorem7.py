@@ -64,7 +64,7 @@ class Case(NamedTuple):
     phases: Expr
 
 
-def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "paper") -> Any:
+def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "full") -> Any:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
     Parameters
@@ -75,9 +75,9 @@ def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "paper") -> 
         (c/m) x'' + (k/m) x' at the contact, which is k v_lambda/m there.
     amplitude : number or sympy expression
         B0 Omega/m, of any sign.
-    order : {"paper", "full"}
-        "paper" stops at G^(1); "full" goes on to the first G-function that does not vanish, which adds the tangency of
-        fourth order at |gamma| = |amplitude|.
+    order : {"full", "paper"}
+        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first G-function that does not
+        vanish: it adds the tangency of fourth order at |gamma| = |amplitude|.
 
     Returns
     -------
