@@ -23,6 +23,8 @@ NO_EXPRESSION = (
     "is an expression, and only fractions are exact: write its value with the digits that you need, such as "
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
+#: Digits that a caller may ask for.
+LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 MOST_CHARACTERS = 4000  # Python converts no more than 4300 digits to an int
 
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many digits.
@@ -110,6 +112,17 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return number
 
 
+def read_digits(digits: Any, most: int = MOST_DIGITS) -> int | None:
+    """Return how many digits are asked for, or None for doubles.
+
+    Raises
+    ------
+    ParameterError
+        Unless it is None or a whole number from LEAST_DIGITS to `most`.
+    """
+    return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, most)
+
+
 def true_or_false(name: str, value: Any) -> bool:
     """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
     if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
@@ -141,7 +154,7 @@ def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
 
 # A decimal is written with an exponent if it has more leading or trailing zeros than this, and as a fraction if it has
 # more digits.
-MOST_ZEROS, MOST_DIGITS = 20, 60
+MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 
 def show(value: Fraction) -> str:
@@ -150,7 +163,7 @@ def show(value: Fraction) -> str:
     decimals = max(twos, fives)
     digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
     significant = digits.rstrip("0")
-    if rest != 1 or len(significant) > MOST_DIGITS:
+    if rest != 1 or len(significant) > LONGEST_DECIMAL:
         denominator = "" if value.denominator == 1 else f"/{_digits(value.denominator)}"
         return f"{_digits(value.numerator)}{denominator}"
     sign, leading = "-" if value < 0 else "", decimals - len(digits)

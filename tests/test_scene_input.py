@@ -13,7 +13,7 @@ from bad_values import refused
 from symosc import Scene, load_scene
 from symosc.errors import SceneError
 from symosc.exact import read_start_error, show
-from symosc.scenes import FOLDER
+from symosc.scenes import SCENES_FOLDER
 from symosc.words import WordError
 
 P = load_scene("fig5").parameters
@@ -57,7 +57,7 @@ def test_scene_files_that_are_none(text: bytes, message: str, tmp_path: Any) -> 
 
 def test_a_scene_file_may_begin_with_a_byte_order_mark(tmp_path: Any) -> None:
     path = tmp_path / "bom.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + (FOLDER / "fig5.toml").read_bytes())
+    path.write_bytes(b"\xef\xbb\xbf" + (SCENES_FOLDER / "fig5.toml").read_bytes())
     assert load_scene(path) == load_scene("fig5")
 
 

@@ -19,6 +19,8 @@ from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
+#: Digits of the runs that errors are measured against.
+REFERENCE_DIGITS = 40
 # A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
 FAR_MATCH = 0.6
 SKIP_REFERENCE, SKIP_FOUND, MATCH = range(3)

@@ -27,7 +27,7 @@ from symosc.simulation.trajectory import Event
 
 # Relative differences, and the digits of the runs that they are made with. A start times (1 + 1/7^n) has no end as a
 # decimal. One with an end and this many digits would be taken for a number that somebody cut off there.
-STEPS = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
+INPUT_CHANGES = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
 
 Events = Callable[[Scene, int], Sequence[Event]]
 
@@ -57,11 +57,11 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
     >>> f"{max(conditions(load_scene('fig5'))):.1f}"
     '11.3'
     """
-    exact = {digits: events(scene, digits) for _, digits in STEPS[:1]}
-    certain = len(exact[STEPS[0][1]])
+    exact = {digits: events(scene, digits) for _, digits in INPUT_CHANGES[:1]}
+    certain = len(exact[INPUT_CHANGES[0][1]])
     totals = [[0.0, 0.0] for _ in range(certain)]
     for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
-        for step, digits in STEPS:
+        for step, digits in INPUT_CHANGES:
             neighbour = shifted(scene, name, step)
             if neighbour == scene:
                 break

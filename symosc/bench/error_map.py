@@ -27,10 +27,10 @@ from symosc.kernels import entire
 from symosc.kernels.entire_mp import BasisMP
 from symosc.model import Parameters
 
-DIGITS = 50
+MAP_DIGITS = 50
 TAUS = (1e-6, 1e-2, 1.0, 6.0)
 #: Points per axis of the map, and of the finer grid on which the border is found.
-POINTS, QUICK_POINTS, BORDER_POINTS = 57, 25, 229
+MAP_POINTS, QUICK_MAP_POINTS, BORDER_POINTS = 57, 25, 229
 # Values are spread by their distance from 1, down to this power of ten.
 NEAREST = 10
 #: From 10^low to 10^high.
@@ -99,7 +99,7 @@ def run(
         symosc evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart"
         (the cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     """
-    points = QUICK_POINTS if quick else POINTS
+    points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))
     cheap, shipped = np.full(shape, nan), np.full(shape, nan)
@@ -161,7 +161,7 @@ _naming_basis_at = types.FunctionType(
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Any, ...]]:
-    context = mp_context(DIGITS)
+    context = mp_context(MAP_DIGITS)
 
     def number(value: Fraction) -> Any:
         return context.mpf(value.numerator) / value.denominator

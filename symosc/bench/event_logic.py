@@ -30,19 +30,19 @@ CHATTER = 100
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:
 #: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze are in proportion
 #: (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once for ever.
-OFFSET = 1e-14
+INTEGRATOR_OFFSET = 1e-14
 #: Multistep methods: at least this part of rtol. They start with order 1, so that the first steps away from the belt
 #: are wrong by as much as rtol allows; closer to it, the way back is found at the start, and there for ever.
 MULTISTEP_OFFSET = 0.1
 #: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine ones gain nothing.
-STEPS = 8
+STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3
 
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding.
 FORCE_ROUNDING = 1e-15
 # Derivatives that are looked at where a force vanishes.
-ORDERS = 5
+MOST_DERIVATIVES = 5
 
 
 class PeerError(SymoscError, RuntimeError):
@@ -187,7 +187,7 @@ class Motion:
         phase, swing, stiffness = self.Omega * t + self.theta, self.B0 / self.m, self.k / self.m
         terms = self.A[alpha] / self.m, swing * cos(phase), -stiffness * x, -self.c / self.m * v
         before, now, size = v, sum(terms), sum(map(abs, terms)) + abs(swing * phase)
-        for order in range(ORDERS):
+        for order in range(MOST_DERIVATIVES):
             if abs(now) > FORCE_ROUNDING * size:
                 return 1 if now > 0 else -1
             # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.

@@ -16,8 +16,8 @@ from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 
-POINTS = 1_000_000
-QUICK_POINTS = 200_000
+BATCH_POINTS = 1_000_000
+QUICK_BATCH_POINTS = 200_000
 
 
 def best(action: Callable[[], Any], repeats: int) -> float:
@@ -38,7 +38,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     quick : bool
         Fewer points and repeats.
     """
-    points, repeats = (QUICK_POINTS, 2) if quick else (POINTS, 4)
+    points, repeats = (QUICK_BATCH_POINTS, 2) if quick else (BATCH_POINTS, 4)
     return {**_residuals(points, repeats), **_newton(repeats), **_windows(points, repeats)}
 
 

@@ -27,7 +27,7 @@ from symosc.bench.hard_cases import HardCase, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import FoundEvents, Solver
-from symosc.bench.time_limit import HANG, Outcome, Worker
+from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
 from symosc.machine import machine
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -35,9 +35,9 @@ from symosc.simulation.trajectory import Event
 __all__ = ["judge", "legend", "run", "summary", "table"]
 
 WELL = 1e-12
-ROUNDING, FACTOR = 1e-16, 100.0
-#: Seconds for a case, the solver's preparation included; and for the first case, with all that it imports and compiles.
-LIMIT, QUICK_LIMIT, FIRST_LIMIT = 4.0, 2.0, 60.0
+INPUT_ROUNDING, CONDITION_FACTOR = 1e-16, 100.0
+#: Seconds for a case, the solver's preparation included.
+CASE_LIMIT, QUICK_CASE_LIMIT = 4.0, 2.0
 OURS_DIGITS = 20
 PROCESSES = min(2, os.cpu_count() or 1)
 
@@ -46,7 +46,7 @@ MPMATH = ours.SOLVERS[1].name
 
 def bound(condition: float) -> float:
     """Return the error that ours may have at an event with that condition number."""
-    return max(WELL, FACTOR * condition * ROUNDING)
+    return max(WELL, CONDITION_FACTOR * condition * INPUT_ROUNDING)
 
 
 # -- in the worker process ---------------------------------------------------------------------------------------------
@@ -146,7 +146,7 @@ def run(
         (the largest of its events, None if there are none) and cells: solver name to what `judge` returns, with failure
         ("" or what went wrong, as `symosc.bench.time_limit.Outcome` says) and seconds (with preparation).
     """
-    limit = QUICK_LIMIT if quick else LIMIT
+    limit = QUICK_CASE_LIMIT if quick else CASE_LIMIT
     chosen = [case for case in hard_cases() if case.quick or not quick] if cases is None else list(cases)
     able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
     chunks = [[Job(i, conditions_of, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]

@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.engine.arithmetic import mp_context
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
@@ -22,9 +23,8 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
-REFERENCE_DIGITS = 40
 DIGITS_OF_A_NUMBER = 17
-PERIODS = 100_000
+LATE_PERIODS = 100_000
 
 
 @dataclass(frozen=True)
@@ -281,7 +281,7 @@ def _long_runs() -> list[HardCase]:
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
-        turns = Fraction(2 * PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
+        turns = Fraction(2 * LATE_PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
         t_end = scene.t0 + turns / scene.parameters.Omega
-        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", PERIODS))
+        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", LATE_PERIODS))
     return cases

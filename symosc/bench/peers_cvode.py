@@ -19,7 +19,7 @@ from typing import Any
 from symosc.bench.event_logic import (
     ATOL,
     MULTISTEP_OFFSET,
-    STEPS,
+    STEPS_PER_PERIOD,
     Exit,
     Leave,
     Motion,
@@ -89,19 +89,19 @@ def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[
         motion = Motion(scene.parameters)
         return partial(follow, scene, motion, _leave(motion, options, False))
     motion = Motion(scene.parameters, scene.t0)
-    options["max_step"] = motion.period / STEPS
+    options["max_step"] = motion.period / STEPS_PER_PERIOD
     return partial(follow, scene, motion, _leave(motion, options, True), MULTISTEP_OFFSET * tolerance)
 
 
-TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-CARE = (
-    f"Jacobian given, time counted from t0, {STEPS} steps per period or more, turning points are roots too, "
+CVODE_TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+CVODE_NOTE = (
+    f"Jacobian given, time counted from t0, {STEPS_PER_PERIOD} steps per period or more, turning points are roots too, "
     f"flights start off the belt by {MULTISTEP_OFFSET:g} rtol"
 )
-RAW_NOTE = "a stick's step grows past both its exits, and a short flight or stick passes within a step"
+RAW_CVODE = "a stick's step grows past both its exits, and a short flight or stick passes within a step"
 
 SOLVERS = (
-    Solver("CVODE Adams", partial(prepare, "Adams", False), TOLERANCES, "sksundae", note=CARE),
-    Solver("CVODE BDF", partial(prepare, "BDF", False), TOLERANCES, "sksundae", note=CARE),
-    Solver("CVODE BDF, raw", partial(prepare, "BDF", True), TOLERANCES, "sksundae", raw=True, note=RAW_NOTE),
+    Solver("CVODE Adams", partial(prepare, "Adams", False), CVODE_TOLERANCES, "sksundae", note=CVODE_NOTE),
+    Solver("CVODE BDF", partial(prepare, "BDF", False), CVODE_TOLERANCES, "sksundae", note=CVODE_NOTE),
+    Solver("CVODE BDF, raw", partial(prepare, "BDF", True), CVODE_TOLERANCES, "sksundae", raw=True, note=RAW_CVODE),
 )

@@ -16,7 +16,7 @@ from math import cos, sin
 from typing import Any
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
-from symosc.bench.scalar_logic import OFFSET
+from symosc.bench.scalar_logic import ONE_STEP_OFFSET
 from symosc.bench.solvers import FoundEvents, Late, Solver
 from symosc.model import SIDES
 from symosc.scenes import Scene
@@ -43,8 +43,8 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     v1, v2 = motion.belts.values()
     pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
     pars |= {3 + at: np.array([0.0, 0.0, 0.0, 1.0, A[at], 0.0, 1.0, A[at + 1]]) for at in SIDES}
-    starts = {(at, at): v - OFFSET * motion.speed for at, v in motion.belts.items()}
-    starts |= {(at, at + 1): v + OFFSET * motion.speed for at, v in motion.belts.items()}
+    starts = {(at, at): v - ONE_STEP_OFFSET * motion.speed for at, v in motion.belts.items()}
+    starts |= {(at, at + 1): v + ONE_STEP_OFFSET * motion.speed for at, v in motion.belts.items()}
     t0 = float(scene.t0)
     # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
     now: int
@@ -145,19 +145,19 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents
     return lambda: follow(scene, motion, leave)
 
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16)
+HEYOKA_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16)
 SOLVERS = (
     Solver(
         "heyoka",
         at_its_best,
-        TOLERANCES,
+        HEYOKA_TOLERANCES,
         needs="heyoka",
-        note=f"one integrator for flights and sticks, fast_math; flights start {OFFSET:g} off the belt",
+        note=f"one integrator for flights and sticks, fast_math; flights start {ONE_STEP_OFFSET:g} off the belt",
     ),
     Solver(
         "heyoka, raw",
         as_it_comes,
-        TOLERANCES,
+        HEYOKA_TOLERANCES,
         needs="heyoka",
         raw=True,
         note="started on the belt it misses the next root in the same step; in sticks the step grows past their end",

@@ -25,9 +25,9 @@ from scipy.integrate import solve_ivp
 
 from symosc.bench.event_logic import (
     ATOL,
+    INTEGRATOR_OFFSET,
     MULTISTEP_OFFSET,
-    OFFSET,
-    STEPS,
+    STEPS_PER_PERIOD,
     Exit,
     Leave,
     Motion,
@@ -82,7 +82,9 @@ def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
     events, own_options = {}, {}
     for mode, phase in motion.phases.items():
         events[mode] = [*(_event(f, -1, True) for _, f in phase.exits), _event(phase.turn, 0, False)]
-        own_options[mode] = options | {"max_step": motion.period / STEPS} | _jacobian(options["method"], phase)
+        own_options[mode] = (
+            options | {"max_step": motion.period / STEPS_PER_PERIOD} | _jacobian(options["method"], phase)
+        )
 
     def leave(phase: Phase, t: float, x: float, v: float, t_end: float) -> Any:
         solution = _solve(phase, t, x, v, t_end, events[phase.mode], own_options[phase.mode])
@@ -107,7 +109,7 @@ def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[
         motion = Motion(scene.parameters)
         return partial(follow, scene, motion, _raw(motion, options))
     motion = Motion(scene.parameters, scene.t0)
-    offset = max(OFFSET, MULTISTEP_OFFSET * tolerance) if method == "LSODA" else OFFSET
+    offset = max(INTEGRATOR_OFFSET, MULTISTEP_OFFSET * tolerance) if method == "LSODA" else INTEGRATOR_OFFSET
     return partial(follow, scene, motion, _careful(motion, options), offset)
 
 
@@ -117,14 +119,19 @@ METHODS = {
     "Radau": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),  # of order 5 and written in Python: 1e-12 takes 0.1 s per event
     "LSODA": (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
 }
-CARE = f"time counted from t0, {STEPS} steps per period or more, turning points watched, flights start off the belt by"
+SCIPY_NOTE = (
+    f"time counted from t0, {STEPS_PER_PERIOD} steps per period or more, turning points watched, "
+    "flights start off the belt by"
+)
 NOTES = {
-    "RK45": f"{CARE} {OFFSET:g}",
-    "DOP853": f"{CARE} {OFFSET:g}",
-    "Radau": f"Jacobian given, {CARE} {OFFSET:g}",
-    "LSODA": f"Jacobian given, {CARE} {MULTISTEP_OFFSET:g} rtol",
+    "RK45": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "DOP853": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "Radau": f"Jacobian given, {SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "LSODA": f"Jacobian given, {SCIPY_NOTE} {MULTISTEP_OFFSET:g} rtol",
 }
-RAW_NOTE = "a stick's step grows past both its exits; a flight that is back within its first step begins again for ever"
+RAW_SCIPY = (
+    "a stick's step grows past both its exits; a flight that is back within its first step begins again for ever"
+)
 
 SOLVERS = (
     *(
@@ -132,7 +139,7 @@ SOLVERS = (
         for method, tolerances in METHODS.items()
     ),
     *(
-        Solver(f"scipy {method}, raw", partial(prepare, method, True), tolerances, raw=True, note=RAW_NOTE)
+        Solver(f"scipy {method}, raw", partial(prepare, method, True), tolerances, raw=True, note=RAW_SCIPY)
         for method, tolerances in METHODS.items()
     ),
 )

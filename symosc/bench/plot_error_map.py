@@ -18,7 +18,7 @@ from symosc.bench.error_map import NEAREST, place_of
 from symosc.plot.figures import STYLE
 
 #: Range of the colours, as powers of ten.
-COLOURS = (-17, 0)
+COLOUR_RANGE = (-17, 0)
 UNSEEN = "0.88"
 # Label and place of the marks of both axes: numbers next to 1 are given by their distance from it.
 RATIO_TICKS = (
@@ -82,12 +82,12 @@ def figure(result: dict[str, Any]) -> Figure:
 def _errors(ax: Axes, result: dict[str, Any], key: str, column: int) -> Any:
     errors = np.array(result[key][column])
     ax.set_facecolor(UNSEEN)
-    logs = np.log10(np.maximum(errors, 10.0 ** COLOURS[0]))
+    logs = np.log10(np.maximum(errors, 10.0 ** COLOUR_RANGE[0]))
     return ax.pcolormesh(
         result["ratio"],
         result["zeta"],
         logs,
-        norm=Normalize(*COLOURS),
+        norm=Normalize(*COLOUR_RANGE),
         cmap="viridis",
         shading="nearest",
         rasterized=True,

@@ -17,7 +17,7 @@ from symosc.plot.figures import STYLE
 COLUMNS = 3
 #: A colour per library, a mark per method of it.
 COLOURS = ("#b2182b", "#2166ac", "#e08214", "#1b7837", "#762a83", "#8c510a")
-MARKS = "os^Dv"
+POINT_MARKS = "os^Dv"
 #: What is more exact than this (a double has no more digits) is drawn here, what is worse than the other there.
 BEST, WORST = 1e-17, 1.0
 RAW = ", raw"
@@ -70,7 +70,7 @@ def _looks(solvers: Sequence[str]) -> dict[str, dict[str, Any]]:
             continue
         methods = libraries.setdefault(name.split()[0].rstrip(","), [])
         colour = COLOURS[list(libraries).index(name.split()[0].rstrip(",")) % len(COLOURS)]
-        looks[name] = {"color": colour, "marker": MARKS[len(methods) % len(MARKS)], "markersize": 4}
+        looks[name] = {"color": colour, "marker": POINT_MARKS[len(methods) % len(POINT_MARKS)], "markersize": 4}
         methods.append(name)
     return looks
 

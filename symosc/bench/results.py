@@ -9,13 +9,14 @@ from typing import Any
 
 from symosc import plot
 from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work, speed, work_precision, work_table
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.errors import OutputError
 from symosc.files import write_text
 from symosc.machine import sentence
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
-FOLDER = Path("docs/results")
+RESULTS_FOLDER = Path("docs/results")
 # A looser accuracy is worth a sentence where it takes no more than this part of the time.
 SAVES = 0.2
 
@@ -71,7 +72,7 @@ def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
     OutputError
         If a file cannot be written; see also `check`.
     """
-    text, folder = check(readme), Path(readme).parent / FOLDER
+    text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
     work, cases, command = result["work_precision"], result["hard"], _command(result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -94,7 +95,7 @@ def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
 def brief(result: dict[str, Any]) -> str:
     """Return what the README says: our speed and error, and how the best of the others compares."""
     work, cases = result["work_precision"], result["hard"]
-    link = f"[All solvers, all cases, pictures]({FOLDER}/README.md)."
+    link = f"[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md)."
     words = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
     return f"{speed.section(result['speed'])}\n{speed.wrapped(words)}\n"
 
@@ -110,7 +111,7 @@ One run of `{_command(result)}` ({sentence(work["machine"])}).
 ## Work and precision
 
 Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
-errors are of event times and positions against {work_precision.DIGITS} digits, relative to max(1, |value|).
+errors are of event times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|).
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
 (work_precision.svg)
@@ -134,7 +135,7 @@ in how many it did, and its largest error in those.
 
 ## The kernels
 
-Error of the flow against {error_map.DIGITS} digits over damping ratio and drive: above with the cheap
+Error of the flow against {error_map.MAP_DIGITS} digits over damping ratio and drive: above with the cheap
 formula everywhere, below as symosc evaluates it, with the borders between its formulas drawn in.
 
 ![Maps of the error over damping ratio and drive frequency for four times of flight.](error_map.png)

@@ -19,6 +19,7 @@ from textwrap import fill
 from typing import Any
 
 from symosc.bench import formulas
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
 from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
@@ -27,13 +28,12 @@ from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import simulate
 
-SCENES = ("fig5", "fig9", "fig10")
-EVENTS = 200_000
-QUICK_EVENTS = 100_000
+TIMED_SCENES = ("fig5", "fig9", "fig10")
+TIMED_EVENTS = 200_000
+QUICK_TIMED_EVENTS = 100_000
 PYTHON_EVENTS = 2_000
 FLOOR_EVALUATIONS = 30_000
 REPEATS = 7
-DIGITS = 40
 
 
 def floor(count, h, w, Om, P, Q, R, S):
@@ -63,8 +63,8 @@ def run(quick: bool = False) -> dict[str, Any]:
     digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
     `formulas` is the result of `symosc.bench.formulas.run`.
     """
-    repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
-    rows = [_scene(name, events, repeats) for name in SCENES]
+    repeats, events = (3, QUICK_TIMED_EVENTS) if quick else (REPEATS, TIMED_EVENTS)
+    rows = [_scene(name, events, repeats) for name in TIMED_SCENES]
     unit = min(row["floor_ns"] for row in rows)
     result = {"machine": machine(), "floor_ns": unit, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
     return result | {"formulas": formulas.run(quick)}
@@ -113,7 +113,7 @@ def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
         row |= {"first_call_s": None, "events": 0, "ns_per_event": None, "evaluations_per_event": None}
         row["floor_ns"] = floor_s() * 1e9
     row["python_us_per_event"] = best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
-    exact, double = simulate(scene, digits=DIGITS), simulate(scene)
+    exact, double = simulate(scene, digits=REFERENCE_DIGITS), simulate(scene)
     pairs = list(zip(double.events, exact.events, strict=True))
     row["max_error"] = max(max(_error(a.t, b.t), _error(a.x, b.x)) for a, b in pairs)
     row["max_error_estimate"] = max(max(a.t_error / max(1, abs(a.t)), a.x_error / max(1, abs(a.x))) for a, _ in pairs)
@@ -163,7 +163,7 @@ def table(result: dict[str, Any]) -> str:
             tabulate(rows, heads, disable_numparse=True, colalign=("left", *["right"] * 7)),
             "",
             f"one closed-form flow evaluation: {result['floor_ns']:.1f} ns (the unit of the third column)",
-            f"errors: against {DIGITS} digits over the scene, relative to max(1, |value|)",
+            f"errors: against {REFERENCE_DIGITS} digits over the scene, relative to max(1, |value|)",
             f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
             "",
             formulas.table(result["formulas"]),
@@ -215,7 +215,7 @@ def section(result: dict[str, Any]) -> str:
 
 {tabulate(rows, heads, tablefmt="github", disable_numparse=True)}
 
-Errors are of event times and positions against {DIGITS} digits, relative to max(1, |value|). From the shell
+Errors are of event times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|). From the shell
 `symosc simulate fig5` takes {program:.2f} s, `import numpy` alone {numpy:.2f} s. A mapping's residual over
 {other["residuals"]:,} points is {", compiled ".join(gains)} times as fast as sympy's lambdify of the same expression
 (in brackets: with common subexpressions). The orbit P4645 takes {guessed:.2f} ms from a guess, {unguessed:.0f} ms

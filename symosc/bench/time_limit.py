@@ -20,6 +20,8 @@ from pebble import ProcessExpired, ProcessPool
 HANG, CRASH = "hang", "crash"
 #: How much of an exception's message is kept.
 LONGEST_MESSAGE = 120
+#: Seconds for the first call of a solver, with all that it imports and compiles.
+FIRST_LIMIT = 60.0
 
 
 @dataclass(frozen=True)

@@ -14,32 +14,31 @@ from math import nan
 from statistics import median
 from typing import Any
 
-from symosc.bench.compare import compare, window_of
+from symosc.bench.compare import REFERENCE_DIGITS, compare, window_of
 from symosc.bench.peers import OURS, SOLVERS
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.speed import floor_s
-from symosc.bench.time_limit import Outcome, Worker
+from symosc.bench.time_limit import FIRST_LIMIT, Outcome, Worker
 from symosc.exact import read_exact
 from symosc.machine import machine
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
-DIGITS = 40
 #: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
 #: comes after fig8's first 20 events is no task for doubles: its sticks shrink by 3/8 each half period.
-SCENES = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
-SCENES |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
-QUICK_SCENES = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
-#: Seconds that a solver may take for one span; and for its first preparation, with all that it imports and compiles.
-LIMIT, QUICK_LIMIT, FIRST_LIMIT = 20.0, 6.0, 60.0
+SCENE_SPANS = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
+SCENE_SPANS |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
+QUICK_SCENE_SPANS = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
+#: Seconds that a solver may take for one span.
+SPAN_LIMIT, QUICK_SPAN_LIMIT = 20.0, 6.0
 # The long span is for solvers that need no more than this many seconds for it.
 LONG_RUN = 0.3
 # Calls are repeated until they have taken this many seconds ...
 BUDGET, QUICK_BUDGET = 0.2, 0.05
 # ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
 # it takes longer than a part of the limit.
-MOST_REPEATS, REPEATS, MOMENT, PART = 25, 3, 0.3, 0.1
+MOST_REPEATS, LEAST_REPEATS, SHORT_CALL, LONG_CALL_PART = 25, 3, 0.3, 0.1
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit:
     prepared = time.perf_counter()
     found = follow()
     first = time.perf_counter() - prepared
-    least = 0 if first > PART * limit else 1 if first > MOMENT else REPEATS
+    least = 0 if first > LONG_CALL_PART * limit else 1 if first > SHORT_CALL else LEAST_REPEATS
     times: list[float] = []
     floors: list[float] = [floor_s()] if not least else []
     while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
@@ -110,7 +109,7 @@ def run(
     progress : callable
         Gets the sequence of measurements and returns it as an iterable that may show how far it is.
     solvers, scenes : optional
-        In place of all; scenes as in SCENES.
+        In place of all; scenes as in SCENE_SPANS.
 
     Returns
     -------
@@ -128,8 +127,8 @@ def run(
         longest span;
         warnings: what the solver warned of.
     """
-    chosen = scenes or (QUICK_SCENES if quick else SCENES)
-    limit, budget = (QUICK_LIMIT, QUICK_BUDGET) if quick else (LIMIT, BUDGET)
+    chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
+    limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
     spans: dict[str, tuple[Span, Span]] = {}
     able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
     plan = [
@@ -161,7 +160,7 @@ def span(scene: Scene, count: int, compared: int) -> Span:
 
     far = scene.t0 + 10**6
     end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
-    exact = simulate(scene, t_end=far, max_events=compared + 1, digits=DIGITS).events
+    exact = simulate(scene, t_end=far, max_events=compared + 1, digits=REFERENCE_DIGITS).events
     return Span(replace(scene, t_end=read_exact("t_end", end)), count, exact[:compared], until(exact, compared))
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from tabulate import tabulate
 
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.time_limit import HANG
-from symosc.bench.work_precision import DIGITS
 
 
 def table(result: dict[str, Any], markdown: bool = False) -> str:
@@ -23,7 +23,7 @@ def table(result: dict[str, Any], markdown: bool = False) -> str:
         parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
     parts.append(
         f"floor: one closed-form flow evaluation, {result['floor_ns']:.1f} ns; errors: of event times and positions, "
-        f"against {DIGITS} digits, relative to max(1, |value|)"
+        f"against {REFERENCE_DIGITS} digits, relative to max(1, |value|)"
     )
     notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
     parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]

@@ -37,7 +37,7 @@ SAMPLE_JUMP = 1e-4
 # Wrong steps that are looked at one by one.
 MOST_FAULTS = 500
 # The exact motion is followed for so many events.
-LEAST_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
+FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 
 
 def crosscheck(
@@ -226,7 +226,7 @@ class Task:
 
     def _simulate(self, t_end: float, start: dict[str, Any]) -> Trajectory:
         # Samples of so many more events than there are samples cannot be meant.
-        most = LEAST_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
+        most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
 

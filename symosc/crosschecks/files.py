@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.samples import NAMES, Samples, checked, short, shown
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, short, shown
 from symosc.errors import ParameterError
 
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
 # Column names that a message lists.
-LISTED = 12
+COLUMNS_LISTED = 12
 
 
 def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Samples:
@@ -55,9 +55,9 @@ def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Sampl
 def _column_names(columns: Mapping[str, str] | None) -> dict[str, str]:
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
-    names = {name: name for name in NAMES} | dict(columns or {})
+    names = {name: name for name in SAMPLE_COLUMNS} | dict(columns or {})
     for name, column in names.items():
-        if name not in NAMES:
+        if name not in SAMPLE_COLUMNS:
             raise ParameterError("columns", name, "only t, x and v are read")
         if not isinstance(column, str):
             raise ParameterError("columns", shown(column), f"must be text: the name of the column that holds {name}")
@@ -91,8 +91,8 @@ def _has(source: Any, column: str) -> bool:
 
 def _listed(source: Any) -> str:
     keys = [short(str(key)) for key in getattr(source, "keys", list)()]
-    more = [f"and {len(keys) - LISTED} more"] if len(keys) > LISTED else []
-    return ", ".join(keys[:LISTED] + more) or "none"
+    more = [f"and {len(keys) - COLUMNS_LISTED} more"] if len(keys) > COLUMNS_LISTED else []
+    return ", ".join(keys[:COLUMNS_LISTED] + more) or "none"
 
 
 def _read_file(path: Path, wanted: set[str]) -> Any:

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from symosc.errors import ParameterError
+from symosc.simulation.run import EVENT_KINDS
 
-NAMES = ("t", "x", "v")
-LEAST = 2
-KINDS = ("cross", "stick", "slip", "graze")
+SAMPLE_COLUMNS = ("t", "x", "v")
+LEAST_SAMPLES = 2
 # Largest number of a sample: squares of it and its products with rates must not overflow.
 LARGEST_SAMPLE = 1e50
 # Text of a wrong value in a message is cut here.
-LONGEST = 60
+LONGEST_ITEM = 60
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,12 @@ def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
         Unless t, x and v are finite real numbers, one-dimensional, of one length >= 2, and t never decreases; or if
         `events` are no pairs (t, kind).
     """
-    arrays = {name: _array(name, values) for name, values in zip(NAMES, (t, x, v), strict=True)}
+    arrays = {name: _array(name, values) for name, values in zip(SAMPLE_COLUMNS, (t, x, v), strict=True)}
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "t, x and v must have one length")
-    if lengths["t"] < LEAST:
-        raise ParameterError("samples", lengths["t"], f"at least {LEAST} are needed")
+    if lengths["t"] < LEAST_SAMPLES:
+        raise ParameterError("samples", lengths["t"], f"at least {LEAST_SAMPLES} are needed")
     times = arrays["t"]
     late = np.flatnonzero(np.diff(times) < 0.0)
     if len(late):
@@ -138,7 +138,7 @@ def _number(value: Any) -> float:
 def short(text: str) -> str:
     """Return text for a message, not longer than a line can bear."""
     text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
-    return text if len(text) <= LONGEST else text[:LONGEST] + "…"
+    return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
 
 
 def shown(value: Any) -> Any:
@@ -146,7 +146,7 @@ def shown(value: Any) -> Any:
     if isinstance(value, str):
         return short(value)
     try:
-        fits = len(repr(value)) <= LONGEST
+        fits = len(repr(value)) <= LONGEST_ITEM
     except (RecursionError, ValueError):  # deep brackets, an int of thousands of digits
         fits = False
     return value if fits else type(value).__name__
@@ -162,8 +162,8 @@ def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
             time, kind = _number(time), str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
-        if kind not in KINDS or not abs(time) <= LARGEST_SAMPLE:
-            what = f"t must be finite, kind one of {', '.join(KINDS)}"
+        if kind not in EVENT_KINDS.values() or not abs(time) <= LARGEST_SAMPLE:
+            what = f"t must be finite, kind one of {', '.join(EVENT_KINDS.values())}"
             raise ParameterError(f"events[{i}]", (time, short(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)

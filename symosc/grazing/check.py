@@ -21,11 +21,11 @@ import numpy as np
 
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, OPEN, YES, Ways
+from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, NOT_DECIDED, YES, Ways
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.model import Parameters
 
-PHASES, MOST_PHASES = 10_000, 1_000_000
+CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
 DECADES = range(3, 15)
 #: The three ways, and why they leave a phase open.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
@@ -117,7 +117,7 @@ class GrazingReport:
         return "\n".join(lines)
 
 
-def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -> GrazingReport:
+def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 
     Parameters
@@ -142,7 +142,7 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
-    n, seed = whole_number("n", n, 1, MOST_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
+    n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
     if p.k == 0:
@@ -190,7 +190,7 @@ class _Check:
         inside = self.window.contains(theta)
         self._check_contacts(theta, inside)
         signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
-        unclear = (signs == OPEN) | (flow == OPEN)
+        unclear = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
         self.orders[1] += int((~unclear).sum())
         for i in np.nonzero(unclear)[0]:
             exact = ways.fine.context.mpf(float(theta[i]))
@@ -219,7 +219,7 @@ class _Check:
                 signs.append(verdicts[0])
                 flow.append(verdicts[1])
                 floats.append(float(value))
-                if base in zeros and offset and OPEN not in verdicts:
+                if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
         solver = ways.solver(np.array(floats))
         self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
@@ -240,7 +240,7 @@ class _Check:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
         self.finely += 1
         verdict, order = self.ways.fine_signs(theta, zero)
-        self.orders[order] += verdict != OPEN
+        self.orders[order] += verdict != NOT_DECIDED
         return verdict, self.ways.fine_flow(theta)
 
     def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
@@ -260,7 +260,7 @@ class _Check:
         """Compare what the ways say with the window."""
         self.n_grazing += int(inside.sum())
         for way, verdict in zip(WHY_OPEN, verdicts, strict=True):
-            decided = verdict != OPEN
+            decided = verdict != NOT_DECIDED
             right = decided & ((verdict == YES) == inside)
             self.agreements[way] += int(right.sum())
             self.undecided[way] += int((~decided).sum())

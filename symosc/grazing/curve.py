@@ -20,8 +20,8 @@ from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Sample, Tracer
 from symosc.grazing.window import grazing_window
 from symosc.model import Parameters
 
-POINTS = 400
-LEAST_POINTS, MOST_POINTS = 8, 20_000
+CURVE_POINTS = 400
+LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
 PIECE_POINTS = 33
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 CURVE_HALVINGS = 50
@@ -146,7 +146,7 @@ class GrazingCurve:
         return self._source.origins
 
 
-def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
+def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> GrazingCurve:
     """Return the curve of the starts from which a mapping grazes, with its ends located.
 
     Parameters
@@ -171,7 +171,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     ['3.9229', '11.0820']
     """
     window = grazing_window(p, mapping)
-    n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
+    n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
     runs: list[PhaseRun] = []

@@ -5,7 +5,7 @@
 - the exact flow a short time before and after the contact: both points must be in the domain;
 - scipy's DOP853, on the same equation in coordinates that start at the contact.
 
-A way answers YES, NO or OPEN, never on less than its error.
+A way answers YES, NO or NOT_DECIDED, never on less than its error.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from symosc.grazing.window import GrazingWindow
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 
-YES, NO, OPEN = 1, -1, 0
+YES, NO, NOT_DECIDED = 1, -1, 0
 # Rounding errors, in units of EPS and the size of the terms.
 FLOW_ROUNDING = 16.0
 INTERVAL_DIGITS = 50
@@ -32,7 +32,7 @@ FLOW_TIME = 1e-9
 FINE_FLOW_TIMES = ("1e-21", "1e-24")
 # DOP853: times before and after the contact, over the largest rate; the second one where the first leaves it open.
 DOP853_TIMES = (1e-2, 1e-13)
-DOP853_TOLERANCE = 1e-13
+DECIDER_TOLERANCE = 1e-13
 # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
 DOP853_ERROR = 1e-13
 
@@ -75,7 +75,7 @@ class Ways:
     def signs(self, theta: np.ndarray) -> np.ndarray:
         """Return verdicts of G^(1) in double precision."""
         slope = self.slope(theta)
-        return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), OPEN)
+        return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def fine_signs(self, theta: Any, zero: bool) -> tuple[int, int]:
         """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
@@ -96,18 +96,21 @@ class Ways:
         for order, G in enumerate(values, start=1):
             if known_zero[order - 1]:
                 if 0 not in G:  # the interval contradicts the zero
-                    return OPEN, order
+                    return NOT_DECIDED, order
                 continue
             if 0 in G:
-                return OPEN, order
+                return NOT_DECIDED, order
             inward = bool(-self.side * G.a > 0)
             return (YES if order % 2 == 1 and inward else NO), order
-        return OPEN, len(values)
+        return NOT_DECIDED, len(values)
 
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def flow(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of the exact flow FLOW_TIME before and after; OPEN where the third order could decide."""
+        """Return verdicts of the exact flow FLOW_TIME before and after.
+
+        They are NOT_DECIDED where the third order could decide.
+        """
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
@@ -121,9 +124,9 @@ class Ways:
         gaps = [self._gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
         least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
         if any(abs(gap) <= least * abs(basis[2]) for gap, basis in zip(gaps, self._fine_bases, strict=True)):
-            return OPEN
+            return NOT_DECIDED
         verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
-        return verdicts[0] if verdicts[0] == verdicts[1] else OPEN
+        return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
 
     def _gap(self, basis: Any, s: Any, c: Any, v: Any, K: Constants) -> Any:
         """Return how far into the domain the velocity is, after the flight over which `basis` was taken."""
@@ -138,10 +141,10 @@ class Ways:
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
     def solver(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of DOP853, all phases in one system; OPEN where the third order could decide."""
+        """Return verdicts of DOP853, all phases in one system; NOT_DECIDED where the third order could decide."""
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in DOP853_TIMES:
-            left = np.nonzero(verdicts == OPEN)[0]
+            left = np.nonzero(verdicts == NOT_DECIDED)[0]
             if len(left):
                 tau = time_over_rate / self.K.rate
                 gaps = [self.integrated(theta[left], sign * tau) for sign in (-1.0, 1.0)]
@@ -164,15 +167,18 @@ class Ways:
             force = -2.0 * K.f0 * np.sin(theta + half) * np.sin(half) - K.w0sq * tau * y - K.cm * u
             return np.concatenate([self.v + u, force / (self.size * tau)])
 
-        accuracy = {"rtol": DOP853_TOLERANCE, "atol": DOP853_TOLERANCE, "max_step": 0.25}
+        accuracy = {"rtol": DECIDER_TOLERANCE, "atol": DECIDER_TOLERANCE, "max_step": 0.25}
         done = solve_ivp(rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", **accuracy)
         return -self.side * done.y[n:, -1]
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where both gaps are positive, NO where one is negative, OPEN where one is within `least` of 0."""
+    """Return YES where both gaps are positive, NO where one is negative.
+
+    It is NOT_DECIDED where one is within `least` of 0.
+    """
     clear = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
-    return np.where(clear, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), OPEN)
+    return np.where(clear, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
 
 
 def interval_context() -> Any:

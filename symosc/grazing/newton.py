@@ -17,7 +17,7 @@ from symosc.exact import read_exact
 from symosc.grazing.backward_flow import TOUCH
 from symosc.grazing.curve import CurveEnd, CurvePiece, GrazingCurve
 from symosc.grazing.flight import Flights
-from symosc.grazing.origin import PERIODS
+from symosc.grazing.origin import SEARCH_PERIODS
 from symosc.grazing.tracer import OWN, UNKNOWN, Sample
 
 # Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
@@ -29,7 +29,7 @@ ENDLESS = 1e-4
 # The reason of an end where the search ended (`symosc.grazing.curve`).
 SEARCH_ENDS = "(within the search)"
 # Solutions nearer to each other than this are one.
-SAME_PHASE = 1e-15
+SAME_ROOT = 1e-15
 
 
 class Point(NamedTuple):
@@ -239,7 +239,7 @@ class Candidates:
         """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
         flights, origins = self.flights, self.curve.origins
         phase = Fraction(theta_m)
-        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * PERIODS, flights.digits)
+        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
             return None
         theta, tau = flights.number(phase), flights.number(arrival.tau)
@@ -270,7 +270,7 @@ class Candidates:
         theta -= turn * context.floor(theta / turn)
         for other, time in self._solutions:
             apart = abs(other - theta)
-            if min(apart, turn - apart) < SAME_PHASE * SAME_PHASE and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+            if min(apart, turn - apart) < SAME_ROOT * SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
                 return
         self._solutions.append((theta, tau))
 

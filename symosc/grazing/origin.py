@@ -13,13 +13,13 @@ from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
 
 # How far back a start is looked for, in periods of the excitation.
-PERIODS = 100
+SEARCH_PERIODS = 100
 # Digits of the first look at a step that is open; the second look has twice as many.
 LOOK_DIGITS, MOST_LOOK_DIGITS = 60, 200
 # How many open steps of one flight are looked at: a flight that keeps to a wall for longer stays open.
 MOST_LOOKS = 40
 #: A kind of arrival besides those of `symosc.grazing.backward_flow`: no number of digits tried has decided.
-OPEN = "open"
+OPEN_ORIGIN = "open"
 
 
 class Origins:
@@ -74,7 +74,7 @@ class Origins:
         order : int
             Order of the first G-function that does not vanish there.
         far : float, optional
-            Time to search; default PERIODS periods.
+            Time to search; default SEARCH_PERIODS periods.
         careful : bool
             Whether to look with more digits at what is open; otherwise it is a touch.
         digits : int
@@ -82,7 +82,7 @@ class Origins:
         looks : int
         most_steps : int
         """
-        far = PERIODS * self.K.period if far is None else far
+        far = SEARCH_PERIODS * self.K.period if far is None else far
         look = self._look(angle, order, digits, looks) if careful else None
         return self._search.run(float(angle), order, far, look, most_steps)
 
@@ -131,7 +131,7 @@ class Origins:
             theta = flights.number(angle)
             arrival = flights.polished(theta, found, far(flights))
             if arrival is None:
-                return found._replace(kind=OPEN), flights
+                return found._replace(kind=OPEN_ORIGIN), flights
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
                 found = found._replace(kind=REACHED, boundary=0)
                 continue

@@ -13,11 +13,11 @@ from typing import Any
 
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, whole_number
+from symosc.exact import read_digits, read_exact, whole_number
 from symosc.grazing.angles import number_of, phase_of, read_phase, times
-from symosc.grazing.curve import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curve
+from symosc.grazing.curve import CURVE_POINTS, LEAST_CURVE_POINTS, MOST_CURVE_POINTS, grazing_curve
 from symosc.grazing.newton import Candidates
-from symosc.grazing.start import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
+from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
@@ -53,7 +53,7 @@ class GrazingSolutions(list[GrazingStart]):
 
 
 def solve_grazing(
-    p: Parameters, mapping: str, *, n: int = POINTS, digits: int | None = None, **given: Any
+    p: Parameters, mapping: str, *, n: int = CURVE_POINTS, digits: int | None = None, **given: Any
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
 
@@ -95,8 +95,8 @@ def solve_grazing(
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     name, value = next(iter(given.items()))
-    whole_number("n", n, LEAST_POINTS, MOST_POINTS)
-    check_digits(digits)
+    whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
+    read_digits(digits, MOST_START_DIGITS)
     if p.k == 0:
         raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
     if p.B0 == 0 and name in ("x_i", "x_j"):

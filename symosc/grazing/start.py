@@ -19,16 +19,16 @@ from typing import Any
 
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show, whole_number
+from symosc.exact import read_digits, read_exact, show
 from symosc.grazing.angles import number_of, phase_of, read_angle, read_phase, symbolic, times
 from symosc.grazing.backward_flow import HUGE, LARGE, LONG, NEVER, REACHED, TOUCH, Arrival
 from symosc.grazing.flight import Flights
-from symosc.grazing.origin import OPEN, PERIODS, Origins
+from symosc.grazing.origin import OPEN_ORIGIN, SEARCH_PERIODS, Origins
 from symosc.grazing.window import grazing_window
 from symosc.model import Parameters
 
 DEFAULT_DIGITS = 40
-LEAST_DIGITS, MOST_DIGITS = 5, 2000
+MOST_START_DIGITS = 2000
 MOST_PERIODS_BACK = 1e6
 
 
@@ -97,7 +97,7 @@ def grazing_start(
     t_m: Any = None,
     t0: Any = None,
     digits: int | None = None,
-    periods: float = PERIODS,
+    periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Flow back from the tangency at a phase to where the mapping starts.
 
@@ -133,7 +133,7 @@ def grazing_start(
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)
     until = None if t0 is None else read_exact("t0", t0)
-    return start_of(origins, time, angle, until, check_digits(digits), _check_periods(periods))
+    return start_of(origins, time, angle, until, read_digits(digits, MOST_START_DIGITS), _check_periods(periods))
 
 
 def start_of(
@@ -142,7 +142,7 @@ def start_of(
     angle: Any,
     until: Fraction | None = None,
     digits: int | None = None,
-    periods: float = PERIODS,
+    periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Return what `grazing_start` returns, for an exact time and phase and checked arguments."""
     order = order_at(origins.p, origins.mapping, angle)
@@ -157,11 +157,6 @@ def start_of(
         raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
     arrival, flights = origins.exact(angle, order, far, wanted)
     return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
-
-
-def check_digits(digits: Any) -> int | None:
-    """Return `digits` if it is None or a number of digits that can be asked for."""
-    return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
 
 
 def _check_periods(periods: Any) -> float:
@@ -229,7 +224,7 @@ def _result(
         found = arrival.boundary == boundary
         reason = f"the flow {verb} {point}, not belt {boundary}"
     reason = _no_end(arrival, float(t), boundary, periods) or reason
-    nowhere = arrival.kind in (NEVER, LONG, LARGE, OPEN) or (arrival.kind == REACHED and not to_time)
+    nowhere = arrival.kind in (NEVER, LONG, LARGE, OPEN_ORIGIN) or (arrival.kind == REACHED and not to_time)
     found = found and not nowhere
     keep = digits or DEFAULT_DIGITS
     shown = mp_context(keep)
@@ -278,7 +273,7 @@ def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | 
         return f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met"
     if arrival.kind == LONG:
         return f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met"
-    if arrival.kind == OPEN:
+    if arrival.kind == OPEN_ORIGIN:
         return f"whether the flow meets belt {arrival.boundary} at t = {t:.12g} could not be decided"
     return None
 

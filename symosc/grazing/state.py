@@ -15,7 +15,7 @@ from symosc.model import Parameters
 
 # G-functions up to this part of the size of their terms count as 0.
 G_TOLERANCE = 1e-12
-ORDERS = 6
+MOST_G_ORDERS = 6
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class GrazingVerdict:
     ----------
     grazing : bool
     order : int
-        Of the first G-function that does not vanish (0 is F); ORDERS if none was found.
+        Of the first G-function that does not vanish (0 is F); MOST_G_ORDERS if none was found.
     values : tuple of float
         G^(0), G^(1), ... up to that order; a value that counts as 0 enters the next one as 0.
     margins : tuple of float
@@ -95,7 +95,7 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
     value, size = sum(terms), sum(abs(term) for term in terms)
     values, margins = [], []
     before, sines = v, (context.sin(angle), context.cos(angle))
-    for order in range(ORDERS):
+    for order in range(MOST_G_ORDERS):
         margin = abs(value) / size if size > 0 else abs(value)
         values.append(float(value))
         margins.append(float(margin))
@@ -108,7 +108,7 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
         size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
         before = now
     reason = "F and all its derivatives vanish: the flow stays on the belt"
-    return GrazingVerdict(False, ORDERS, tuple(values), tuple(margins), tolerance, reason)
+    return GrazingVerdict(False, MOST_G_ORDERS, tuple(values), tuple(margins), tolerance, reason)
 
 
 def _why(order: int, grazing: bool) -> str:

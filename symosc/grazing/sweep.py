@@ -16,7 +16,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels import double_double
 from symosc.mappings import theorem7_cases
 from symosc.mappings.arguments import real_array
-from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING, IN_DOUBT, check_order, check_parameters, place
+from symosc.mappings.theorem7_cases import EMPTY, EQUALITY_IN_DOUBT, EVERYTHING, check_order, check_parameters, place
 from symosc.model import Parameters
 
 
@@ -98,7 +98,7 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
         pairs += [np.full(math.prod(shape), low)]
     columns = WindowColumns(np.empty(math.prod(shape), np.int8), *(np.empty(math.prod(shape)) for _ in range(3)))
     _rows()(*pairs, where.side, full, *columns)
-    for i in np.nonzero(columns.kind == IN_DOUBT)[0]:
+    for i in np.nonzero(columns.kind == EQUALITY_IN_DOUBT)[0]:
         _fill(
             columns, int(i), p, mapping, order, {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
         )

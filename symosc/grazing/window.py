@@ -34,7 +34,7 @@ from symosc.model import Parameters
 
 # Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
 CLEAR_SINE = 1e-12
-DIGITS = 30
+WINDOW_DIGITS = 30
 
 
 def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingWindow:
@@ -144,7 +144,7 @@ class GrazingWindow:
 
         Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2 pi (open).
         """
-        end = double_double.TWO_PI[0]
+        end = double_double.TWO_PI_PAIR[0]
         if self.kind in (EMPTY, EVERYTHING):
             return ((0.0, end, True, False),) if self.kind == EVERYTHING else ()
         low, high = self.ends
@@ -156,16 +156,18 @@ class GrazingWindow:
     def ends(self) -> tuple[float, float]:
         """The ends of the arc, going up from the first to the second, through 0 if wrapped."""
         if self.kind == ALL_BUT_ONE:
-            point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
+            point = (
+                double_double.HALF_PI_PAIR[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
+            )
             return point, point
-        context, theta_cr = mp_context(DIGITS), self.critical_phase()
+        context, theta_cr = mp_context(WINDOW_DIGITS), self.critical_phase()
         ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
         low, high = ends if self.place.side * self.signs[1] < 0 else ends[::-1]
-        return float(low), float(high) if high != 0 else double_double.TWO_PI[0]
+        return float(low), float(high) if high != 0 else double_double.TWO_PI_PAIR[0]
 
     def critical_phase(self) -> Any:
         """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
-        context = mp_context(DIGITS)
+        context = mp_context(WINDOW_DIGITS)
         if self.amplitude == 0 or self.signs[2] > 0:
             return context.nan
         sine = -self.gamma / self.amplitude
@@ -227,7 +229,7 @@ class GrazingWindow:
         if isinstance(theta, np.ndarray) and theta.ndim:
             return float(rest) + float(gain) * np.cos(theta)
         if isinstance(theta, float | np.floating):
-            context = mp_context(DIGITS)
+            context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator
             return float(wave + context.mpf(rest.numerator) / rest.denominator)
         from symosc.symbolic.theorem7 import rational, real, sp
@@ -273,7 +275,7 @@ class GrazingWindow:
         if theta == 0:
             return self.signs[0]
         ratio = self.gamma / self.amplitude
-        digits = DIGITS
+        digits = WINDOW_DIGITS
         while True:
             context = mp_context(digits + len(str(abs(theta.numerator))))
             sine = context.sin(context.mpf(theta.numerator) / theta.denominator)

@@ -13,8 +13,17 @@ from __future__ import annotations
 
 from math import ldexp, nan
 
-from symosc.kernels.double_double import HALF_PI, PI, THREE_HALVES_PI, TWO_PI, pair_asin, pair_sum, scaled_product, sign
-from symosc.mappings.theorem7_cases import ALL_BUT_ONE, IN_DOUBT, window_kind
+from symosc.kernels.double_double import (
+    HALF_PI_PAIR,
+    PI_PAIR,
+    THREE_HALVES_PI,
+    TWO_PI_PAIR,
+    pair_asin,
+    pair_sum,
+    scaled_product,
+    sign,
+)
+from symosc.mappings.theorem7_cases import ALL_BUT_ONE, EQUALITY_IN_DOUBT, window_kind
 
 # Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
 DOUBT = 2.0**-98
@@ -24,7 +33,7 @@ def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
     """Return (kind, low, high, theta_cr) of the window; k, v, B0 and Omega are pairs.
 
     An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE,
-    low = high is the excluded phase. IN_DOUBT: too near |k v| = |B0 Omega| for numbers that are no doubles.
+    low = high is the excluded phase. EQUALITY_IN_DOUBT: too near |k v| = |B0 Omega| for numbers that are no doubles.
     theta_cr is nan where Theta_cr does not exist.
     """
     ph, pl, pe = scaled_product(kh, kl, vh, vl)
@@ -40,21 +49,21 @@ def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
     excess_sign = sign(difference) if difference != 0.0 else sign(rest)
     exact = kl == 0.0 and vl == 0.0 and Bl == 0.0 and Ol == 0.0
     if not exact and abs(difference) <= DOUBT:
-        return IN_DOUBT, nan, nan, nan
+        return EQUALITY_IN_DOUBT, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
     slope = -p_sign * q_sign  # sign of sin(theta_cr)
     if excess_sign > 0:
         return kind, nan, nan, nan
     if excess_sign == 0:
-        theta_cr = slope * HALF_PI[0]
+        theta_cr = slope * HALF_PI_PAIR[0]
         if kind != ALL_BUT_ONE:
             return kind, nan, nan, theta_cr
-        point = HALF_PI[0] if slope > 0 else THREE_HALVES_PI
+        point = HALF_PI_PAIR[0] if slope > 0 else THREE_HALVES_PI
         return kind, point, point, theta_cr
     ah, al = pair_asin(ph, pl, qh, ql)
     ah, al = slope * ah + 0.0, slope * al  # no -0.0
-    turned, _ = pair_sum(PI[0], PI[1], -ah, -al)  # pi - theta_cr
-    wrapped, _ = pair_sum(TWO_PI[0], TWO_PI[1], ah, al)  # 2 pi + theta_cr
+    turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -ah, -al)  # pi - theta_cr
+    wrapped, _ = pair_sum(TWO_PI_PAIR[0], TWO_PI_PAIR[1], ah, al)  # 2 pi + theta_cr
     if side * q_sign > 0:  # sin(theta) > sin(theta_cr)
         return kind, (wrapped if ah < 0.0 else ah), turned, ah
     return kind, turned, (ah if ah > 0.0 else wrapped), ah

@@ -13,7 +13,7 @@ from typing import Any
 from symosc.kernels.multiprecision import with_bits
 from symosc.model import Parameters
 
-SERIES_BELOW = 1
+MP_SERIES_BELOW = 1
 SERIES_GUARD_BITS, ROOT_BITS = 10, 200
 
 
@@ -64,7 +64,7 @@ class BasisMP:
     def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
         tau = self.context.convert(tau)
-        values = self._series(tau) if K.rate * abs(tau) < SERIES_BELOW else self._divided_differences(tau)
+        values = self._series(tau) if K.rate * abs(tau) < MP_SERIES_BELOW else self._divided_differences(tau)
         make = self.context.make_mpf
         return tuple(+make(value._mpf_) for value in values)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from symosc.errors import ParameterError
 
-POINTS = ("x_i", "theta_i", "x_j", "theta_j")
+POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
 NUMBERS = "must be a finite real number: a float, an int or an mpmath number"
 ARRAYS = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
 
@@ -60,7 +60,7 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Any]) -> Any:
 
 def columns_of(given: list[Any]) -> list[np.ndarray]:
     """Return the four arrays in one shape."""
-    columns = [real_array(name, value, ARRAYS) for name, value in zip(POINTS, given, strict=True)]
+    columns = [real_array(name, value, ARRAYS) for name, value in zip(POINT_NAMES, given, strict=True)]
     try:
         return [np.array(column) for column in np.broadcast_arrays(*columns)]
     except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts

@@ -27,7 +27,7 @@ from symosc.engine import binding
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array, mapping, repeated
-from symosc.mappings.arguments import POINTS, columns_of, four_numbers, is_array, is_mp, scalar
+from symosc.mappings.arguments import POINT_NAMES, columns_of, four_numbers, is_array, is_mp, scalar
 from symosc.model import PARAMETER_NAMES, SIDES, Parameters
 from symosc.words import MAPS, Map
 
@@ -250,7 +250,7 @@ def read_points(
     shape = None
     if context is not None:
         numbers: Numbers = _mp_numbers(p, context, context.prec)
-        points = [scalar(name, value, context.convert) for name, value in zip(POINTS, given, strict=True)]
+        points = [scalar(name, value, context.convert) for name, value in zip(POINT_NAMES, given, strict=True)]
         backward = points[3] < points[1]
     elif any(is_array(value) for value in given):
         numbers = _arrays(p)
@@ -259,7 +259,7 @@ def read_points(
         backward = bool(np.any(points[3] < points[1]))
     else:
         numbers = _floats(p)
-        points = [scalar(name, value, float) for name, value in zip(POINTS, given, strict=True)]
+        points = [scalar(name, value, float) for name, value in zip(POINT_NAMES, given, strict=True)]
         backward = points[3] < points[1]
     if backward and not row.sticks:
         raise ParameterError("theta_j", end[1], UNWRAPPED)

@@ -44,7 +44,7 @@ _NO_GRAZING = {
 ORDERS = ("full", "paper")
 
 # What a window is; a wrapped arc goes through 0.
-IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
+EQUALITY_IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
 
 
 def place(mapping: str) -> Place:

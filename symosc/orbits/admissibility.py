@@ -21,7 +21,7 @@ from symosc.kernels.entire_array import basis
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
-MOST_SAMPLES = 4000
+MOST_VELOCITY_SAMPLES = 4000
 FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
@@ -66,7 +66,7 @@ GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick
 SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
 # A flight that no longer reaches its belt takes the stick behind it with it; a slip that vanishes takes its own arrival
 # with it; a crossing that turns into a stick makes the flight behind it leave on the wrong side.
-ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, GAP, FLIGHT_LASTS, ENGINE = range(8)
+ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 
 class Extremum(NamedTuple):
@@ -135,7 +135,7 @@ def _of_flight(
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
     margins.add(f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t)
     arrival = piece.side * equations.force(piece.mode, end[0], v_end, end[1])
-    rank, size = GAP if piece.zeros == 2 else ARRIVAL, sizes.a
+    rank, size = STAYS_INSIDE if piece.zeros == 2 else ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
         arrival = piece.side * _states(equations)(*[tau, *flight, K])[2]
         size *= float(min(1, abs(tau) * K.rate))
@@ -149,7 +149,7 @@ def _of_flight(
                 if clearance < gap:
                     gap, nearest = clearance, start[1] + K.Om * extremum.tau
     text = f"{piece.label} stays in Omega{piece.mode}"
-    margins.add(text, gap, nearest, GRAZING, GAP, sizes.v * float(min(1, abs(tau) * K.rate)))
+    margins.add(text, gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * float(min(1, abs(tau) * K.rate)))
     far = piece.mode + piece.side
     beyond = piece.side * equations.force(far, end[0], v_end, end[1])
     if following.sticks:
@@ -203,7 +203,7 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
     """
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
-    span, count = float(tau - begin), int(min(MOST_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    span, count = float(tau - begin), int(min(MOST_VELOCITY_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0

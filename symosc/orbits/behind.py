@@ -29,7 +29,7 @@ from symosc.words import Word, WordError, read_word
 # How far behind an end the words are looked for, as parts of the range: the nearest that can be told counts.
 DISTANCES = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 MOST_WORDS, MOST_GUESSES = 6, 4
-LONGEST = 24  # mappings of a word that is tried
+LONGEST_WORD = 24  # mappings of a word that is tried
 
 
 def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
@@ -78,7 +78,7 @@ def _words_of_a_period(equations: ClosingEquations, passages: Any) -> list[Word]
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
         part = labels[first:last]
-        if not 0 < len(part) <= LONGEST or None in part or phases[last] - turn < phases[0] - 1:
+        if not 0 < len(part) <= LONGEST_WORD or None in part or phases[last] - turn < phases[0] - 1:
             continue
         try:
             word = read_word(rotated(tuple(label for label in part if label), equations))

@@ -38,7 +38,7 @@ MULTIPLIER_MESSAGES = {
     PERIOD_DOUBLING: "a multiplier is -1",
     NEIMARK_SACKER: "two complex multipliers have the modulus 1",
 }
-RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
+RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
 
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
@@ -51,7 +51,7 @@ NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far it is left behind
 FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
-TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+TOUCH_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 def continue_orbit(
@@ -178,7 +178,7 @@ def _scan(curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf) 
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return Scanned([m, b], None)
-        elif length < TOUCH:  # all is rounding noise here; next to a change it says nothing
+        elif length < TOUCH_LENGTH:  # all is rounding noise here; next to a change it says nothing
             return Scanned([], _touching(m)) if around > NEAR_CHANGE else Scanned([m], None)
     first = _scan(curve, a, m, around)
     if first is None or first.failed is not None:
@@ -297,7 +297,7 @@ def _is_found(equations: ClosingEquations, point: BranchPoint) -> bool:
 def _stalled(curve: Curve, point: BranchPoint) -> BranchEnd:
     nearest = min(point.conditions, key=lambda condition: condition.value)
     message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
-    return BranchEnd(STALLED, point.value, message, _named(curve, point), (nearest,))
+    return BranchEnd(NO_CONVERGENCE, point.value, message, _named(curve, point), (nearest,))
 
 
 def _named(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:

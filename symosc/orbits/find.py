@@ -10,14 +10,14 @@ import numpy as np
 
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import whole_number
+from symosc.exact import read_digits, whole_number
 from symosc.mappings.arguments import text_or_booleans
 from symosc.model import Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
 from symosc.orbits.guesses import (
-    LEAST_EVENTS,
+    LEAST_RUN_EVENTS,
     Guess,
     between,
     evenly_spaced,
@@ -35,7 +35,6 @@ from symosc.words import WordError, read_word
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
 ORBIT_GUARD_DIGITS = 15
-LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
 # The search tries evenly spaced points over all periods; beyond these it takes minutes.
 MOST_ORBIT_PERIODS = 200
@@ -105,7 +104,7 @@ def find_orbit(
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
-    digits = None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
+    digits = read_digits(digits)
     equations = ClosingEquations(parameters, structure, periods or 1)
     batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
     root = _best_root(equations, batches)
@@ -291,7 +290,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_EVENTS + n)
+        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
         found = windows(run.passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")

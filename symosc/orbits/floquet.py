@@ -44,7 +44,7 @@ from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import polish
 
 # A multiplier this near to the unit circle is computed once more with so many digits ...
-NEAR_ONE, DIGITS = 1e-9, 50
+NEAR_ONE, MULTIPLIER_DIGITS = 1e-9, 50
 # ... and lies on it if it is so near even then.
 ON_CIRCLE = 1e-25
 
@@ -110,7 +110,7 @@ def inside(equations: ClosingEquations, points: Any, values: Any) -> float | Non
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
-    fine = equations.with_digits(DIGITS)
+    fine = equations.with_digits(MULTIPLIER_DIGITS)
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None

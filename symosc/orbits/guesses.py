@@ -17,11 +17,11 @@ from symosc.orbits.floquet import rest_positions
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word
 
-EVENTS_PER_PIECE, LEAST_EVENTS = 8, 60
+EVENTS_PER_PIECE, LEAST_RUN_EVENTS = 8, 60
 MOST_GUESS_PERIODS = 1_000_000
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 # Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
-PHASES, POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
+START_PHASES, START_POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
 BATCH = 8
 
 
@@ -152,11 +152,11 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     """Yield guesses from simulations that start on the word's belts, the most nearly closed first, batch by batch."""
     centre, size = largest_displacement(equations)
     belts = sorted({piece.start for piece in equations.pieces})
-    most = max(LEAST_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
+    most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
     starts = [
-        (centre + offset * size, 2 * pi * j / PHASES, belt)
-        for offset in POSITIONS
-        for j in range(PHASES)
+        (centre + offset * size, 2 * pi * j / START_PHASES, belt)
+        for offset in START_POSITIONS
+        for j in range(START_PHASES)
         for belt in belts
     ]
     for k in range(0, len(starts), BATCH):
@@ -171,8 +171,8 @@ def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
     centre, size = largest_displacement(equations)
     n = len(equations.pieces)
     found = []
-    for j in range(2 * PHASES):
-        theta = 2 * pi * (j / (2 * PHASES) + periods * np.arange(n) / n)
+    for j in range(2 * START_PHASES):
+        theta = 2 * pi * (j / (2 * START_PHASES) + periods * np.arange(n) / n)
         for amplitude in (0.2, 0.6):
             points = np.column_stack([centre + amplitude * size * np.sin(theta), theta])
             found.append(Guess(points, periods, np.inf))

@@ -18,7 +18,7 @@ from symosc.simulation.simulate import simulate
 from symosc.words import Word
 
 NEAR_ORBIT = 1e-6
-FIRST_LOOK, PATIENCE = 20, 400  # periods after which `approach` looks a second time, and gives up
+FIRST_LOOK, LAST_LOOK = 20, 400  # periods after which `approach` looks a second time, and gives up
 
 
 class SwitchingPoint(NamedTuple):
@@ -180,7 +180,7 @@ class PeriodicOrbit:
         offset = start - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
         length, periods = float(self.period), None
-        for span in (FIRST_LOOK, PATIENCE):
+        for span in (FIRST_LOOK, LAST_LOOK):
             end = float(scene.t0) + (span + 0.5) * length
             path = simulate(scene, t_end=end)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))

@@ -45,7 +45,7 @@ ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
 SAME_POINT = 1e-6
-VANISHING = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
+VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 
 
@@ -117,7 +117,7 @@ def _vanishing(
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))
     )
-    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING * abs(was[i])}
+    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING_PART * abs(was[i])}
     lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     return [c._replace(value=0.0) for c in lasts]
 

@@ -15,7 +15,7 @@ from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.words import read_word
 
-FOLDER = Path(__file__).parent
+SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
 TABLES = ("parameters", "start")
 
@@ -97,7 +97,7 @@ def scene_names() -> list[str]:
     >>> scene_names()[:4]
     ['fig5', 'fig6', 'fig7', 'fig7-exact']
     """
-    names = [path.stem for path in FOLDER.glob("*.toml")]
+    names = [path.stem for path in SCENES_FOLDER.glob("*.toml")]
     return sorted(names, key=lambda name: (int(name.removeprefix("fig").partition("-")[0]), len(name), name))
 
 
@@ -119,7 +119,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     5 20 1/10
     """
     text = str(name_or_path)
-    path = FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
+    path = SCENES_FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
     if "\0" in text:
         raise SceneError(repr(text), "is no file name")
     if path.suffix != ".toml" and not isfile(path):

@@ -21,10 +21,9 @@ from symosc.errors import OutputError, ParameterError
 from symosc.files import read_path, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.symbolic.export_program import FLAGS, Program, program
-from symosc.symbolic.languages import MATRIX, RESERVED, C, Julia, wrapped
+from symosc.symbolic.languages import LANGUAGES, MATRIX, RESERVED, C, Julia, wrapped
 from symosc.words import read_word
 
-LANGUAGES = ("python", "numpy", "c", "julia")
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 
 

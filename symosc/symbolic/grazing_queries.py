@@ -26,7 +26,7 @@ from symosc.symbolic.theorem7 import rational, real, sign_of
 Expr = Any  # sympy ships no types
 
 #: The letters of the answers without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
-LETTERS = {
+QUERY_LETTERS = {
     "k": sp.Symbol("k", nonnegative=True),
     "v": sp.Symbol("v_lambda", real=True),
     "B0": sp.Symbol("B_0", real=True),
@@ -80,7 +80,7 @@ def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any 
     Parameters
     ----------
     p : Parameters or None
-        The other parameters; the value of `name` in it is not used. None: letters (`LETTERS`) in place of numbers.
+        The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place of numbers.
     mapping : {"P2", "P3", "P5", "P6"}
     name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}
         The parameter that is asked for; v_lambda is the map's belt, v1 or v2.
@@ -154,7 +154,7 @@ def _problem(p: Parameters | None, mapping: str, name: str) -> _Problem:
         known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
         raise ParameterError("name", name, known)
     if p is None:
-        letters = LETTERS
+        letters = QUERY_LETTERS
     else:
         letters = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
         letters["v"] = rational(p.belt(where.boundary))

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from symosc import Parameters, simulate
 from symosc.bench import peers_cvode, peers_scipy
-from symosc.bench.event_logic import CHATTER, OFFSET, Exit, Motion, PeerError, Phase, follow, watching
+from symosc.bench.event_logic import CHATTER, INTEGRATOR_OFFSET, Exit, Motion, PeerError, Phase, follow, watching
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine.flow import constants, state_at
 from symosc.scenes import Scene, load_scene
@@ -115,7 +115,7 @@ LOGIC = {
 @pytest.mark.parametrize("case", LOGIC)
 def test_event_logic_on_the_exact_flow_gives_the_events_of_simulate(case: str) -> None:
     start, tolerance = LOGIC[case]
-    found = follow(start, Motion(start.parameters), exact_leave(start.parameters), OFFSET)
+    found = follow(start, Motion(start.parameters), exact_leave(start.parameters), INTEGRATOR_OFFSET)
     assert_same_events(found, simulate(start).events, tolerance)
 
 
@@ -133,7 +133,7 @@ def test_event_logic_on_random_parameters(seed: int) -> None:
         FN=number(0, 10),
     )  # fmt: skip
     start = scene_of(parameters, 0, number(-3, 3), number(-5, 6), 8)
-    found = follow(start, Motion(parameters), exact_leave(parameters), OFFSET)
+    found = follow(start, Motion(parameters), exact_leave(parameters), INTEGRATOR_OFFSET)
     assert found
     assert_same_events(found, simulate(start).events, 1e-9)
 
@@ -204,7 +204,7 @@ def test_start_on_a_belt_with_a_force_that_is_zero(v1: int, follows: int) -> Non
     start = scene_of(p, 0, p.A(1) - v1, v1, 20)
     motion = Motion(p)
     assert motion.resolve(1, 0.0, float(start.x0)) == follows  # dF/dt = -v1: it falls away from the belt, or stays
-    assert_same_events(follow(start, motion, exact_leave(p), OFFSET), simulate(start).events, 1e-11)
+    assert_same_events(follow(start, motion, exact_leave(p), INTEGRATOR_OFFSET), simulate(start).events, 1e-11)
 
 
 def test_turning_points_find_what_comes_back_within_a_step() -> None:
@@ -245,7 +245,7 @@ def test_an_integrator_that_gives_up_keeps_the_events_before() -> None:
         return exact(phase, t, x, v, t_end)
 
     with pytest.raises(PeerError, match="step too small") as caught:
-        follow(start, Motion(start.parameters), leave, OFFSET)
+        follow(start, Motion(start.parameters), leave, INTEGRATOR_OFFSET)
     assert_same_events(caught.value.found, simulate(start).events[:2], 1e-11)
 
 

@@ -205,7 +205,7 @@ def test_compiled_and_interpreted_agree() -> None:
     scene = load_scene("fig10")
     q = scalars(peers_numba.Motion(scene.parameters, scene.t0))
     s = peers_numba.settings(peers_numba.Motion(scene.parameters), 1e-8, True)
-    plain = runner(scene, bind(peers_numba.MODULES, {}), q, s)()
+    plain = runner(scene, bind(peers_numba.DOP853_MODULES, {}), q, s)()
     assert error(plain, found_by(SOLVERS["numba DOP853"], scene, 1e-8)) < 1e-9  # type: ignore[arg-type]
 
 
@@ -214,8 +214,8 @@ def test_the_number_of_steps_is_bounded(module: object) -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
     scan = module is peers_scan
-    few = {"MOST_SAMPLES" if scan else "MOST_DOP853_STEPS": 2}
-    functions = bind(module.MODULES, few)  # type: ignore[attr-defined]
+    few = {"MOST_SCAN_SAMPLES" if scan else "MOST_DOP853_STEPS": 2}
+    functions = bind(peers_scan.SCAN_MODULES if scan else peers_numba.DOP853_MODULES, few)
     s = peers_scan.scan_of(motion, 20, 1e-9) if scan else peers_numba.settings(motion, 1e-9, True)
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
         runner(scene, functions, scalars(motion), s)()
@@ -226,7 +226,7 @@ def test_a_late_clock_costs_no_steps() -> None:
     scene = load_scene("fig9")
     motion = peers_numba.Motion(scene.parameters)
     q, s = scalars(motion), peers_numba.settings(motion, 1e-14, True)
-    follow = bind(peers_numba.MODULES, {"MOST_DOP853_STEPS": 200})["follow"]
+    follow = bind(peers_numba.DOP853_MODULES, {"MOST_DOP853_STEPS": 200})["follow"]
     for t in (0.0, 1e6):
         rows, count, outcome, _ = follow(q, s, t, 4.5, 0.0, 1, 0, 1e-14, t + 5.0)
         assert outcome == 0

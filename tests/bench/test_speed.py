@@ -174,7 +174,7 @@ FAKES = (
 @pytest.fixture(scope="module")
 def work() -> dict[str, Any]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work_precision, "LIMIT", 1.0)
+        patch.setattr(work_precision, "SPAN_LIMIT", 1.0)
         patch.setattr(work_precision, "BUDGET", 0.01)
         return work_precision.run(solvers=FAKES, scenes={"fig5": (6, 9, 12), "fig9": (5, 5, 5)})
 
@@ -362,13 +362,13 @@ def test_results_are_written_into_the_readme(
     assert "heyoka at its finest tolerance takes 17 (fig5), 17 (fig9) times as long as symosc." in " ".join(
         text.split()
     )
-    page = tmp_path / results.FOLDER / "README.md"
-    assert text.split("](")[1].partition(")")[0] == f"{results.FOLDER}/README.md"
+    page = tmp_path / results.RESULTS_FOLDER / "README.md"
+    assert text.split("](")[1].partition(")")[0] == f"{results.RESULTS_FOLDER}/README.md"
     assert page.read_text().startswith("# Results\n\nOne run of `symosc bench --quick --results README.md`")
     links = [part.partition(")")[0] for part in page.read_text().split("](")[1:]]
     assert sorted(page.parent / link for link in links) == sorted(written[2:])
     assert all(file.stat().st_size > 100 for file in written)
-    assert "hang: more than 1 s" in (tmp_path / results.FOLDER / "work_precision.md").read_text()
+    assert "hang: more than 1 s" in (tmp_path / results.RESULTS_FOLDER / "work_precision.md").read_text()
     before = [file.read_bytes() for file in written]
     results.write(path, result)
     assert [file.read_bytes() for file in written] == before

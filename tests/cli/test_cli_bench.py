@@ -100,7 +100,9 @@ def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: p
     assert sorted(calls) == ["error_map", "hard", "speed", "work_precision"]
     assert readme.read_text() == MARKS.replace("old", str(sorted([*calls, "quick"])))
     assert lines[0] == f"wrote {readme}"
-    assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set((tmp_path / results.FOLDER).iterdir())
+    assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(
+        (tmp_path / results.RESULTS_FOLDER).iterdir()
+    )
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from samples import sample_of
 from symosc import ParameterError, Parameters, load_scene, scene_names
 from symosc.grazing import check
 from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, check_grazing
-from symosc.grazing.deciders import DOP853_ERROR, DOP853_TIMES, NO, OPEN, YES, Ways
+from symosc.grazing.deciders import DOP853_ERROR, DOP853_TIMES, NO, NOT_DECIDED, YES, Ways
 from symosc.grazing.window import GrazingWindow, grazing_window
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -183,11 +183,11 @@ def test_dop853_is_as_accurate_as_assumed() -> None:
 def test_double_precision_leaves_open_what_it_cannot_tell() -> None:
     ways = Ways(grazing_window(load_scene("fig9").parameters, "P2"))
     low, high = 3.225022740200408, 3.225022740200408 + 1e-15  # an end of the window, and an ulp or two beside it
-    assert list(ways.signs(np.array([low, high]))) == [OPEN, OPEN]
-    assert list(ways.flow(np.array([low, high]))) == [OPEN, OPEN]
-    assert list(ways.solver(np.array([low, high]))) == [OPEN, OPEN]
+    assert list(ways.signs(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
+    assert list(ways.flow(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
+    assert list(ways.solver(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
     exact = ways.fine.context.pi + ways.fine.context.asin(ways.fine.context.mpf(1) / 12)
-    assert ways.fine_signs(exact, False)[0] == OPEN  # without being told that it is 0, intervals cannot know
+    assert ways.fine_signs(exact, False)[0] == NOT_DECIDED  # without being told that it is 0, intervals cannot know
     assert ways.fine_signs(exact, True) == (NO, 2)
 
 

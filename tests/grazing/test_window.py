@@ -436,7 +436,9 @@ def test_single_windows_have_the_nearest_doubles() -> None:
         ratio = rng.choice([1, -1]) * (1 - Fraction(rng.randint(1, 99), 10 ** rng.randint(2, 40)))
         window = grazing_window(FIG9.replace(k=abs(ratio), v1=1 if ratio > 0 else -1, B0=1, Omega=1), "P2")
         ends = exact_ends(ratio, Fraction(1))
-        inner = [end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < double_double.TWO_PI[0]]
+        inner = [
+            end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < double_double.TWO_PI_PAIR[0]
+        ]
         assert inner
         assert all(ulps(end, ends) <= 0.5001 for end in inner)
 
@@ -517,5 +519,5 @@ def test_the_table_of_arctangents() -> None:
         exact = mp_wide.atan(mp_wide.mpf(j) / 8)
         assert double_double.ATAN_HI[j] == float(exact)
         assert double_double.ATAN_LO[j] == float(exact - double_double.ATAN_HI[j])
-    for pair, factor in ((double_double.HALF_PI, 0.5), (double_double.PI, 1), (double_double.TWO_PI, 2)):
+    for pair, factor in ((double_double.HALF_PI_PAIR, 0.5), (double_double.PI_PAIR, 1), (double_double.TWO_PI_PAIR, 2)):
         assert pair == (float(factor * mp_wide.pi), float(factor * mp_wide.pi - pair[0]))
