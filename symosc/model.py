@@ -4,6 +4,14 @@
 
 A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1) both belts drag
 it forward, between the belts (domain 2) they pull against each other, above v2 (domain 3) both hold it back.
+
+Words that mean one thing in all modules:
+
+- boundary: its number, 1 or 2. Boundary 1 is v = v1, between domains 1 and 2; boundary 2 is v = v2.
+- belt: the machine's part that makes a boundary. ``p.belt(boundary)`` is its speed, ``K.belt1`` its constants.
+- side: where a motion leaves a domain or a stick, -1 downwards and +1 upwards; 0 if it does not leave.
+- mode: what the mass does, a code of MODE_NAMES.
+- word: a sequence of mappings in order of time (`symosc.words`).
 """
 
 from __future__ import annotations
@@ -18,8 +26,8 @@ from symosc.exact import SMALLEST, read_exact, show, whole_number
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
-#: The domains below and above each boundary (belt).
-SIDES = {1: (1, 2), 2: (2, 3)}
+#: The domains below and above each boundary.
+NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

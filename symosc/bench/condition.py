@@ -83,7 +83,7 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
     """Return a scene with a parameter or start value (t0, x0, v0) times 1 + step; on a belt the start stays on it."""
     p = scene.parameters
-    on_belt = next((belt for belt in ("v1", "v2") if getattr(p, belt) == scene.v0), "")
+    on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
     if name in ("t0", "x0", "v0"):
         value = getattr(scene, name)
         return scene if name == "v0" and on_belt else replace(scene, **{name: value * (1 + step)})
@@ -93,7 +93,7 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
 
 
 def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
-    """Return how many events two lists begin with that are of the same kind on the same belt."""
+    """Return how many events two lists begin with that are of the same kind at the same boundary."""
     for i, (event, other) in enumerate(zip(events, others, strict=False)):
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from symosc.bench.solvers import FoundEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
-from symosc.model import MODE_NAMES, SIDES, Parameters
+from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 from symosc.scenes import Scene
 
 State = Sequence[float]
@@ -136,12 +136,12 @@ class Motion:
             float(getattr(parameters, name)) for name in ("m", "c", "k", "B0", "Omega")
         )
         self.A = {alpha: float(parameters.A(alpha)) for alpha in (1, 2, 3)}
-        self.belts = {boundary: float(parameters.belt(boundary)) for boundary in SIDES}
+        self.belts = {boundary: float(parameters.belt(boundary)) for boundary in NEIGHBOURS}
         self.speed = max(map(abs, self.belts.values()))
         stiffness, decay = self.k / self.m, self.c / (2 * self.m)
         self.period = 2 * pi / max(self.Omega, sqrt(max(0.0, stiffness - decay * decay)))
         self.phases = {alpha: self._flight(alpha) for alpha in self.A}
-        self.phases |= {3 + boundary: self._stick(boundary) for boundary in SIDES}
+        self.phases |= {3 + boundary: self._stick(boundary) for boundary in NEIGHBOURS}
 
     def force(self, alpha: int) -> Scalar:
         """Return F^(alpha), the acceleration in a domain (eq. (9)), as a function of (t, (x, v))."""
@@ -167,7 +167,7 @@ class Motion:
         return Phase(alpha, rate, tuple(exits), force, ((0.0, 1.0), (-self.k / self.m, -self.c / self.m)))
 
     def _stick(self, boundary: int) -> Phase:
-        below, above = (self.force(alpha) for alpha in SIDES[boundary])
+        below, above = (self.force(alpha) for alpha in NEIGHBOURS[boundary])
         speed = self.belts[boundary]
         pull, swing = -self.k * speed / self.m, self.B0 * self.Omega / self.m
         Omega, theta = self.Omega, self.theta
@@ -199,7 +199,7 @@ class Motion:
 
     def resolve(self, boundary: int, t: float, x: float) -> int:
         """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick (Theorem 4)."""
-        below, above = SIDES[boundary]
+        below, above = NEIGHBOURS[boundary]
         v = self.belts[boundary]
         if self.sign_of_force(above, t, x, v) > 0:
             return above
@@ -250,7 +250,7 @@ def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> l
         source = mode
         if source > 3:
             boundary = source - 3
-            mode, kind = SIDES[boundary][side > 0], "slip"
+            mode, kind = NEIGHBOURS[boundary][side > 0], "slip"
         else:
             boundary = source - (side < 0)
             mode = motion.resolve(boundary, t, x)

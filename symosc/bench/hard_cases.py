@@ -161,9 +161,9 @@ def _peaks() -> list[HardCase]:
     cases = []
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
-        for group, side in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
+        for group, sign in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
             for exponent in exponents:
-                start = start_before_a_peak(p, mapping, Fraction(side, 10**exponent), t_m, t0)
+                start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
                 cases.append(HardCase(name, group, _named(name, p, start, t_end), exponent in quick))
     return cases
@@ -196,10 +196,10 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
 
 def _short_contacts() -> list[HardCase]:
     p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
-    for height, word in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
+    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
         start = start_before_a_dip(p, height, "2.5")
         cases.append(
-            HardCase(f"stick: force {height.lstrip('-')} {word} 0", group, _named("dip", p, start, "12"), True)
+            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _named("dip", p, start, "12"), True)
         )
     for force in ("1e-7", "1e-9"):
         start = start_with_force(p, 1, 1, "5", f"-{force}")
@@ -207,10 +207,10 @@ def _short_contacts() -> list[HardCase]:
         start = start_with_force(p, 1, 1, "1", force)
         cases.append(HardCase(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
     weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
-    for t0, side in (("1", "below"), ("4", "above")):
+    for t0, where in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
         cases.append(
-            HardCase(f"forces 2e-8 apart, ends {side}", group, _named("weak", weak, start, "12"), side == "above")
+            HardCase(f"forces 2e-8 apart, ends {where}", group, _named("weak", weak, start, "12"), where == "above")
         )
     cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
     return cases

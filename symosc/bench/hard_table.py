@@ -39,7 +39,7 @@ def cell_text(cell: dict[str, Any], limit: float, note: Callable[[str], str] = s
         return note(failure)
     if cell["undecidable"] is not None:
         return f"undecidable after {cell['undecidable']}"
-    wrong = [f"{word} {cell[word]}" for word in ("missed", "invented") if cell[word]]
+    wrong = [f"{name} {cell[name]}" for name in ("missed", "invented") if cell[name]]
     if wrong:
         return ", ".join(wrong)
     return "right" if cell["error"] is None else f"{cell['error']:.0e}"

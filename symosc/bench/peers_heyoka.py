@@ -18,7 +18,7 @@ from typing import Any
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import ONE_STEP_OFFSET
 from symosc.bench.solvers import FoundEvents, Late, Solver
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.
@@ -42,9 +42,11 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     swing, stiffness, damping = motion.B0 / motion.m, motion.k / motion.m, motion.c / motion.m
     v1, v2 = motion.belts.values()
     pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
-    pars |= {3 + at: np.array([0.0, 0.0, 0.0, 1.0, A[at], 0.0, 1.0, A[at + 1]]) for at in SIDES}
-    starts = {(at, at): v - ONE_STEP_OFFSET * motion.speed for at, v in motion.belts.items()}
-    starts |= {(at, at + 1): v + ONE_STEP_OFFSET * motion.speed for at, v in motion.belts.items()}
+    pars |= {
+        3 + i: np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]]) for i, (below, above) in NEIGHBOURS.items()
+    }
+    starts = {(i, i): v - ONE_STEP_OFFSET * motion.speed for i, v in motion.belts.items()}
+    starts |= {(i, i + 1): v + ONE_STEP_OFFSET * motion.speed for i, v in motion.belts.items()}
     t0 = float(scene.t0)
     # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
     now: int
@@ -123,7 +125,7 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents
 
     v1, v2 = motion.belts.values()
     exits = {1: [v1 - v], 2: [v - v1, v2 - v], 3: [v - v2]}
-    exits |= {3 + at: [force(below), -force(above)] for at, (below, above) in SIDES.items()}
+    exits |= {3 + i: [force(below), -force(above)] for i, (below, above) in NEIGHBOURS.items()}
     integrators = {}
     for mode, functions in exits.items():
         events = [hy.t_event(f, direction=hy.event_direction.negative) for f in functions]

@@ -96,8 +96,8 @@ def brief(result: dict[str, Any]) -> str:
     """Return what the README says: our speed and error, and how the best of the others compares."""
     work, cases = result["work_precision"], result["hard"]
     link = f"[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md)."
-    words = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
-    return f"{speed.section(result['speed'])}\n{speed.wrapped(words)}\n"
+    text = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
+    return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
 
 
 def overview(result: dict[str, Any]) -> str:

@@ -77,11 +77,11 @@ def summary(result: dict[str, Any]) -> str:
 def _summed(row: dict[str, Any]) -> str:
     if row["us_per_event"] is None:
         return _brief(row["failure"])
-    words = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
-    words += [_form(row["error"], ".0e")] if row["error"] is not None else []
-    words += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
-    words += [_brief(row["failure"])] if row["failure"] else []
-    return ", ".join(words)
+    parts = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
+    parts += [_form(row["error"], ".0e")] if row["error"] is not None else []
+    parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
+    parts += [_brief(row["failure"])] if row["failure"] else []
+    return ", ".join(parts)
 
 
 def _brief(failure: str) -> str:

@@ -58,13 +58,13 @@ def orbit(
 
     piped = goes_to_stdout(output, "--output", as_json)
     problem = scene_with(scene, settings, {})
-    word = problem.structure if structure is None else structure
-    if word is None:
+    structure = problem.structure if structure is None else structure
+    if structure is None:
         raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
     if output is not None:
         _check_suffix(output)
     try:
-        found = find_orbit(problem.parameters, word, digits=digits, periods=periods)
+        found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)
     except ConvergenceError as error:
         click.echo(f"symosc: {error}", err=True)
         return NOT_FOUND
@@ -115,9 +115,9 @@ def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
 
         save(branch_figure(branch), output)
         return
-    (t0, x0), belt = found.points[0], found.equations().pieces[0].start
-    start = {"t0": t0, "x0": x0, "v0": found.parameters.belt(belt), "t_end": float(t0) + 2.5 * float(found.period)}
-    save(figure(simulate(found.parameters, **start), panels="abcdef", boundary=belt), output)
+    (t0, x0), boundary = found.points[0], found.equations().pieces[0].start
+    start = {"t0": t0, "x0": x0, "v0": found.parameters.belt(boundary), "t_end": float(t0) + 2.5 * float(found.period)}
+    save(figure(simulate(found.parameters, **start), panels="abcdef", boundary=boundary), output)
 
 
 def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def crosscheck(
     check_joints(samples, max(SAMPLE_JUMP, tolerance), *ticks.T)
     task = Task(scene, p, samples, tolerance, limit, rounding)
     result = task.judge(np.zeros_like(units), np.zeros(len(samples.events or ())))
-    if result.ok or not rounding.words:
+    if result.ok or not rounding.texts:
         return result
     return task.judge(units, rounding.of_events(len(samples.events or ())))
 
@@ -181,7 +181,7 @@ class Task:
             tolerance=self.tolerance,
             global_tolerance=self.limit,
             scales=(float(scales[0]), float(scales[1])),
-            rounded=self.rounding.words,
+            rounded=self.rounding.texts,
             notes=(*notes, *matching.notes),
             modes=modes,
             t=samples.t,
@@ -191,7 +191,7 @@ class Task:
         )
 
     def _rounding_notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
-        columns = ", ".join(f"{name} to {words}" for name, words in self.rounding.words.items())
+        columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
         judged = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
         return [f"the samples are rounded: {columns}{judged}"] if columns else []
 
@@ -328,8 +328,8 @@ def _carried(steps: ExactSteps, loose: np.ndarray, near: np.ndarray, scales: np.
     if not np.any(loose):
         return np.zeros_like(steps.defects)
     spread = np.zeros_like(steps.defects)
-    for sides in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
-        shift = loose * sides
+    for signs in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        shift = loose * signs
         x, v = (np.column_stack([steps.x, steps.v]) + shift).T
         corner = follow_steps(steps.parameters, steps.t, x, v, near, scales)
         spread = np.fmax(spread, np.abs(corner.defects + shift[1:] - steps.defects))

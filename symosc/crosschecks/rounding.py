@@ -22,13 +22,13 @@ class Digits:
 
     Attributes
     ----------
-    words : str
+    text : str
         For example "6 decimals", "6 significant digits".
     units : (n,) float array
         One unit of the last digit of each number.
     """
 
-    words: str
+    text: str
     units: np.ndarray
 
 
@@ -56,10 +56,10 @@ class Rounding:
         return np.zeros(count) if self.events is None else self.events.units
 
     @property
-    def words(self) -> dict[str, str]:
+    def texts(self) -> dict[str, str]:
         """What is rounded, and to how many digits."""
         columns = {"t": self.t, "x": self.x, "v": self.v, "events": self.events}
-        return {name: digits.words for name, digits in columns.items() if digits is not None}
+        return {name: digits.text for name, digits in columns.items() if digits is not None}
 
 
 def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
@@ -105,8 +105,8 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     floating = 10.0 ** (_exponents(values) + 1 - significant)
     if np.any(floating[values != 0.0] > fixed * 1.5):
         return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
-    words = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
-    return Digits(words, np.full(len(values), fixed))
+    text = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
+    return Digits(text, np.full(len(values), fixed))
 
 
 def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:

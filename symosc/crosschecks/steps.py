@@ -116,9 +116,9 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
     ahead = np.column_stack([x[1:], v[1:]])
 
-    def follow(steps: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        start_v = np.where(at > 0, belts[at - 1], v[steps])
-        rows = _rows(theta[steps], x[steps], start_v, at, t[steps + 1] - t[steps], K)
+    def follow(steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
+        start_v = np.where(on > 0, belts[on - 1], v[steps])
+        rows = _rows(theta[steps], x[steps], start_v, on, t[steps + 1] - t[steps], K)
         first = rows[:, 0].astype(int)
         last, end, events = _follow(rows, t[steps + 1] - t[steps], K)
         defects, origin = end - ahead[steps], steps[events.step]
@@ -129,8 +129,8 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     near = np.broadcast_to(near, len(t))[:-1]
     defects = np.column_stack([x[:-1], v[:-1]]) - ahead
     first, last, size = np.zeros(len(t) - 1, int), np.zeros(len(t) - 1, int), np.zeros(len(t) - 1)
-    at = np.where(beside == 0.0, closest, 0)
-    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, at[moving])
+    on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
+    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, on[moving])
     doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(doubtful):
         others = follow(doubtful, closest[doubtful])
@@ -169,18 +169,19 @@ def _upper_half(value: Any) -> Any:
     return shifted - (shifted - value)
 
 
-def _rows(theta: Any, x: Any, v: Any, at: Any, left: Any, K: Constants) -> np.ndarray:
-    """Return states of the compiled loop from time 0; on a belt (`at`) the forces decide where the motion goes."""
-    mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
+def _rows(theta: Any, x: Any, v: Any, boundary: Any, left: Any, K: Constants) -> np.ndarray:
+    """Return states of the compiled loop from time 0; on a boundary (0: on none) the forces decide where it goes."""
+    mode = np.where(boundary > 0, boundary, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     A = np.array([K.A1, K.A2, K.A3, K.A3])
     Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
-    above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
-    held = (at > 0) & ~above & ~below
-    mode = np.where(held, 3 + at, mode + above)
+    above, below = (boundary > 0) & (Fa > 0.0), (boundary > 0) & (Fb < 0.0)
+    held = (boundary > 0) & ~above & ~below
+    mode = np.where(held, 3 + boundary, mode + above)
     Fb, Fa = np.where(above, Fa, Fb), np.where(above | held, Fa, Fb)
     rows = np.zeros((len(x), compiled_loop_module.STATE_WIDTH))
-    rows[:, 0], rows[:, 1], rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6], rows[:, 7] = mode, at, theta, x, v, Fb, Fa
-    rows[:, 8], rows[:, 10] = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
+    rows[:, 0], rows[:, 1], rows[:, 3], rows[:, 4] = mode, boundary, theta, x
+    rows[:, 5], rows[:, 6], rows[:, 7] = v, Fb, Fa
+    rows[:, 8], rows[:, 10] = (EPS * x) ** 2, np.where(boundary > 0, 0.0, EPS * v) ** 2
     rows[:, 13] = left
     return rows
 

@@ -13,7 +13,7 @@ hence over a step H, with y = v^(n) and y' = v^(n+1) taken at its beginning,
     |v^(n+1)| <= exp(c H/m) (sqrt(E) + H (|B0| Omega/m) Omega^n),
 
 which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the largest rate), so
-the remainder is below the rounding error. On each step the gap to a wall is that polynomial, known within `noise`:
+the remainder is below the rounding error. On each step the gap to a boundary is that polynomial, known within `noise`:
 remainder, rounding, and the errors of all steps before, which grow like the energy. `symosc.grazing.roots` finds its
 first root. At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in
 real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
@@ -21,8 +21,8 @@ real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
 A contact that the noise leaves open is a touch as far as this precision tells. A search in double precision hands such
 a step to one with more digits (`look`), and goes on from there as if it had just begun.
 
-A flight that never met a wall is recognised where that can happen at all, in an over- or critically damped system: by
-a transient that runs away from the only wall for ever (`never_came`). An underdamped transient that grows comes back.
+A flight may never have met a boundary. That can happen in an over- or critically damped system only, and is recognised
+by a transient that runs away from the only boundary for ever (`_never_came`). An underdamped transient comes back.
 
 BackwardSteps run on floats and on mpmath numbers (`BackwardSteps`); searches over many steps on floats (`Search`).
 """
@@ -41,14 +41,14 @@ from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import EPS
 
 # What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
-# met a wall; velocities beyond HUGE; all steps used up.
+# met a boundary; velocities beyond HUGE; all steps used up.
 CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 
 # Length of a step, times the largest rate of the system.
 STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
 BACKWARD_ROUNDING = 8
-# What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
+# What a flight must stay away from a boundary to be said never to have met it, as a part of the velocity's size.
 CLEAR_GAP = 1e-9
 # Velocities that are no longer followed: nothing can be simulated from there.
 HUGE = 1e100
@@ -60,7 +60,7 @@ class Arrival(NamedTuple):
     """Where a backward flight ends: `tau` before the tangency, displaced by dx, with velocity v and acceleration a."""
 
     kind: str
-    boundary: int  # of the wall that was met, else 0
+    boundary: int  # the number of the one that was met, else 0
     tau: Any
     dx: Any
     v: Any
@@ -69,10 +69,10 @@ class Arrival(NamedTuple):
     x_error: Any
 
 
-class Wall(NamedTuple):
-    """A wall of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
+class Boundary(NamedTuple):
+    """A boundary of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
 
-    boundary: int
+    number: int
     v: Any
     inward: int
 
@@ -90,17 +90,17 @@ class BackwardState(NamedTuple):
 
 
 class BackwardHit(NamedTuple):
-    """A contact on a step: at its part `sigma`, with which wall, and whether it is open (a touch)."""
+    """A contact on a step: at its part `sigma`, with which boundary, and whether it is open (a touch)."""
 
     touch: bool
     sigma: Any
-    wall: Wall
+    boundary: Boundary
 
 
-def walls_of(domain: int, K: Constants) -> list[Wall]:
-    """Return the walls of domain 1, 2 or 3."""
-    walls = [Wall(domain - 1, K.belt1.v if domain == 2 else K.belt2.v, 1)] if domain > 1 else []
-    return walls + ([Wall(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
+def boundaries_of(domain: int, K: Constants) -> list[Boundary]:
+    """Return the boundaries of domain 1, 2 or 3, the lower one first."""
+    found = [Boundary(domain - 1, K.belt1.v if domain == 2 else K.belt2.v, 1)] if domain > 1 else []
+    return found + ([Boundary(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
 
 
 class BackwardStep(NamedTuple):
@@ -128,9 +128,9 @@ class BackwardSteps:
     """
 
     def __init__(self, K: Constants, boundary: int, domain: int, functions: Any, eps: Any, step: float) -> None:
-        self.K, self.boundary, self.functions, self.eps = K, boundary, functions, eps
-        self.domain, self.walls = domain, walls_of(domain, K)
-        self.v = next(wall.v for wall in self.walls if wall.boundary == boundary)
+        self.K, self.functions, self.eps = K, functions, eps
+        self.domain, self.boundaries = domain, boundaries_of(domain, K)
+        self.touched = next(each for each in self.boundaries if each.number == boundary)
         self.n, self.H = _degree(eps, step), step / K.rate
         self.growth = functions.exp(K.cm * self.H)
         # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
@@ -144,7 +144,7 @@ class BackwardSteps:
 
     def begin(self, zero: Any) -> BackwardState:
         """Return the state at the tangency."""
-        return BackwardState(zero, zero, self.v + zero, zero, zero, zero, zero)
+        return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def over(
         self, theta: Any, order: int, state: BackwardState
@@ -167,18 +167,18 @@ class BackwardSteps:
             v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
         energy_error = max(energy_error, K.w0 * rounding)
         found = None
-        for wall in self.walls:
-            at_start = tau == 0 and wall.boundary == self.boundary
+        for boundary in self.boundaries:
+            at_start = tau == 0 and boundary is self.touched
             noise = step.remainder + (rounding if at_start else v_error)
-            if not at_start and (step.low - wall.v if wall.inward > 0 else wall.v - step.high) > noise:
+            if not at_start and (step.low - boundary.v if boundary.inward > 0 else boundary.v - step.high) > noise:
                 continue
             if at_start:
-                p = [wall.inward * term for term in step.T[order + 1 :]]
+                p = [boundary.inward * term for term in step.T[order + 1 :]]
             else:
-                p = [wall.inward * (v - wall.v), *(wall.inward * term for term in step.T[1:])]
+                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found.sigma):
-                found = BackwardHit(touch, sigma, wall)
+                found = BackwardHit(touch, sigma, boundary)
         return found, step, BackwardState(tau, state.dx, v, a, energy_error, v_error, state.x_error)
 
     def wave(self, theta: Any, tau: Any) -> tuple[Any, Any]:
@@ -195,7 +195,8 @@ class BackwardSteps:
         """Return the contact found on a step from a state."""
         here = self.moved(state, step, found.sigma)
         kind = TOUCH if found.touch else CONTACT
-        return Arrival(kind, found.wall.boundary, here.tau, here.dx, found.wall.v, here.a, here.v_error, here.x_error)
+        number, v, _ = found.boundary
+        return Arrival(kind, number, here.tau, here.dx, v, here.a, here.v_error, here.x_error)
 
     def _at(self, state: BackwardState, tau: Any, dv: Any, a: Any, dx: Any) -> BackwardState:
         dx = state.dx + dx
@@ -295,7 +296,7 @@ class Search(BackwardSteps):
         return _ended(REACHED, self.moved(state, step, (tau_max - state.tau) / self.H))
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether, going on backward from a state, no wall is met."""
+        """Return whether, going on backward from a state, no boundary is met."""
         K = self.K
         if K.under or self.domain == 2:
             return False
@@ -303,10 +304,10 @@ class Search(BackwardSteps):
         u = state.v - (K.Ss * s + K.Sc * c)
         u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
         # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
-        sign = self.walls[0].inward
+        sign = self.boundaries[0].inward
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
         clear = K.V0 + state.v_error + CLEAR_GAP * (abs(state.v) + K.V0)
-        return bool(away and sign * (u - self.walls[0].v) > clear)
+        return bool(away and sign * (u - self.boundaries[0].v) > clear)
 
 
 def _ended(kind: str, state: BackwardState) -> Arrival:

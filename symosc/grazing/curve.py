@@ -328,7 +328,7 @@ def _piece(run: PhaseRun) -> CurvePiece:
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
     ends = [
-        CurveEnd(at, sample.x, sample.theta, reason)
-        for at, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
+        CurveEnd(theta_m, sample.x, sample.theta, reason)
+        for theta_m, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
     ]
     return CurvePiece(**columns, low=ends[0], high=ends[1])

@@ -73,7 +73,7 @@ class Flights:
         self.p, self.place, self.digits = p, place(mapping), digits
         self.arithmetic = MpArithmetic(p, digits)
         self.context, self.K = self.arithmetic.context, self.arithmetic.K
-        self.belt = self.number(p.belt(self.place.boundary))
+        self.v = self.number(p.belt(self.place.boundary))  # of the belt that is touched
         self._basis = self.arithmetic.namespace["basis"]
         self._steps: dict[float, BackwardSteps] = {}
 
@@ -90,7 +90,7 @@ class Flights:
 
     def instant(self, theta: Any, tau: Any) -> Instant:
         """Return the flight tau before the tangency at the phase theta."""
-        K, v0 = self.K, self.belt
+        K, v0 = self.K, self.v
         s, c = self.context.sin(theta), self.context.cos(theta)
         E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
         dx, dv, a = motion(v0, 0 * v0, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -112,25 +112,25 @@ class Flights:
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
-        wall = self.number(self.p.belt(found.boundary)) if found.boundary else None
-        if wall is not None:
+        speed = self.number(self.p.belt(found.boundary)) if found.boundary else None
+        if speed is not None:
             begin, reach = (
                 tau,
                 NEAR_TOUCH * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0)),
             )
-            tau = self._root(theta, tau, wall, found.kind == TOUCH)
+            tau = self._root(theta, tau, speed, found.kind == TOUCH)
             if tau is None or abs(tau - begin) > reach:
                 return None
         now = self.instant(theta, tau)
-        v = now.v if wall is None else wall
+        v = now.v if speed is None else speed
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
-    def _root(self, theta: Any, tau: Any, wall: Any, touch: bool) -> Any:
-        """Return where v is `wall` by Newton's method, or where it is nearest to it, for a touch."""
+    def _root(self, theta: Any, tau: Any, speed: Any, touch: bool) -> Any:
+        """Return where v is `speed` by Newton's method, or where it is nearest to it, for a touch."""
         before = None
         for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
-            top, slope = (now.v - wall, now.a) if not touch else (now.a, now.b)
+            top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
                 top, slope = now.b, now.w  # a touch of fourth order
             if slope == 0:

@@ -216,7 +216,7 @@ class Candidates:
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
-            gap = now.v - self.flights.belt
+            gap = now.v - self.flights.v
             if self.name == "x_i":
                 rest, by_theta, by_tau = self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
             else:

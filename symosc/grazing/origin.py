@@ -16,7 +16,7 @@ from symosc.model import Parameters
 SEARCH_PERIODS = 100
 # Digits of the first look at a step that is open; the second look has twice as many.
 LOOK_DIGITS, MOST_LOOK_DIGITS = 60, 200
-# How many open steps of one flight are looked at: a flight that keeps to a wall for longer stays open.
+# How many open steps of one flight are looked at: a flight that keeps to a boundary for longer stays open.
 MOST_LOOKS = 40
 #: A kind of arrival besides those of `symosc.grazing.backward_flow`: no number of digits tried has decided.
 OPEN_ORIGIN = "open"

@@ -73,7 +73,7 @@ class GrazingWindow:
     mapping : str
     order : {"full", "paper"}
     place : Place
-        Domain and boundary of the contact, side (1 from below, -1 from above) and the paper's equation.
+        Domain, boundary and side of the contact, and the paper's equation.
 
     Examples
     --------

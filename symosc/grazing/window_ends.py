@@ -1,10 +1,10 @@
 """Theorem 7 in double precision: the window of one map, for sweeps over many parameter sets.
 
-A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0, with side = 1 for a
-contact from below and -1 for one from above. The ends are theta_cr = asin(-k v/(B0 Omega)) and
-pi - theta_cr. Near |k v| = |B0 Omega| the arcsine turns a rounding error into its square root, so products, comparison,
-root and arctangent are done with pairs of doubles (`symosc.kernels.double_double`): every end is within one unit in the
-last place.
+A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0. The side is 1 for
+the boundary above the domain (a contact from below) and -1 for the one below. The ends are theta_cr, the arcsine of
+-k v/(B0 Omega), and pi - theta_cr. Near |k v| = |B0 Omega| the arcsine turns a rounding error into its square root. So
+products, comparison, root and arctangent are done with pairs of doubles (`symosc.kernels.double_double`): every end is
+within one unit in the last place.
 
 Scalar arithmetic only: this source runs as CPython floats and compiled by numba.
 """

@@ -28,7 +28,7 @@ from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array, mapping, repeated
 from symosc.mappings.arguments import POINT_NAMES, columns_of, four_numbers, is_array, is_mp, scalar
-from symosc.model import PARAMETER_NAMES, SIDES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
@@ -135,8 +135,8 @@ def _residual(row: Map, numbers: Numbers, points: Any, exit: str | None) -> Any:
     v_i, v_j = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v
     if not row.sticks:
         return numbers.of["flight"](x_i, theta_i, x_j, theta_j, v_i, v_j, A[row.domain - 1], K)
-    sides = (A[domain - 1] for domain in SIDES[row.start.boundary])
-    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in sides)
+    beside = (A[domain - 1] for domain in NEIGHBOURS[row.start.boundary])
+    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in beside)
     return f1, _chosen(exit, below, above, below, above)
 
 
@@ -155,8 +155,8 @@ def _parameter_jacobian(p: Parameters, row: Map, numbers: Numbers, points: Any, 
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
     v_i, m, zero, domain = _belt(K, row.start.boundary).v, numbers.number(p.m), 0 * x_i, row.domain
     if row.sticks:
-        below, above = (_residual(row, numbers, points, side)[1] for side in EXITS)
-        domain = _chosen(exit, below, above, *SIDES[row.start.boundary])
+        below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
+        domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
         F = _chosen(exit, below, above, below, above)
         found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found

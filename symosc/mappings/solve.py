@@ -15,7 +15,7 @@ from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
 from symosc.kernels._generated import acceleration
 from symosc.mappings.equations import EXITS, jacobian, read_points
-from symosc.model import MODE_NAMES, SIDES, Parameters
+from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 from symosc.words import MAPS, Map
 
 # A flight is followed for so many forcing periods.
@@ -144,17 +144,17 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Any, theta: Any) -> tuple[i
     two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * rest
-    v = (K.belt1 if boundary == 1 else K.belt2).v
+    v, (low, high) = (K.belt1 if boundary == 1 else K.belt2).v, NEIGHBOURS[boundary]
     s, c, A = names["sin"](phase), names["cos"](phase), (K.A1, K.A2, K.A3)
-    forces = [acceleration(x, v, c, A[side - 1], K.cm, K.w0sq, K.f0) for side in SIDES[boundary]]
+    forces = [acceleration(x, v, c, A[domain - 1], K.cm, K.w0sq, K.f0) for domain in (low, high)]
     # After a stick one force is 0, which its rounded end shows only to so much.
     size = max(map(abs, A)) + abs(K.f0) * (1 + abs(theta)) + abs(K.w0sq * x) + abs(K.cm * v)
     below, above = (0 * force if abs(force) <= ROUNDING * eps * size else force for force in forces)
     where = names["resolve"](v, below, above, s, c, K)
-    leads = {BELT: 3 + boundary, DOMAIN_BELOW: SIDES[boundary][0], DOMAIN_ABOVE: SIDES[boundary][1]}[where]
+    leads = {BELT: 3 + boundary, DOMAIN_BELOW: low, DOMAIN_ABOVE: high}[where]
     if leads != row.mode:
         goes = "stays on" if where == BELT else "goes into"
-        numbers = f"F^({SIDES[boundary][0]}) = {float(below):.6g}, F^({SIDES[boundary][1]}) = {float(above):.6g}"
+        numbers = f"F^({low}) = {float(below):.6g}, F^({high}) = {float(above):.6g}"
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[leads]} there, since {numbers}")
     start = (below, above) if row.sticks else (below, below) if where == DOMAIN_BELOW else (above, above)
     state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x, 0 * x)

@@ -15,7 +15,7 @@ class Place(NamedTuple):
     ----------
     domain, boundary : int
     side : int
-        1 for a contact from below, -1 for one from above.
+        Where the flow touches its domain's boundary: 1 above itself (a contact from below), -1 below itself.
     equation : int
         Its number in the paper: 55 to 58.
 
@@ -28,7 +28,7 @@ class Place(NamedTuple):
 
     domain: int
     boundary: int
-    side: int  # 1: from below, 0 < gamma + amplitude sin(theta); -1: from above, the opposite
+    side: int  # it grazes where side (gamma + amplitude sin(theta)) > 0
     equation: int
 
 
@@ -80,7 +80,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
     """Return what the window is from the signs of gamma, the amplitude and |gamma| - |amplitude|.
 
     At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there and G^(3) = -gamma Omega^2 has the
-    sign of a graze from `side` iff the rest of the circle is in the window: `full` includes it.
+    sign of a graze at `side` iff the rest of the circle is in the window: `full` includes it.
     """
     level = side * gamma_sign
     if amplitude_sign == 0:

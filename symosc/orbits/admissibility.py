@@ -65,7 +65,7 @@ class Condition(NamedTuple):
 GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
 SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
 # A flight that no longer reaches its belt takes the stick behind it with it; a slip that vanishes takes its own arrival
-# with it; a crossing that turns into a stick makes the flight behind it leave on the wrong side.
+# with it; a crossing that turns into a stick makes the flight behind it leave into the wrong domain.
 ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 
@@ -161,7 +161,7 @@ def _of_flight(
 
 
 def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
-    """Return how far the velocity stays from the walls of its domain at an extremum that is turned to them."""
+    """Return how far the velocity stays from the boundaries of its domain at an extremum that is turned to them."""
     gaps = []
     if mode > 1 and extremum.b > 0:
         gaps.append(extremum.v - (K.belt1, K.belt2)[mode - 2].v)

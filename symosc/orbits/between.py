@@ -1,13 +1,13 @@
 """That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
 
-A flight of duration tau stays between the walls of its domain exactly if tau > 0 and, for each wall and with u = time
-since its start/tau,
+A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the domain,
 
-    q(u) = +-(v - v_wall)/(time^j (1 - u)^e) > 0 on the whole of [0, 1],
+    q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
 
-where j counts the known roots at its start (0 off the wall, 1 on it, 2 behind a stick) and e those at its end. A stick
-has F/((1 - u) tau) for the force that ends it, and for the other force its distance from 0. These functions are smooth
-in u and along the branch, ends included: q(0) and q(1) are accelerations. All other conditions are smooth numbers.
+Here time counts from its start and u = time/tau; j counts the known roots at its start (0 off the boundary, 1 on it, 2
+behind a stick), and e those at its end. A stick has F/((1 - u) tau) for the force that ends it, and for the other force
+its distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are
+accelerations. All other conditions are smooth numbers.
 
 Three points of the branch and two on its cubic between them cut a piece of it into four. On a cell with the margins
 f0, f1 > 0 at its ends a margin is at least (1 - r) f0 + r f1 - C r (1 - r), with C = h^2 max|f''|/2, and that is
@@ -118,16 +118,16 @@ def _of_flight(
     _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
     b = derivatives(v, a, s, c, K)[0]
     found = []
-    for belt, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
-        if belt not in (1, 2):
+    for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
+        if boundary not in (1, 2):
             continue
-        roots = 0 if belt != piece.start else 2 if piece.after_stick else 1
-        gap = sign * ((v - equations.belt(belt).v) + dv)
+        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        gap = sign * ((v - equations.belt(boundary).v) + dv)
         inner = u > 0 if roots else np.ones(len(u), dtype=bool)
         q = np.empty(len(u))
         q[inner] = gap[inner] / times[inner] ** roots
         q[~inner] = sign * (0.5 * b if roots == 2 else a)
-        if belt == piece.end:
+        if boundary == piece.end:
             ends = u == 1
             q[~ends] /= 1 - u[~ends]
             q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)

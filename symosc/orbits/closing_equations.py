@@ -77,11 +77,11 @@ class OrbitPiece:
     label : str
         "P1" to "P8".
     start, end : int
-        The belts that it starts and ends on.
+        The boundaries that it starts and ends on.
     mode : int
         1 to 3: flight in that domain; 4, 5: stick on belt 1, 2 (as in `symosc.engine.next_event`).
     side : int
-        +1 if its end is reached from below (flight) or left upward (stick), -1 otherwise.
+        Where it leaves its domain or its belt: +1 upwards, -1 downwards.
     after_stick : bool
         Whether it starts where a stick ends, so that its first acceleration is 0.
     """
@@ -108,7 +108,7 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a word, which repeats for ever."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        upward = exit == "above" if row.sticks else row.end.side == 1  # side 1 is below the belt
+        upward = exit == "above" if row.sticks else row.end.superscript == 1  # from below
         after_stick = word.maps[i - 1].sticks
         pieces.append(
             OrbitPiece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)

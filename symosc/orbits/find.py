@@ -95,17 +95,17 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    structure = read_word(word)
-    if len(structure.labels) > MOST_MAPPINGS:
-        reason = f"has {len(structure.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
-        raise WordError(f"{str(structure)[:20]}...", reason)
+    read = read_word(word)
+    if len(read.labels) > MOST_MAPPINGS:
+        reason = f"has {len(read.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        raise WordError(f"{str(read)[:20]}...", reason)
     if not isinstance(parameters, Parameters):
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
     digits = read_digits(digits)
-    equations = ClosingEquations(parameters, structure, periods or 1)
+    equations = ClosingEquations(parameters, read, periods or 1)
     batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
     root = _best_root(equations, batches)
     return orbit_at(root[0], root[1], digits)
@@ -129,7 +129,7 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
             if not solution.converged:
                 best = solution if best is None or solution.residual < best.residual else best
                 continue
-            if any(_same(solution, tried, other, at) for _, at, other in roots):
+            if any(_same(tried, solution, others, other) for _, others, other in roots):
                 continue
             failed = failures(tried, solution.points)
             repeats = repetitions(tried, solution.points) > 1
@@ -146,9 +146,9 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
     raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
 
 
-def _same(a: Solution, at: ClosingEquations, b: Solution, other: ClosingEquations) -> bool:
+def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
     """Return whether two roots are one, but for whole turns."""
-    if at.periods != other.periods:
+    if equations.periods != others.periods:
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
@@ -260,10 +260,10 @@ def _size(gap: float | None) -> str:
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
     """Say what the motion at these parameters comes to; `resting`: the root is a stick that may last for ever."""
-    for belt in {piece.start for piece in equations.pieces if piece.sticks and resting}:
-        positions = rest_positions(equations.parameters, belt)
+    for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
+        positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
-            return f"; the mass stays on belt {belt}, {between(positions)}"
+            return f"; the mass stays on belt {boundary}, {between(positions)}"
     found = settles(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
     return f"; {found}" if found else ""
 

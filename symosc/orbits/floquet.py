@@ -39,7 +39,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from symosc.kernels._generated import motion
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import polish
 
@@ -119,14 +119,14 @@ def inside(equations: ClosingEquations, points: Any, values: Any) -> float | Non
     return None if abs(gap) < ON_CIRCLE else gap
 
 
-def rest_positions(parameters: Parameters, belt: int) -> tuple[Fraction, Fraction] | None:
+def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
     """Return the lowest and the highest x at which the mass may rest on a belt for ever; None if it cannot.
 
     The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
     """
     p = parameters
-    if p.belt(belt) != 0 or p.k == 0:
+    if p.belt(boundary) != 0 or p.k == 0:
         return None
-    below, above = (p.A(domain) for domain in SIDES[belt])
+    below, above = (p.A(domain) for domain in NEIGHBOURS[boundary])
     low, high = (above + abs(p.B0)) / p.k, (below - abs(p.B0)) / p.k
     return (low, high) if low <= high else None

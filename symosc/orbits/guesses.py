@@ -11,7 +11,7 @@ import numpy as np
 
 from symosc.engine.next_event import CROSS, END, FAILED, REST, SLIP, STICK, advance
 from symosc.engine.switching import BELT, DOMAIN_ABOVE, resolve
-from symosc.model import MODE_NAMES
+from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
 from symosc.simulation.trajectory import MAP_LABELS
@@ -52,7 +52,7 @@ class WordRun(NamedTuple):
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
     """Follow the motion from a start on a belt for at most `most` events, in double precision."""
     K, belt, turns = equations.K, equations.belt(boundary), int(theta // (2 * pi))
-    below, above = (equations.force(boundary + side, x, belt.v, theta) for side in (0, 1))
+    below, above = (equations.force(domain, x, belt.v, theta) for domain in NEIGHBOURS[boundary])
     where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
     mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
@@ -93,8 +93,8 @@ def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     """Return the word that repeats `labels`, begun with the first mapping of the equations' word if it has that."""
     first = equations.word.labels[0]
-    at = labels.index(first) if first in labels else 0
-    return Word(labels[at:] + labels[:at])
+    begin = labels.index(first) if first in labels else 0
+    return Word(labels[begin:] + labels[:begin])
 
 
 def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
@@ -126,9 +126,9 @@ def between(positions: tuple[Any, Any]) -> str:
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
     """Return every stretch of a simulation that follows the word, with how far it is from closing."""
     n = len(labels)
-    word, found = followed(passages), []
-    for k in range(len(word) - n + 1):
-        if tuple(word[k : k + n]) != labels:
+    done, found = followed(passages), []
+    for k in range(len(done) - n + 1):
+        if tuple(done[k : k + n]) != labels:
             continue
         first, last = passages[k], passages[k + n]
         turns = (last.theta - first.theta) / (2 * pi)
@@ -151,18 +151,19 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
     """Yield guesses from simulations that start on the word's belts, the most nearly closed first, batch by batch."""
     centre, size = largest_displacement(equations)
-    belts = sorted({piece.start for piece in equations.pieces})
+    boundaries = sorted({piece.start for piece in equations.pieces})
     most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
     starts = [
-        (centre + offset * size, 2 * pi * j / START_PHASES, belt)
+        (centre + offset * size, 2 * pi * j / START_PHASES, boundary)
         for offset in START_POSITIONS
         for j in range(START_PHASES)
-        for belt in belts
+        for boundary in boundaries
     ]
     for k in range(0, len(starts), BATCH):
         found: list[Guess] = []
-        for x, theta, belt in starts[k : k + BATCH]:
-            found += windows(follow(equations, x, theta, belt, most).passages, equations.word.labels, periods, size)
+        for x, theta, boundary in starts[k : k + BATCH]:
+            run = follow(equations, x, theta, boundary, most)
+            found += windows(run.passages, equations.word.labels, periods, size)
         yield sorted(found, key=lambda guess: guess.defect)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from symosc.kernels.entire import EPS
-from symosc.model import MODE_NAMES
+from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.admissibility import (
     ENGINE,
     FLIGHT_LASTS,
@@ -150,13 +150,13 @@ def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool
 
 
 def _start(equations: ClosingEquations, points: Any) -> int:
-    """Return the switching point, of those that a flight ends on, where the forces on both sides are clearest."""
+    """Return the switching point at the end of a flight where the forces above and below the belt are clearest."""
     best, start = -inf, 0
     for i, piece in enumerate(equations.pieces):
         if equations.pieces[i - 1].sticks:
             continue
         (x, theta), v = points[i], equations.belt(piece.start).v
-        clearest = min(abs(float(equations.force(piece.start + side, x, v, theta))) for side in (0, 1))
+        clearest = min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[piece.start])
         if clearest > best:
             best, start = clearest, i
     return start

@@ -138,27 +138,27 @@ def _python(program: Program, arrays: bool) -> str:
         used.add("sqrt")
     source = "numpy" if arrays else "math"
     imports = ["from collections import namedtuple", ""] * bool(passed) + ["import numpy as np"] * arrays
-    imports.append(f"from {source} import {', '.join(word for word in MATH if word in used)}")
+    imports.append(f"from {source} import {', '.join(name for name in MATH if name in used)}")
     head = ['"""' + "\n".join(_about(program, "")) + '\n"""', "\n".join(imports)]
     if _numbers(program):
         head.append("\n".join(f"{name} = {value!r}" for name, value in _numbers(program).items()))
-    word = _numpy_word(program, passed) if arrays else _python_word(program, passed)
-    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *word]) + "\n"
+    whole = _numpy_whole(program, passed) if arrays else _python_whole(program, passed)
+    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *whole]) + "\n"
 
 
-def _python_word(program: Program, passed: list[str]) -> list[str]:
+def _python_whole(program: Program, passed: list[str]) -> list[str]:
     """Return the functions of the whole word, on numbers."""
     calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
     residual = [f"        *{label}({', '.join([*z, *passed])})," for label, z, _ in calls]
     jacobian = [f"        {label}{MATRIX}({', '.join([*z, *passed])})," for label, _, z in calls]
     doc = '    """Return f1, f2 of each map, in order of time."""'
-    word = ["\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])]
+    first = "\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])
     doc = '    """Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."""'
     end = ["    ]", "    return [[list(block[:4]), list(block[4:])] for block in blocks]"]
-    return [*word, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
+    return [first, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
 
 
-def _numpy_word(program: Program, passed: list[str]) -> list[str]:
+def _numpy_whole(program: Program, passed: list[str]) -> list[str]:
     """Return the functions of the whole word, on numbers and arrays that broadcast."""
     calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
     lines = []

@@ -193,7 +193,7 @@ def _containing(problem: _Problem, theta: Expr, full: bool) -> Iterator[Answer]:
 
 
 def _tangency(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether equality at theta is a tangency of fourth order from the map's side, with the condition."""
+    """Yield whether equality at theta is a tangency of fourth order from the map's domain, with the condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]

@@ -113,7 +113,7 @@ def test_long_runs_end_with_the_orbit() -> None:
         assert (event.kind, event.boundary) == (other.kind, other.boundary)
         assert max(distance(event.t, other.t), distance(event.x, other.x)) < 1e-19
     turns = (case.scene.t_end - case.scene.t0) / Fraction(str(period))
-    assert LATE_PERIODS < turns < PERIODS + 0.1
+    assert LATE_PERIODS < turns < LATE_PERIODS + 0.1
     last = case.reference()[-1]
     assert 0 < case.scene.t_end - Fraction(float(last.t)) < Fraction(1)
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from touches import SIDES, Touching, at_a_seam, free, ordinary, undriven, wild
+from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, wild
 
 from symosc import Parameters, simulate
 from symosc.engine import first_exit, next_event, stick_exit, touches
@@ -48,7 +48,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> None:
     for seed in range(3 if kind == "ordinary" else 1):
@@ -58,7 +58,7 @@ def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> No
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_touch_of_many_is_found(kind: str, mapping: str, digits: int | None) -> None:
     """Digits decide all of them; doubles nearly all, and never end before the end without saying so."""
@@ -110,7 +110,7 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_many_touches_where_two_searches_meet(offset: float, mapping: str, digits: int | None) -> None:
     for seed in range(100, 110):
@@ -159,7 +159,7 @@ def test_a_search_that_fails_is_no_end(
             assert_part_of(simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits), expected)
 
 
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 def test_a_minimum_that_is_not_found_is_no_end(mapping: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = ordinary(random.Random(f"no minimum {mapping}"), mapping)
     for module in (first_exit, touches):

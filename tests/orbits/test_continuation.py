@@ -27,7 +27,7 @@ FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
 # One bifurcation, met from its two sides by the branches of two words:
 # parameters, word, parameter, range, which end, kind there, part of the failed inequality, word behind.
-SIDES = {
+NEIGHBOURS = {
     "stick": (
         (FIG9, "P32", "Omega", (3, 4), 0, "birth of a stick", "F^(1) < 0 where P3 crosses v1", "P132"),
         (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), 1, "vanishing of a stick", "P1 lasts", "P32"),
@@ -47,11 +47,11 @@ SIDES = {
 }
 
 
-@pytest.fixture(scope="module", params=SIDES)
+@pytest.fixture(scope="module", params=NEIGHBOURS)
 def two_sides(request):
     """Return the two ends at one bifurcation, and how they were asked for."""
     found = []
-    for row in SIDES[request.param]:
+    for row in NEIGHBOURS[request.param]:
         branch = branch_of(*row[:4])
         found.append((branch, branch.ends[row[4]], row))
     return found

@@ -28,7 +28,7 @@ def of_estimates(family: str, rng: random.Random) -> Problem:
 
 
 def of_touches(make: Any, rng: random.Random) -> Problem:
-    scene = make(rng, rng.choice(list(touches.SIDES)))
+    scene = make(rng, rng.choice(list(touches.NEIGHBOURS)))
     return scene.p, (0, scene.x0, scene.v0), scene.t_end
 
 
