@@ -35,7 +35,7 @@ LARGEST = Fraction(10) ** 50
 SMALLEST = 1 / LARGEST
 
 
-def read_exact(name: str, value: Any) -> Fraction:
+def read_exact(name: str, value: object) -> Fraction:
     """Return `value` as an exact Fraction, at most LARGEST in size.
 
     A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
@@ -112,7 +112,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return number
 
 
-def read_digits(digits: Any, most: int = MOST_DIGITS) -> int | None:
+def read_digits(digits: object, most: int = MOST_DIGITS) -> int | None:
     """Return how many digits are asked for, or None for doubles.
 
     Raises
@@ -123,7 +123,7 @@ def read_digits(digits: Any, most: int = MOST_DIGITS) -> int | None:
     return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, most)
 
 
-def true_or_false(name: str, value: Any) -> bool:
+def true_or_false(name: str, value: object) -> bool:
     """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
     if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
         return bool(value)

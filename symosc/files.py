@@ -9,7 +9,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from symosc.errors import OutputError, ParameterError
 
@@ -32,7 +31,7 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
     Raises
     ------
     ParameterError
-        If `path` is no file name.
+        If `path` is not a file name.
     OutputError
         If the folder does not exist or cannot be written to.
     """
@@ -63,7 +62,7 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
     return Path(name)
 
 
-def read_path(path: Any) -> str:
+def read_path(path: object) -> str:
     """Return the text of a file name.
 
     Raises

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any
 
+from symosc.aliases import NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import SMALLEST, read_exact, show, whole_number
 
@@ -76,7 +76,19 @@ class Parameters:
     FN: Fraction
 
     def __init__(
-        self, *, m: Any, c: Any, k: Any, A0: Any, B0: Any, Omega: Any, v1: Any, v2: Any, mu1: Any, mu2: Any, FN: Any
+        self,
+        *,
+        m: NumberLike,
+        c: NumberLike,
+        k: NumberLike,
+        A0: NumberLike,
+        B0: NumberLike,
+        Omega: NumberLike,
+        v1: NumberLike,
+        v2: NumberLike,
+        mu1: NumberLike,
+        mu2: NumberLike,
+        FN: NumberLike,
     ) -> None:
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
@@ -92,11 +104,13 @@ class Parameters:
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
-    def replace(self, **changes: Any) -> Parameters:
+    def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
-                raise ParameterError(name, value, f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+                raise ParameterError(
+                    name, value, f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+                )
         return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
 
     def as_dict(self) -> dict[str, str]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from symosc.errors import SymoscError, brief, shown
 from symosc.exact import true_or_false
@@ -42,7 +42,7 @@ class WordError(SymoscError, ValueError):
         self.word, self.reason, self.step = word, reason, step
         super().__init__(f"mapping structure {brief(word)}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.word, self.reason, self.step)
 
 
@@ -150,13 +150,17 @@ class Word(NamedTuple):
         return "P" + "".join(label[1] for label in reversed(self.labels))
 
 
+#: What `read_word` reads.
+WordLike: TypeAlias = str | Iterable[str] | Word
+
+
 def _exit(stick: Map, after: Map) -> str | None:
     if after.sticks or after.start.boundary != stick.end.boundary:
         return None
     return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
 
 
-def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing: bool = False) -> Word:
+def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> Word:
     """Read a mapping structure and check that a motion can follow it.
 
     Parameters
@@ -211,7 +215,7 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
     return ""
 
 
-def _read(word: Any) -> tuple[tuple[str, ...], str]:
+def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     if isinstance(word, str):
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]
@@ -225,7 +229,9 @@ def _read(word: Any) -> tuple[tuple[str, ...], str]:
     for part in parts:
         match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
         if match is None:
-            raise WordError(text, f"{shown(part)} is no mapping; they are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']")
+            raise WordError(
+                text, f"{shown(part)} is not a mapping; the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
+            )
         digits += match.group(1)
     if not digits:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")

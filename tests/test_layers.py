@@ -12,7 +12,7 @@ import symosc
 ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
-    {"errors"},
+    {"aliases", "errors"},
     {"exact", "files"},
     {"model"},
     {"words"},

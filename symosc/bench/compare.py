@@ -12,8 +12,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import Any
 
+from symosc.aliases import Number
 from symosc.bench.solvers import FoundEvents
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
@@ -110,7 +110,7 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     )
 
 
-def _error(value: float, exact: Any) -> float:
+def _error(value: float, exact: Number) -> float:
     return float(abs(exact - value) / max(1, abs(exact)))
 
 

@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import inf
-from typing import Any
 
+from symosc.aliases import Number
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
@@ -100,6 +100,6 @@ def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
     return min(len(events), len(others))
 
 
-def distance(value: Any, exact: Any) -> float:
+def distance(value: Number, exact: Number) -> float:
     """Return |value - exact| relative to max(1, |exact|), in the precision of `exact`."""
     return float(abs(exact - value) / max(1, abs(exact)))

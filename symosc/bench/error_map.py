@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Record
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
@@ -79,7 +80,7 @@ def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 
 def run(
     quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
-) -> dict[str, Any]:
+) -> Record:
     """Measure the map and return plain data.
 
     Parameters
@@ -129,7 +130,7 @@ def run(
     }
 
 
-def error(values: Sequence[float], exact: Sequence[Any], tau: float) -> float:
+def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
     """Return the largest error of E0, E1, E2, R2, I2 relative to the sizes that the module names (w0 = 1)."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
@@ -160,10 +161,10 @@ _naming_basis_at = types.FunctionType(
 )
 
 
-def _exact(p: Parameters) -> Callable[[float], tuple[Any, ...]]:
+def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
     context = mp_context(MAP_DIGITS)
 
-    def number(value: Fraction) -> Any:
+    def number(value: Fraction) -> Number:
         return context.mpf(value.numerator) / value.denominator
 
     K, basis = constants(p, number, context.sqrt, context.atan2, +context.pi), BasisMP(context, p)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from symosc.bench.solvers import FoundEvents
 from symosc.engine.arithmetic import mp_context
@@ -59,7 +59,7 @@ class PeerError(SymoscError, RuntimeError):
         self.reason, self.found = reason, list(found)
         super().__init__(reason)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.reason, self.found)
 
 

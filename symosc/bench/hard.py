@@ -12,7 +12,7 @@ its numbers allows.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from queue import Queue
@@ -20,6 +20,7 @@ from threading import Event as Flag
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from symosc.aliases import Record
 from symosc.bench import ours
 from symosc.bench.compare import compare, window_of
 from symosc.bench.condition import conditions, distance
@@ -63,7 +64,7 @@ def conditions_of(case: HardCase) -> list[float]:
     return conditions(case.scene, case.reference)
 
 
-def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> dict[str, Any]:
+def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> Record:
     """Return how the events that a solver finds compare with the reference.
 
     Parameters
@@ -115,9 +116,9 @@ def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> dict[str,
 class Job(NamedTuple):
     """A call in a worker, and where its result goes."""
 
-    key: Any
+    key: Hashable
     function: Callable[..., Any]
-    arguments: tuple[Any, ...]
+    arguments: tuple[object, ...]
 
 
 def run(
@@ -125,7 +126,7 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
     cases: Sequence[HardCase] | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """Run all solvers on all cases and return plain data.
 
     Parameters
@@ -232,18 +233,18 @@ def _value(outcome: Outcome) -> Any:
     return outcome.value
 
 
-def _cell(outcome: Outcome) -> dict[str, Any]:
+def _cell(outcome: Outcome) -> Record:
     names = ("error", "missed", "invented", "found", "worst", "undecidable")
     return {"failure": outcome.failure, **(outcome.value or dict.fromkeys(names))}
 
 
-def _row(case: HardCase, known: Sequence[float], cells: dict[str, Any]) -> dict[str, Any]:
+def _row(case: HardCase, known: Sequence[float], cells: Record) -> Record:
     count = len(known) * max(case.periods, 1)
     condition = max(known, default=None)
     return {"group": case.group, "case": case.name, "events": count, "condition": condition, "cells": cells}
 
 
-def violations(rows: Sequence[dict[str, Any]]) -> list[str]:
+def violations(rows: Sequence[Record]) -> list[str]:
     """Return where ours missed or invented an event or had too large an error; that it took too long is none."""
     found = []
     for row in rows:

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
 
+from symosc.aliases import Number, NumberLike
 from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.engine.arithmetic import mp_context
+from symosc.exact import read_exact
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
@@ -116,18 +117,21 @@ def hard_cases() -> tuple[HardCase, ...]:
     return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
 
 
-def short(value: Any) -> str:
+def short(value: Number | Fraction) -> str:
     """Return a number as a decimal with the digits of a double."""
     context = mp_context(60)
     return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
 
 
-def _scene(name: str, base: str, start: tuple[Any, Any, Any], t_end: Any, **changes: Any) -> Scene:
+def _scene(
+    name: str, base: str, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike, **changes: NumberLike
+) -> Scene:
     return _named(name, load_scene(base).parameters.replace(**changes), start, t_end)
 
 
-def _named(name: str, p: Parameters, start: tuple[Any, Any, Any], t_end: Any) -> Scene:
-    return Scene(name, p, *start, t_end)
+def _named(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
+    t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
+    return Scene(name, p, t0, x0, v0, end)
 
 
 # -- peaks beside a belt -----------------------------------------------------------------------------------------------

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
     MULTISTEP_OFFSET,
@@ -32,7 +33,7 @@ from symosc.bench.solvers import FoundEvents, Solver
 from symosc.scenes import Scene
 
 
-def _arguments(phase: Phase, careful: bool) -> dict[str, Any]:
+def _arguments(phase: Phase, careful: bool) -> Record:
     """Return what CVODE is constructed with for a phase: its functions write into the arrays that they are given."""
     functions = [function for _, function in phase.exits] + [phase.turn] * careful
 
@@ -52,7 +53,7 @@ def _arguments(phase: Phase, careful: bool) -> dict[str, Any]:
     return arguments | ({"jacfn": jacobian} if careful else {})
 
 
-def _leave(motion: Motion, options: dict[str, Any], careful: bool) -> Leave:
+def _leave(motion: Motion, options: Record, careful: bool) -> Leave:
     from sksundae.cvode import CVODE
 
     arguments = {mode: _arguments(phase, careful) | options for mode, phase in motion.phases.items()}

@@ -15,6 +15,8 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any
 
+import numpy as np
+
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import ONE_STEP_OFFSET
 from symosc.bench.solvers import FoundEvents, Late, Solver
@@ -35,18 +37,10 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     distances of v from both belts, in sticks the accelerations on both sides.
     """
     import heyoka as hy
-    import numpy as np
 
     motion = Motion(scene.parameters, scene.t0)
-    A = {alpha: force / motion.m for alpha, force in motion.A.items()}
-    swing, stiffness, damping = motion.B0 / motion.m, motion.k / motion.m, motion.c / motion.m
-    v1, v2 = motion.belts.values()
-    pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
-    pars |= {
-        3 + i: np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]]) for i, (below, above) in NEIGHBOURS.items()
-    }
-    starts = {(i, i): v - ONE_STEP_OFFSET * motion.speed for i, v in motion.belts.items()}
-    starts |= {(i, i + 1): v + ONE_STEP_OFFSET * motion.speed for i, v in motion.belts.items()}
+    stiffness, damping = motion.k / motion.m, motion.c / motion.m
+    A, pars, starts = _tables(motion)
     t0 = float(scene.t0)
     # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
     now: int
@@ -83,16 +77,8 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
 
         return act
 
-    x, v, C, S = hy.make_vars("x", "v", "C", "S")
-    p, a = hy.par, C - stiffness * x - damping * v
-    rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
-    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
-    events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
-    integrator = hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
-
-    mode, boundary = motion.start(0.0, float(scene.x0), float(scene.v0))
-    v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
-    start = np.array([float(scene.x0), v_start, swing * cos(motion.theta), swing * sin(motion.theta)])
+    integrator = _integrator(motion, callback, tolerance)
+    mode, start = _start(scene, motion, starts)
     duration = float(scene.t_end - scene.t0)
     most = MOST_HEYOKA_STEPS * (1 + int(duration / motion.period))
 
@@ -110,6 +96,39 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
         return found
 
     return run
+
+
+def _tables(motion: Motion) -> tuple[dict[int, float], dict[int, np.ndarray], dict[tuple[int, int], float]]:
+    """Return A_alpha/m, the integrator's parameters by mode, and where flights start by boundary and domain."""
+    A = {alpha: force / motion.m for alpha, force in motion.A.items()}
+    v1, v2 = motion.belts.values()
+    pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
+    for boundary, (below, above) in NEIGHBOURS.items():
+        pars[3 + boundary] = np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]])
+    offset = ONE_STEP_OFFSET * motion.speed
+    starts = {(boundary, boundary): v - offset for boundary, v in motion.belts.items()}
+    starts |= {(boundary, boundary + 1): v + offset for boundary, v in motion.belts.items()}
+    return A, pars, starts
+
+
+def _integrator(motion: Motion, callback: Callable[[int], Callable[[Any, int], bool]], tolerance: float) -> Any:
+    """Return the integrator of `at_its_best`, whose two events call what `callback` returns for them."""
+    import heyoka as hy
+
+    x, v, C, S = hy.make_vars("x", "v", "C", "S")
+    p, a = hy.par, C - motion.k / motion.m * x - motion.c / motion.m * v
+    rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
+    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
+    events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
+    return hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
+
+
+def _start(scene: Scene, motion: Motion, starts: dict[tuple[int, int], float]) -> tuple[int, np.ndarray]:
+    """Return the mode and the state that the motion starts with."""
+    mode, boundary = motion.start(0.0, float(scene.x0), float(scene.v0))
+    v = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
+    swing = motion.B0 / motion.m
+    return mode, np.array([float(scene.x0), v, swing * cos(motion.theta), swing * sin(motion.theta)])
 
 
 def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:

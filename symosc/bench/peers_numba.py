@@ -12,11 +12,12 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
 
+from symosc.aliases import Record
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, Motion
 from symosc.bench.scalar_logic import LAST_BIT, ONE_STEP_OFFSET, UNSOLVED, force, margins, root, runner, scalars, turn
@@ -216,7 +217,7 @@ DOP853_MODULES = (scalar_logic, sys.modules[__name__])
 
 
 @lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
+def compiled() -> Record:
     """Return the functions compiled by numba."""
     return binding.compiled(DOP853_MODULES)
 

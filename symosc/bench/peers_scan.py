@@ -14,11 +14,12 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from symosc.aliases import Record
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
-from symosc.bench.scalar_logic import UNSOLVED, margins, root, runner, scalars
+from symosc.bench.scalar_logic import UNSOLVED, Scalars, margins, root, runner, scalars
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
@@ -149,7 +150,7 @@ def leave(q, s, mode, t, x, v, t_end):
 
 
 @lru_cache(maxsize=1)
-def interpreted() -> dict[str, Any]:
+def interpreted() -> Record:
     """Return the functions with samples taken by NumPy, and scipy's brentq as the root finder."""
     import numpy as np
     from scipy.optimize import brentq
@@ -157,7 +158,7 @@ def interpreted() -> dict[str, Any]:
     arrays = binding.bind(SCAN_MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
     state_at_all, margins_of_all = arrays["state_at"], arrays["margins"]
 
-    def leave(q: Any, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+    def leave(q: Scalars, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         piece = piece_from(q, s, mode, t, x, v)
         taus = s.distance * (np.arange(s.points + 1) + COOL_DOWN)
         while t + taus[0] < t_end:
@@ -180,7 +181,7 @@ SCAN_MODULES = (scalar_logic, sys.modules[__name__])
 
 
 @lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
+def compiled() -> Record:
     """Return the functions compiled by numba."""
     return binding.compiled(SCAN_MODULES)
 

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
     INTEGRATOR_OFFSET,
@@ -33,6 +34,7 @@ from symosc.bench.event_logic import (
     Motion,
     PeerError,
     Phase,
+    State,
     follow,
     watching,
 )
@@ -43,7 +45,7 @@ from symosc.scenes import Scene
 def _event(function: Callable[..., float], direction: float, terminal: bool) -> Callable[..., float]:
     """Return `function` as an event of solve_ivp, which reads its attributes."""
 
-    def event(t: float, y: Any) -> float:
+    def event(t: float, y: State) -> float:
         return function(t, y)
 
     event.direction, event.terminal = direction, terminal  # type: ignore[attr-defined]
@@ -67,7 +69,7 @@ def _exit(phase: Phase, solution: Any) -> Exit:
     return Exit(0, float(solution.t[-1]), float(solution.y[0, -1]))
 
 
-def _raw(motion: Motion, options: dict[str, Any]) -> Leave:
+def _raw(motion: Motion, options: Record) -> Leave:
     """Return solve_ivp as its documentation shows it: terminal events with a direction, and the tolerances."""
     events = {mode: [_event(f, -1, True) for _, f in phase.exits] for mode, phase in motion.phases.items()}
 
@@ -77,7 +79,7 @@ def _raw(motion: Motion, options: dict[str, Any]) -> Leave:
     return leave
 
 
-def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
+def _careful(motion: Motion, options: Record) -> Leave:
     """Return solve_ivp with bounded steps, the Jacobian, and an eye on the turning points of the exit functions."""
     events, own_options = {}, {}
     for mode, phase in motion.phases.items():
@@ -93,7 +95,7 @@ def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
     return watching(leave)
 
 
-def _jacobian(method: str, phase: Phase) -> dict[str, Any]:
+def _jacobian(method: str, phase: Phase) -> Record:
     if method == "Radau":
         return {"jac": phase.jacobian}
     if method == "LSODA":

@@ -14,6 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt, label
 
+from symosc.aliases import Record
 from symosc.bench.error_map import NEAREST, place_of
 from symosc.plot.figures import STYLE
 
@@ -47,7 +48,7 @@ LEAST_NAMED = 0.05
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
 
-def figure(result: dict[str, Any]) -> Figure:
+def figure(result: Record) -> Figure:
     """Draw the errors of the cheap formula and of symosc, with the borders that symosc draws between its formulas.
 
     Parameters
@@ -79,7 +80,7 @@ def figure(result: dict[str, Any]) -> Figure:
         return drawing
 
 
-def _errors(ax: Axes, result: dict[str, Any], key: str, column: int) -> Any:
+def _errors(ax: Axes, result: Record, key: str, column: int) -> Any:
     errors = np.array(result[key][column])
     ax.set_facecolor(UNSEEN)
     logs = np.log10(np.maximum(errors, 10.0 ** COLOUR_RANGE[0]))
@@ -94,7 +95,7 @@ def _errors(ax: Axes, result: dict[str, Any], key: str, column: int) -> Any:
     )
 
 
-def _borders(ax: Axes, result: dict[str, Any], column: int, shipped: bool) -> None:
+def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
     """Draw the border of the cheap formula; for what is shipped all borders, and the names of what is between them."""
     chosen = np.array(result["formulas"][column])
     ratios, zetas = np.array(result["border_ratio"]), np.array(result["border_zeta"])
@@ -119,7 +120,7 @@ def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, n
     if depth.max() < LEAST_NAMED * len(ratios):
         return
     i, j = (round(float(np.mean(index))) for index in np.nonzero(depth > depth.max() - 1))
-    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
+    look: Record = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
     look |= {"color": "white", "path_effects": OUTLINE}
     ax.text(ratios[j], zetas[i], name, **(look | style))
 

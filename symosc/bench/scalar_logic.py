@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
 from symosc.bench.solvers import FoundEvents, Late
 from symosc.engine.next_event import CROSS, GRAZE, SLIP, STICK, TWO_PI
@@ -160,7 +161,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 
 def runner(
-    scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
+    scene: Scene, functions: Record, q: Scalars, settings: Any, offset: float = 0.0
 ) -> Callable[[], Sequence[FoundEvents]]:
     """Return a function that follows a scene and returns its events.
 

@@ -18,6 +18,7 @@ from statistics import median
 from textwrap import fill
 from typing import Any
 
+from symosc.aliases import Number, Record
 from symosc.bench import formulas
 from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
@@ -48,7 +49,7 @@ def floor(count, h, w, Om, P, Q, R, S):
     return total
 
 
-def run(quick: bool = False) -> dict[str, Any]:
+def run(quick: bool = False) -> Record:
     """Measure and return a plain dictionary: machine, floor and one row per scene.
 
     Parameters
@@ -71,7 +72,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=1)
-def compiled_floor() -> Any:
+def compiled_floor() -> Callable[..., float]:
     """Return `floor`, compiled if numba is there, as the event loop is."""
     try:
         import numba
@@ -87,20 +88,20 @@ def floor_s() -> float:
     return best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), 1) / FLOOR_EVALUATIONS
 
 
-def beside_floor(action: Callable[[], Any], repeats: int) -> tuple[list[float], list[float]]:
+def beside_floor(action: Callable[[], object], repeats: int) -> tuple[list[float], list[float]]:
     """Return the seconds of several calls, and after each of them those of one closed-form evaluation."""
     pairs = [(best(action, 1), floor_s()) for _ in range(repeats)]
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 
-def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
+def _scene(name: str, events: int, repeats: int) -> Record:
     scene = load_scene(name)
     start, far = [float(scene.t0), float(scene.x0), float(scene.v0)], float(scene.t0) + 1e7
 
     def many(count: int, use_numba: bool) -> Any:
         return simulate_many(scene.parameters, start, far, max_events=count, use_numba=use_numba)
 
-    row: dict[str, Any] = {"scene": name}
+    row: Record = {"scene": name}
     try:
         compiled()
         begin = time.perf_counter()
@@ -121,7 +122,7 @@ def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
     return row
 
 
-def _error(value: float, exact: Any) -> float:
+def _error(value: float, exact: Number) -> float:
     return float(abs(exact - value) / max(1, abs(exact)))
 
 
@@ -135,7 +136,7 @@ def _cold_start(repeats: int) -> dict[str, float]:
     return {name: best(partial(call, arguments), repeats) for name, arguments in commands.items()}
 
 
-def table(result: dict[str, Any]) -> str:
+def table(result: Record) -> str:
     """Return the result of `run` as text."""
     from tabulate import tabulate
 
@@ -178,7 +179,7 @@ def wrapped(text: str) -> str:
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
-def section(result: dict[str, Any]) -> str:
+def section(result: Record) -> str:
     """Return the result of `run` as the README's Markdown."""
     from tabulate import tabulate
 

@@ -71,7 +71,7 @@ class Worker:
         self._pool.stop()  # a call that is still running belongs to an interrupted caller
         self._pool.join()
 
-    def call(self, limit: float, function: Callable[..., Any], *arguments: Any) -> Outcome:
+    def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
         """Return what became of ``function(*arguments)`` within `limit` seconds.
 
         The function, its arguments and its result must be picklable. The clock includes what the function imports or
@@ -88,7 +88,7 @@ class Worker:
         return outcome
 
 
-def _guarded(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Outcome:
+def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Outcome:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:

@@ -14,6 +14,7 @@ from math import nan
 from statistics import median
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.bench.compare import REFERENCE_DIGITS, compare, window_of
 from symosc.bench.peers import OURS, SOLVERS
 from symosc.bench.solvers import FoundEvents, Solver
@@ -99,7 +100,7 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
     scenes: dict[str, tuple[int, int, int]] | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """Measure and return plain data.
 
     Parameters
@@ -190,7 +191,7 @@ class Bench:
     def __exit__(self, *error: object) -> None:
         self.worker.__exit__(*error)
 
-    def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> dict[str, Any]:
+    def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> Record:
         """Return the measured part of a row; see `run`."""
         outcome = self._call(solver, tolerance, short)
         row = _times(outcome, short) | _errors(outcome, short)
@@ -220,7 +221,7 @@ class Bench:
         return outcome
 
 
-def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
+def _times(outcome: Outcome, span: Span) -> Record:
     names = ["prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest"]
     names += ["floor_ns", "over_floor"]
     if outcome.failure:
@@ -234,7 +235,7 @@ def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
     return dict(zip(names, values, strict=True))
 
 
-def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
+def _errors(outcome: Outcome, span: Span) -> Record:
     names = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
     if outcome.failure:
         return {**dict.fromkeys(names), "compared": len(span.reference)}
@@ -242,7 +243,7 @@ def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
     return {**{name: getattr(comparison, name) for name in names}, "compared": len(span.reference)}
 
 
-def _relate(rows: list[dict[str, Any]]) -> None:
+def _relate(rows: list[Record]) -> None:
     """Put our time on each scene beside the times, both in units of the floor of their moment."""
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS.name}
     for row in rows:

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json
 from symosc.cli.settings import goes_to_stdout
 
@@ -51,7 +52,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
         plot.check_suffix(output)  # before the work
     if readme is not None:
         results.check(readme)
-    result: dict[str, Any] = {"quick": quick}
+    result: Record = {"quick": quick}
     if readme is not None or not hard_cases:
         result |= _speed(quick)
     if readme is not None or hard_cases:
@@ -71,7 +72,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     return code
 
 
-def _speed(quick: bool) -> dict[str, Any]:
+def _speed(quick: bool) -> Record:
     from symosc.bench import speed, work_precision
 
     return {
@@ -80,7 +81,7 @@ def _speed(quick: bool) -> dict[str, Any]:
     }
 
 
-def _hard(quick: bool, with_map: bool) -> dict[str, Any]:
+def _hard(quick: bool, with_map: bool) -> Record:
     from symosc.bench import error_map, hard
 
     result = {"hard": hard.run(quick=quick, progress=partial(_bar, "hard cases"))}
@@ -95,7 +96,7 @@ def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
         yield from shown
 
 
-def _picture(result: dict[str, Any]) -> Any:
+def _picture(result: Record) -> Any:
     from symosc.bench import plot_error_map, plot_work
 
     if "error_map" in result:
@@ -103,7 +104,7 @@ def _picture(result: dict[str, Any]) -> Any:
     return plot_work.figure(result["work_precision"])
 
 
-def _tables(result: dict[str, Any]) -> str:
+def _tables(result: Record) -> str:
     from symosc.bench import hard, speed, work_table
 
     if "hard" not in result:
@@ -114,7 +115,7 @@ def _tables(result: dict[str, Any]) -> str:
     return "\n\n".join([*parts, *hard.legend(result["hard"])])
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return data with None for what JSON has no number for."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}

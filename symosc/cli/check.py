@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.settings import goes_to_stdout
 from symosc.exact import read_exact
 
@@ -67,9 +67,7 @@ def check(
         from symosc import plot
 
         plot.check_suffix(output)  # before the work
-    limits: dict[str, Any] = {
-        "tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))
-    }
+    limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
     if global_tolerance is not None:
         limits["global_tolerance"] = float(read_exact("global_tolerance", global_tolerance))
     samples = read_samples(file, _columns(columns))

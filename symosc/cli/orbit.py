@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.output import FLOAT_FORMAT, json_option, write, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 from symosc.exact import show
@@ -116,11 +117,16 @@ def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
         save(branch_figure(branch), output)
         return
     (t0, x0), boundary = found.points[0], found.equations().pieces[0].start
-    start = {"t0": t0, "x0": x0, "v0": found.parameters.belt(boundary), "t_end": float(t0) + 2.5 * float(found.period)}
+    start: Record = {
+        "t0": t0,
+        "x0": x0,
+        "v0": found.parameters.belt(boundary),
+        "t_end": float(t0) + 2.5 * float(found.period),
+    }
     save(figure(simulate(found.parameters, **start), panels="abcdef", boundary=boundary), output)
 
 
-def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> dict[str, Any]:
+def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
@@ -163,7 +169,7 @@ def _start(scene: Scene, found: PeriodicOrbit) -> str:
 
 def _end(branch: Branch, i: int) -> str:
     end = branch.ends[i]
-    behind = f"; behind it {end.beyond}" if end.beyond else ""
+    behind = f"; beyond it {end.beyond}" if end.beyond else ""
     return f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{behind}"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -25,7 +25,7 @@ def write(text: str) -> None:
         drop_stdout()
 
 
-def write_json(data: Any) -> None:
+def write_json(data: object) -> None:
     """Print plain data as JSON."""
     write(json.dumps(data, indent=1))
 
@@ -46,6 +46,6 @@ def undecidable(trajectory: Trajectory) -> bool:
     return True
 
 
-def counted(events: Sequence[Any]) -> str:
+def counted(events: Sequence[object]) -> str:
     """Return how many events these are, in words."""
     return f"{len(events)} event{'' if len(events) == 1 else 's'}"

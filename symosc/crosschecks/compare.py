@@ -8,7 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import Record
 from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
 from symosc.crosschecks.faults import Fault, explain
 from symosc.crosschecks.files import read_samples
@@ -42,9 +44,9 @@ FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 
 def crosscheck(
     scene: Scene | Parameters | str,
-    t: Any,
-    x: Any = None,
-    v: Any = None,
+    t: object,
+    x: ArrayLike | None = None,
+    v: ArrayLike | None = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
     tolerance: float = STEP_TOLERANCE,
@@ -95,28 +97,33 @@ def crosscheck(
     True
     """
     samples = _read(t, x, v, events)
-    tolerance = _positive("tolerance", tolerance)
-    limit = GLOBAL_FACTOR * tolerance if global_tolerance is None else _positive("global_tolerance", global_tolerance)
-    scene = load_scene(scene) if isinstance(scene, str) else scene
-    if not isinstance(scene, (Scene, Parameters)):
-        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
-    p = scene if isinstance(scene, Parameters) else scene.parameters
-    rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
-    units = rounding.units(len(samples.t))
-    ticks = _loose(p, samples, units)
-    check_joints(samples, max(SAMPLE_JUMP, tolerance), *ticks.T)
-    task = Task(scene, p, samples, tolerance, limit, rounding)
-    result = task.judge(np.zeros_like(units), np.zeros(len(samples.events or ())))
-    if result.ok or not rounding.texts:
+    task = _task(scene, samples, tolerance, global_tolerance)
+    units, listed = task.rounding.units(len(samples.t)), task.rounding.of_events(len(samples.events or ()))
+    check_joints(samples, max(SAMPLE_JUMP, task.tolerance), *_loose(task.parameters, samples, units).T)
+    result = task.judge(np.zeros_like(units), np.zeros_like(listed))
+    if result.ok or not task.rounding.texts:
         return result
-    return task.judge(units, rounding.of_events(len(samples.events or ())))
+    return task.judge(units, listed)
 
 
-def _read(t: Any, x: Any, v: Any, events: Any) -> Samples:
+def _read(t: object, x: object, v: object, events: object) -> Samples:
     if x is not None or v is not None:
         return checked(t, x, v, events)
     samples = read_samples(t)
     return samples if events is None else checked(samples.t, samples.x, samples.v, events)
+
+
+def _task(
+    scene: Scene | Parameters | str, samples: Samples, tolerance: object, global_tolerance: object | None
+) -> Task:
+    """Return what is to be judged, the arguments of `crosscheck` read."""
+    allowed = _positive("tolerance", tolerance)
+    limit = GLOBAL_FACTOR * allowed if global_tolerance is None else _positive("global_tolerance", global_tolerance)
+    scene = load_scene(scene) if isinstance(scene, str) else scene
+    if not isinstance(scene, (Scene, Parameters)):
+        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+    p = scene if isinstance(scene, Parameters) else scene.parameters
+    return Task(scene, p, samples, allowed, limit, find_rounding(samples, (float(p.v1), float(p.v2))))
 
 
 @dataclass(frozen=True)
@@ -198,7 +205,7 @@ class Task:
     def _match(
         self,
         trajectory: Trajectory,
-        start: dict[str, Any],
+        start: Record,
         found: list[FoundEvent],
         reach: Reach,
         label: np.ndarray,
@@ -214,9 +221,7 @@ class Task:
         exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong).match()
 
-    def _later_events(
-        self, trajectory: Trajectory, start: dict[str, Any], pairs: Sequence[tuple[float, str]]
-    ) -> list[Event]:
+    def _later_events(self, trajectory: Trajectory, start: Record, pairs: Sequence[tuple[float, str]]) -> list[Event]:
         """Return exact events just after the last sample, if the list has events about there."""
         t_end, span = float(trajectory.t_end), WINDOW * 2.0 * np.pi / float(self.parameters.Omega)
         if trajectory.status != "t_end" or not pairs or pairs[-1][0] < t_end - span:
@@ -224,22 +229,20 @@ class Task:
         longer = self._simulate(t_end + span, start)
         return list(longer.events[len(trajectory.events) :])
 
-    def _simulate(self, t_end: float, start: dict[str, Any]) -> Trajectory:
+    def _simulate(self, t_end: float, start: Record) -> Trajectory:
         # Samples of so many more events than there are samples cannot be meant.
         most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
 
-def _positive(name: str, value: Any) -> float:
+def _positive(name: str, value: object) -> float:
     number = float(read_exact(name, value))
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
     return number
 
 
-def _start(
-    scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]
-) -> dict[str, Any]:
+def _start(scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]) -> Record:
     """Return where the exact motion starts: at the first sample; {} for the scene's own start, if the sample is there.
 
     The scene's may have more digits than the sample.
@@ -307,7 +310,7 @@ def _rounding(steps: ExactSteps, scales: np.ndarray) -> np.ndarray:
     return np.outer(ticks, [scales[1], push]) + 8.0 * np.finfo(float).eps * scales
 
 
-def _push(p: Parameters, x: Any, v: Any) -> Any:
+def _push(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
     """Return a bound of the acceleration at given |x| and |v|."""
     forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, short, shown
 from symosc.errors import ParameterError
 
@@ -106,7 +107,7 @@ def _read_file(path: Path, wanted: set[str]) -> Any:
     except OSError as error:
         raise ParameterError("file", str(path), f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise ParameterError("file", str(path), "cannot be read: it is no text in UTF-8") from None
+        raise ParameterError("file", str(path), "cannot be read: it is not text in UTF-8") from None
     except RecursionError:
         raise ParameterError("file", str(path), "cannot be read: its brackets are nested too deeply") from None
     except MemoryError:
@@ -138,7 +139,7 @@ def _refuse_twice(path: Path, names: Iterable[str], wanted: set[str]) -> None:
         seen.add(name)
 
 
-def _read_npz(path: Path, wanted: set[str]) -> dict[str, Any]:
+def _read_npz(path: Path, wanted: set[str]) -> Record:
     with path.open("rb") as file:
         try:
             with np.load(file) as data:
@@ -146,7 +147,7 @@ def _read_npz(path: Path, wanted: set[str]) -> dict[str, Any]:
         except (ParameterError, MemoryError):
             raise
         except Exception:  # zipfile, zlib and numpy raise a dozen kinds, all for the same reason
-            raise ParameterError("file", str(path), "is no npz file, or is damaged") from None
+            raise ParameterError("file", str(path), "is not an npz file, or it is damaged") from None
 
 
 def _plain(path: Path, data: Any, name: str) -> Any:
@@ -162,7 +163,7 @@ def _read_json(path: Path, wanted: set[str]) -> Any:
     if not text.strip():
         raise ParameterError("file", str(path), f"is empty; it must hold columns, such as {EXAMPLE}")
 
-    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    def table(pairs: list[tuple[str, Any]]) -> Record:
         _refuse_twice(path, (name for name, _ in pairs), wanted)
         return dict(pairs)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
@@ -141,16 +142,16 @@ class CrossCheck:
             lines.append(f"wrong decision: and {len(self.decisions) - EVENTS_LISTED} more")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
         exact = ("t", "x", "v", "kind", "boundary", "source", "target")
 
-        def plain(event: Event | FoundEvent) -> dict[str, Any]:
+        def plain(event: Event | FoundEvent) -> Record:
             if isinstance(event, FoundEvent):
                 return asdict(event)
             return {name: getattr(event, name) for name in exact}
 
-        def fault(item: Fault | None) -> dict[str, Any] | None:
+        def fault(item: Fault | None) -> Record | None:
             values = asdict(item) if item else {}
             return {name: None if value != value else value for name, value in values.items()} or None
 

@@ -30,7 +30,7 @@ class Samples:
     events: tuple[tuple[float, str], ...] | None = None
 
 
-def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
+def checked(t: object, x: object, v: object, events: object = None) -> Samples:
     """Return samples as float arrays.
 
     Raises
@@ -56,7 +56,9 @@ def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
     return Samples(**arrays, events=None if events is None else _checked_events(events))
 
 
-def check_joints(samples: Samples, part: float, slack_x: Any = 0.0, slack_v: Any = 0.0) -> None:
+def check_joints(
+    samples: Samples, part: float, slack_x: float | np.ndarray = 0.0, slack_v: float | np.ndarray = 0.0
+) -> None:
     """Raise ParameterError where a time is repeated with a clearly different state.
 
     A time may come twice where two pieces of a solution are joined: the states there are equal, or nearly so.
@@ -98,7 +100,7 @@ def _array(name: str, values: Any) -> np.ndarray:
         if isinstance(error, ParameterError):
             raise
         _refuse_wrong(name, _items(values))
-        raise ParameterError(name, shown(values), "is no column of real numbers") from None
+        raise ParameterError(name, shown(values), "is not a column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
     bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
@@ -109,16 +111,16 @@ def _array(name: str, values: Any) -> np.ndarray:
     return array
 
 
-def _refuse_wrong(name: str, values: Iterable[Any]) -> None:
+def _refuse_wrong(name: str, values: Iterable[object]) -> None:
     """Raise ParameterError for the first entry that is no real number."""
     for i, value in enumerate(values):
         try:
             _number(value)
         except (TypeError, ValueError, OverflowError):
-            raise ParameterError(f"{name}[{i}]", shown(value), "is no number") from None
+            raise ParameterError(f"{name}[{i}]", shown(value), "is not a number") from None
 
 
-def _items(values: Any) -> Iterable[Any]:
+def _items(values: Any) -> Iterable[object]:
     if isinstance(values, np.ndarray):
         return np.ravel(values).tolist()  # Python numbers read better in a message
     return values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
@@ -141,7 +143,7 @@ def short(text: str) -> str:
     return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
 
 
-def shown(value: Any) -> Any:
+def shown(value: object) -> object:
     """Return a wrong value for a message: itself where it is short, else the beginning of its text or its type."""
     if isinstance(value, str):
         return short(value)
@@ -152,7 +154,7 @@ def shown(value: Any) -> Any:
     return value if fits else type(value).__name__
 
 
-def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
+def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
     if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
         raise ParameterError("events", shown(events), "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []

@@ -31,10 +31,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Context, Number
 from symosc.engine.flow import Constants
 from symosc.grazing.roots import bernstein, first_root
 from symosc.kernels._generated import next_derivative
@@ -61,39 +62,39 @@ class Arrival(NamedTuple):
 
     kind: str
     boundary: int  # the number of the one that was met, else 0
-    tau: Any
-    dx: Any
-    v: Any
-    a: Any
-    v_error: Any  # bound of the error of v at that time
-    x_error: Any
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    v_error: Number  # bound of the error of v at that time
+    x_error: Number
 
 
 class Boundary(NamedTuple):
     """A boundary of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
 
     number: int
-    v: Any
+    v: Number
     inward: int
 
 
 class BackwardState(NamedTuple):
     """A flight `tau` before the tangency, with the bounds of its errors."""
 
-    tau: Any
-    dx: Any
-    v: Any
-    a: Any
-    energy_error: Any
-    v_error: Any
-    x_error: Any
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    energy_error: Number
+    v_error: Number
+    x_error: Number
 
 
 class BackwardHit(NamedTuple):
     """A contact on a step: at its part `sigma`, with which boundary, and whether it is open (a touch)."""
 
     touch: bool
-    sigma: Any
+    sigma: Number
     boundary: Boundary
 
 
@@ -106,11 +107,11 @@ def boundaries_of(domain: int, K: Constants) -> list[Boundary]:
 class BackwardStep(NamedTuple):
     """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
 
-    T: list[Any]
-    remainder: Any
-    low: Any
-    high: Any
-    end: tuple[Any, Any, Any]
+    T: list[Number]
+    remainder: Number
+    low: Number
+    high: Number
+    end: tuple[Number, Number, Number]
 
 
 class BackwardSteps:
@@ -127,7 +128,7 @@ class BackwardSteps:
         Length of a step times K.rate.
     """
 
-    def __init__(self, K: Constants, boundary: int, domain: int, functions: Any, eps: Any, step: float) -> None:
+    def __init__(self, K: Constants, boundary: int, domain: int, functions: Context, eps: Number, step: float) -> None:
         self.K, self.functions, self.eps = K, functions, eps
         self.domain, self.boundaries = domain, boundaries_of(domain, K)
         self.touched = next(each for each in self.boundaries if each.number == boundary)
@@ -142,12 +143,12 @@ class BackwardSteps:
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
 
-    def begin(self, zero: Any) -> BackwardState:
+    def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def over(
-        self, theta: Any, order: int, state: BackwardState
+        self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
         """Return the first contact on the step from a state, the step, and the state with the errors at its end.
 
@@ -181,12 +182,12 @@ class BackwardSteps:
                 found = BackwardHit(touch, sigma, boundary)
         return found, step, BackwardState(tau, state.dx, v, a, energy_error, v_error, state.x_error)
 
-    def wave(self, theta: Any, tau: Any) -> tuple[Any, Any]:
+    def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the phase tau before theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: BackwardState, step: BackwardStep, sigma: Any) -> BackwardState:
+    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
         """Return the state at the part `sigma` of a step, whose errors are those at its end."""
         dv, slope, area = at(step.T, sigma)
         return self._at(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
@@ -198,12 +199,12 @@ class BackwardSteps:
         number, v, _ = found.boundary
         return Arrival(kind, number, here.tau, here.dx, v, here.a, here.v_error, here.x_error)
 
-    def _at(self, state: BackwardState, tau: Any, dv: Any, a: Any, dx: Any) -> BackwardState:
+    def _at(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.energy_error, state.v_error, x_error)
 
-    def _taylor(self, v: Any, a: Any, s: Any, c: Any) -> list[Any]:
+    def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
         """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
@@ -211,11 +212,11 @@ class BackwardSteps:
             T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
         return T
 
-    def _remainder(self, behind: Any, last: Any) -> Any:
+    def _remainder(self, behind: Number, last: Number) -> Number:
         """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
         return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (self.n + 1) + self.drive_remainder)
 
-    def _step(self, v: Any, a: Any, s: Any, c: Any) -> BackwardStep:
+    def _step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
         *T, behind = self._taylor(v, a, s, c)
         spread = sum(map(abs, T[1:]))
         return BackwardStep(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())  # type: ignore[arg-type]
@@ -315,7 +316,7 @@ def _ended(kind: str, state: BackwardState) -> Arrival:
     return Arrival(kind, 0, state.tau, state.dx, state.v, state.a, state.v_error, state.x_error)
 
 
-def at(T: list[Any], sigma: Any) -> tuple[Any, Any, Any]:
+def at(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
     """Return the change of a polynomial from 0 to sigma, its slope at sigma and its integral."""
     change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
@@ -325,7 +326,7 @@ def at(T: list[Any], sigma: Any) -> tuple[Any, Any, Any]:
     return change, slope, sigma * area
 
 
-def _degree(eps: Any, step: float) -> int:
+def _degree(eps: Number, step: float) -> int:
     n, term = 0, 1.0 / eps
     while term > 0.1:
         n += 1

@@ -15,10 +15,12 @@ from collections import Counter
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import inf, pi
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Expr, Number, Record
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, NOT_DECIDED, YES, Ways
@@ -96,7 +98,7 @@ class GrazingReport:
         """Whether nothing contradicts the window, and the first two ways decided every phase."""
         return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Record:
         """Return everything as plain data."""
         return {"ok": self.ok, **{name: getattr(self, name) for name in self.__dataclass_fields__}}
 
@@ -225,10 +227,10 @@ class _Check:
         self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
         self.n_adversarial = len(phases)
 
-    def _special(self, sympy: Any) -> tuple[set[Any], list[Any]]:
+    def _special(self, sympy: ModuleType) -> tuple[set[Expr], list[Expr]]:
         """Return the phases where G^(1) = 0 exactly, and all special phases."""
         quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
-        zeros: set[Any] = set()
+        zeros: set[Expr] = set()
         if self.window.amplitude != 0:
             sine = -self.window.gamma / self.window.amplitude
             if abs(sine) <= 1:
@@ -236,7 +238,7 @@ class _Check:
                 zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
         return zeros, sorted(zeros | quarters, key=float)
 
-    def _fine(self, theta: Any, zero: bool) -> tuple[int, int]:
+    def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
         self.finely += 1
         verdict, order = self.ways.fine_signs(theta, zero)
@@ -270,9 +272,9 @@ class _Check:
                 self.mismatches.append(_mismatch(phases[i], way, _word(inside[i]), _word(verdict[i] == YES)))
 
 
-def _mismatch(theta: Any, way: str, expected: str, found: str) -> dict[str, str]:
+def _mismatch(theta: object, way: str, expected: str, found: str) -> dict[str, str]:
     return {"theta": str(theta), "way": way, "window": expected, "found": found}
 
 
-def _word(grazing: Any) -> str:
+def _word(grazing: bool) -> str:
     return "grazes" if grazing else "does not graze"

@@ -8,9 +8,9 @@ or its own on the way, or has met none.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import pi
-from typing import Any
 
 import numpy as np
 
@@ -182,7 +182,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> Grazing
     return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
 
 
-def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
+def _arcs(intervals: Sequence[tuple[float, float, bool, bool]]) -> list[tuple[float, float, bool]]:
     """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
     arcs = [(low, high) for low, high, _, _ in intervals]
     if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
@@ -192,7 +192,7 @@ def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
     return [(low, high, False) for low, high in arcs]
 
 
-def _phases(low: float, high: float, closed: bool, n: int) -> Any:
+def _phases(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
     inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))

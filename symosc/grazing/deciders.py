@@ -10,11 +10,13 @@ A way answers YES, NO or NOT_DECIDED, never on less than its error.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Context, Number, Numbers
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constants
 from symosc.grazing.window import GrazingWindow
@@ -67,7 +69,7 @@ class Ways:
         """Return -side G^(1) over `size`, positive for a graze."""
         return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
 
-    def fine_slope(self, theta: Any) -> float:
+    def fine_slope(self, theta: Number) -> float:
         """Return what `slope` returns, for an mpmath phase."""
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
         return self.side * float(slope) / self.size
@@ -77,7 +79,7 @@ class Ways:
         slope = self.slope(theta)
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
-    def fine_signs(self, theta: Any, zero: bool) -> tuple[int, int]:
+    def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
 
         `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m; where
@@ -117,7 +119,7 @@ class Ways:
         gaps = [self._gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
         return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
 
-    def fine_flow(self, theta: Any) -> int:
+    def fine_flow(self, theta: Number) -> int:
         """Return the verdict of the exact flow with FLOW_DIGITS digits, if it is the same at both FINE_FLOW_TIMES."""
         context = self.fine.context
         s, c = context.sin(theta), context.cos(theta)
@@ -128,7 +130,7 @@ class Ways:
         verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
         return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
 
-    def _gap(self, basis: Any, s: Any, c: Any, v: Any, K: Constants) -> Any:
+    def _gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
         """Return how far into the domain the velocity is, after the flight over which `basis` was taken."""
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
@@ -181,7 +183,7 @@ def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
     return np.where(clear, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
 
 
-def interval_context() -> Any:
+def interval_context() -> Context:
     """Return an interval arithmetic of INTERVAL_DIGITS digits of its own."""
     from mpmath.ctx_iv import MPIntervalContext
 
@@ -190,7 +192,7 @@ def interval_context() -> Any:
     return context
 
 
-def bounds(value: Any, context: Any) -> list[str]:
+def bounds(value: Number, context: Context) -> list[str]:
     """Return decimals just below and above a value, 5 digits finer than the intervals are."""
     shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
     return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

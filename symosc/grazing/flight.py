@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import derivatives
 from symosc.grazing.backward_flow import (
@@ -47,15 +48,15 @@ NEAR_TOUCH = 1e-3
 class Instant(NamedTuple):
     """A flight at the time tau before its tangency."""
 
-    dx: Any  # displacement from the tangency
-    v: Any
-    a: Any
-    b: Any  # dv''
-    w: Any  # dv'''
-    v_theta: Any  # derivatives by theta_m at fixed tau
-    x_theta: Any
-    v_error: Any
-    x_error: Any
+    dx: Number  # displacement from the tangency
+    v: Number
+    a: Number
+    b: Number  # dv''
+    w: Number  # dv'''
+    v_theta: Number  # derivatives by theta_m at fixed tau
+    x_theta: Number
+    v_error: Number
+    x_error: Number
 
 
 class Flights:
@@ -77,18 +78,18 @@ class Flights:
         self._basis = self.arithmetic.namespace["basis"]
         self._steps: dict[float, BackwardSteps] = {}
 
-    def number(self, value: Any) -> Any:
+    def number(self, value: Any) -> Number:
         """Return a Fraction, a float or a sympy constant as a number of this precision."""
         if hasattr(value, "evalf"):
             return self.context.mpf(str(value.evalf(self.digits + 5)))
         return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
 
-    def contact(self, theta: Any) -> Any:
+    def contact(self, theta: Number) -> Number:
         """Return x_m(theta)."""
         rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
-    def instant(self, theta: Any, tau: Any) -> Instant:
+    def instant(self, theta: Number, tau: Number) -> Instant:
         """Return the flight tau before the tangency at the phase theta."""
         K, v0 = self.K, self.v
         s, c = self.context.sin(theta), self.context.cos(theta)
@@ -107,7 +108,7 @@ class Flights:
 
     # -- polishing ---------------------------------------------------------------------------------------------------
 
-    def polished(self, theta: Any, found: Arrival, tau_max: Any) -> Arrival | None:
+    def polished(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
         """Return an arrival in double precision with all digits; None if Newton's method leads elsewhere."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
@@ -125,7 +126,7 @@ class Flights:
         v = now.v if speed is None else speed
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
-    def _root(self, theta: Any, tau: Any, speed: Any, touch: bool) -> Any:
+    def _root(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
         """Return where v is `speed` by Newton's method, or where it is nearest to it, for a touch."""
         before = None
         for _ in range(MOST_CONTACT_NEWTON):
@@ -146,7 +147,7 @@ class Flights:
 
     # -- judging -----------------------------------------------------------------------------------------------------
 
-    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
+    def look(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
         """Judge a step of a search in double precision that begins at tau; see `backward_flow.Search.run`."""
         steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
@@ -156,7 +157,7 @@ class Flights:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.arrival(after, taken, found), rounded(state)
 
-    def state(self, theta: Any, tau: Any) -> BackwardState:
+    def state(self, theta: Number, tau: Number) -> BackwardState:
         """Return the flight as the state of a search."""
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
+from symosc.aliases import Angle, Number
 from symosc.engine.flow import constants
 from symosc.errors import ParameterError
 from symosc.grazing.backward_flow import CONTACT, LONG, MOST_BACKWARD_STEPS, REACHED, Arrival, BackwardState, Search
@@ -45,7 +45,7 @@ class Origins:
         self._search = Search(self.K, where.boundary, where.domain)
         self._flights: dict[int, Flights] = {}
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.p, self.mapping)
 
     def flights(self, digits: int) -> Flights:
@@ -56,7 +56,7 @@ class Origins:
 
     def arrival(
         self,
-        angle: Any,
+        angle: Angle | float,
         order: int = 1,
         far: float | None = None,
         careful: bool = True,
@@ -87,7 +87,7 @@ class Origins:
         return self._search.run(float(angle), order, far, look, most_steps)
 
     def _look(
-        self, angle: Any, order: int, digits: int, looks: int
+        self, angle: Angle | float, order: int, digits: int, looks: int
     ) -> Callable[[float], tuple[Arrival | None, BackwardState]]:
         left = MOST_LOOKS
 
@@ -114,7 +114,9 @@ class Origins:
 
         return look
 
-    def exact(self, angle: Any, order: int, far: Callable[[Flights], Any], wanted: int) -> tuple[Arrival, Flights]:
+    def exact(
+        self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
+    ) -> tuple[Arrival, Flights]:
         """Return where the flow came from with `wanted` digits behind the point, and the flights that it is one of.
 
         Parameters

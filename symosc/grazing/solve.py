@@ -8,9 +8,11 @@ time of the flight (`symosc.grazing.newton`), and the solution is flown back fro
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
+from symosc.aliases import Angle, NumberLike
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
@@ -47,13 +49,13 @@ class GrazingSolutions(list[GrazingStart]):
     (0, 'x_i goes over 3.65106 to 11.2811 on the grazing curve')
     """
 
-    def __init__(self, starts: Any = (), complete: bool = True, message: str = "") -> None:
+    def __init__(self, starts: Iterable[GrazingStart] = (), complete: bool = True, message: str = "") -> None:
         super().__init__(starts)
         self.complete, self.message = complete, message
 
 
 def solve_grazing(
-    p: Parameters, mapping: str, *, n: int = CURVE_POINTS, digits: int | None = None, **given: Any
+    p: Parameters, mapping: str, *, n: int = CURVE_POINTS, digits: int | None = None, **given: NumberLike
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
 
@@ -114,7 +116,7 @@ def solve_grazing(
     return solutions
 
 
-def _at_phases(window: GrazingWindow, phases: list[Any], digits: int | None) -> GrazingSolutions:
+def _at_phases(window: GrazingWindow, phases: list[Angle], digits: int | None) -> GrazingSolutions:
     """Return the starts of tangencies at exact phases."""
     inside = [phase for phase in phases if window.contains(phase)]
     starts = [grazing_start(window.parameters, window.mapping, phase, digits=digits) for phase in inside]
@@ -126,7 +128,7 @@ def _at_phases(window: GrazingWindow, phases: list[Any], digits: int | None) -> 
     return GrazingSolutions(found, not any(start.undecided for start in starts), message)
 
 
-def _phases_of_contact(p: Parameters, mapping: str, value: Any) -> list[Any]:
+def _phases_of_contact(p: Parameters, mapping: str, value: Fraction) -> list[Angle]:
     """Return the phases theta with x_m(theta) = value, exactly."""
     import sympy
 

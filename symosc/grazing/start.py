@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
-from typing import Any
 
+from symosc.aliases import Angle, Context, Number, NumberLike, Record
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, show
@@ -69,19 +69,19 @@ class GrazingStart:
     mapping: str
     found: bool
     reason: str | None
-    t: Any
-    x: Any
-    v: Any
-    theta: Any
+    t: Number
+    x: Number
+    v: Number
+    theta: Number
     boundary: int
     touch: bool
-    t_m: Any
-    x_m: Any
-    theta_m: Any
-    start: dict[str, Any]
+    t_m: Number
+    x_m: Number
+    theta_m: Number
+    start: Record
     undecided: bool = False
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Record:
         """Return the entries as text and booleans."""
         values = {name: getattr(self, name) for name in ("t", "x", "v", "theta", "t_m", "x_m", "theta_m")}
         texts = {name: None if value is None else str(value) for name, value in values.items()}
@@ -92,10 +92,10 @@ class GrazingStart:
 def grazing_start(
     p: Parameters,
     mapping: str,
-    theta: Any = None,
+    theta: NumberLike | None = None,
     *,
-    t_m: Any = None,
-    t0: Any = None,
+    t_m: NumberLike | None = None,
+    t0: NumberLike | None = None,
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
@@ -138,8 +138,8 @@ def grazing_start(
 
 def start_of(
     origins: Origins,
-    time: Any,
-    angle: Any,
+    time: Angle,
+    angle: Angle,
     until: Fraction | None = None,
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
@@ -148,7 +148,7 @@ def start_of(
     order = order_at(origins.p, origins.mapping, angle)
     wanted = digits or DEFAULT_DIGITS
 
-    def far(flights: Flights) -> Any:
+    def far(flights: Flights) -> Number:
         if until is None:
             return flights.K.period * periods
         return flights.number(time) - flights.number(until)
@@ -159,14 +159,16 @@ def start_of(
     return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
 
 
-def _check_periods(periods: Any) -> float:
+def _check_periods(periods: object) -> float:
     number = float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
         raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
     return number
 
 
-def _tangency(p: Parameters, theta: Any, t_m: Any, t0: Any) -> tuple[Any, Any]:
+def _tangency(
+    p: Parameters, theta: NumberLike | None, t_m: NumberLike | None, t0: NumberLike | None
+) -> tuple[Angle, Angle]:
     """Return the exact time and phase of the tangency."""
     if (theta is None) == (t_m is None):
         raise ParameterError("theta", theta, "give either theta or t_m")
@@ -184,7 +186,7 @@ def _tangency(p: Parameters, theta: Any, t_m: Any, t0: Any) -> tuple[Any, Any]:
     return times(symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
 
 
-def order_at(p: Parameters, mapping: str, angle: Any) -> int:
+def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
     """Return the order of the first G-function that does not vanish at a phase of the mapping's window: 1 or 3."""
     window = grazing_window(p, mapping)
     if not window.contains(angle):
@@ -203,8 +205,8 @@ def _result(
     arrival: Arrival,
     flights: Flights,
     mapping: str,
-    time: Any,
-    angle: Any,
+    time: Angle,
+    angle: Angle,
     to_time: bool,
     digits: int | None,
     periods: float,
@@ -229,7 +231,7 @@ def _result(
     keep = digits or DEFAULT_DIGITS
     shown = mp_context(keep)
 
-    def out(value: Any) -> Any:
+    def out(value: Number) -> Number:
         return shown.convert(value) * 1 if digits else float(value)
 
     velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
@@ -278,7 +280,7 @@ def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | 
     return None
 
 
-def _text(value: Any, digits: int, context: Any) -> str:
+def _text(value: Number, digits: int, context: Context) -> str:
     """Return a decimal with `digits` digits behind the point's side that matters, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symosc.engine.binding import compiled
 from symosc.errors import MissingExtraError, ParameterError
@@ -55,7 +57,7 @@ class WindowColumns(NamedTuple):
         return not self == other
 
 
-def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
+def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: ArrayLike) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
     Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
@@ -138,7 +140,7 @@ def _pair(value: Fraction) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=1)
-def _rows() -> Any:
+def _rows() -> Callable[..., None]:
     """Return `windows.windows`, compiled if numba is installed."""
     try:
         return compiled((double_double, theorem7_cases, window_ends), {"windows"})["windows"]

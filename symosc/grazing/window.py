@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Angle, Expr, Number, NumberLike
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
@@ -125,14 +126,14 @@ class GrazingWindow:
         return case_label(self.place, *self.signs)
 
     @cached_property
-    def phases(self) -> Any:
+    def phases(self) -> Expr:
         """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact sympy set."""
         from symosc.symbolic.theorem7 import rational, window_phases
 
         return window_phases(self.place, rational(self.gamma), rational(self.amplitude), self.order == "full")
 
     @cached_property
-    def theta_cr(self) -> Any:
+    def theta_cr(self) -> Expr:
         """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly; None where it does not exist."""
         from symosc.symbolic.theorem7 import critical_phase, rational
 
@@ -165,7 +166,7 @@ class GrazingWindow:
         low, high = ends if self.place.side * self.signs[1] < 0 else ends[::-1]
         return float(low), float(high) if high != 0 else double_double.TWO_PI_PAIR[0]
 
-    def critical_phase(self) -> Any:
+    def critical_phase(self) -> Number:
         """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
         context = mp_context(WINDOW_DIGITS)
         if self.amplitude == 0 or self.signs[2] > 0:
@@ -177,7 +178,7 @@ class GrazingWindow:
 
     # --- phases and places ---
 
-    def contains(self, theta: Any) -> Any:
+    def contains(self, theta: NumberLike | np.ndarray) -> Any:
         """Return whether a contact at the phase `theta` grazes, decided exactly.
 
         Parameters
@@ -199,7 +200,7 @@ class GrazingWindow:
             return self._contains_array(theta)
         return self._sign_at(theta) > 0
 
-    def contact(self, theta: Any) -> Any:
+    def contact(self, theta: NumberLike | np.ndarray) -> Any:
         """Return the place x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
 
         Parameters
@@ -219,7 +220,7 @@ class GrazingWindow:
         """
         inside = self.contains(theta)
         if not np.all(inside):
-            outside = theta[~inside][0] if isinstance(inside, np.ndarray) else theta
+            outside = np.asarray(theta)[~inside][0] if isinstance(inside, np.ndarray) else theta
             raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._shown()}")
         p = self.parameters
         if p.k == 0:
@@ -237,7 +238,7 @@ class GrazingWindow:
         return rational(rest) + rational(gain) * sp.cos(real("theta", theta))
 
     @cached_property
-    def contact_phases(self) -> Any:
+    def contact_phases(self) -> Expr:
         """The phases at which a grazing contact exists: `phases`, or for k = 0 those of them with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
@@ -255,7 +256,7 @@ class GrazingWindow:
         theta = sp.acos(rational(cosine))
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
-    def _sign_at(self, theta: Any) -> int:
+    def _sign_at(self, theta: NumberLike) -> int:
         """Return the sign of side (gamma + amplitude sin theta), with the tangency counted as `order` says."""
         exact = _read_phase(theta)
         if self.kind in (EMPTY, EVERYTHING):
@@ -332,7 +333,7 @@ def _latex_number(mapping: str) -> str:
     return mapping.removeprefix("P")
 
 
-def _read_phase(theta: Any) -> Any:
+def _read_phase(theta: Any) -> Angle:
     """Return a phase as an exact Fraction, or as a sympy expression if it is one."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0

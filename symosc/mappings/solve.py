@@ -48,7 +48,7 @@ class MapError(SymoscError, ValueError):
         self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
         super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.label, self.x, self.theta, self.reason, self.actual)
 
 

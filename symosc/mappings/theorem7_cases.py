@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from symosc.errors import ParameterError
 from symosc.model import Parameters
@@ -61,7 +61,7 @@ def place(mapping: str) -> Place:
     return PLACES[mapping]
 
 
-def check_parameters(p: Any) -> Parameters:
+def check_parameters(p: object) -> Parameters:
     """Return `p` if it is a set of parameters."""
     if not isinstance(p, Parameters):
         shown = p if isinstance(p, str | int | float | None) else type(p).__name__

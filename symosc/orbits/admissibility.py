@@ -10,11 +10,13 @@ engine's verdict on the whole orbit is `symosc.orbits.verification`.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Number, Point, Points
 from symosc.engine.flow import Constants
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
@@ -72,9 +74,9 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGI
 class Extremum(NamedTuple):
     """A zero of the acceleration in a flight: time since its start, velocity, v''."""
 
-    tau: Any
-    v: Any
-    b: Any
+    tau: Number
+    v: Number
+    b: Number
 
 
 class Scales(NamedTuple):
@@ -85,7 +87,7 @@ class Scales(NamedTuple):
     a: float
 
 
-def scales(equations: ClosingEquations, points: Any) -> Scales:
+def scales(equations: ClosingEquations, points: Points) -> Scales:
     """Return the sizes of the terms in the margins of an orbit."""
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
@@ -94,7 +96,7 @@ def scales(equations: ClosingEquations, points: Any) -> Scales:
     return Scales(1 / float(K.rate), a / float(K.rate) + max(belts), a)
 
 
-def conditions(equations: ClosingEquations, points: Any) -> list[Condition]:
+def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return every inequality of a root with its margin, in the order of the pieces.
 
     Parameters
@@ -123,13 +125,13 @@ class _Margins:
     def __init__(self, equations: ClosingEquations, piece: int, sizes: Scales, found: list[Condition]) -> None:
         self.Om, self.piece, self.sizes, self.found = equations.K.Om, piece, sizes, found
 
-    def add(self, text: str, value: Any, theta: Any, event: str, rank: int, size: float) -> None:
+    def add(self, text: str, value: Number, theta: Number, event: str, rank: int, size: float) -> None:
         """Add one whose value is closest to 0 at the phase theta."""
         self.found.append(Condition(self.piece, text, float(value), float(theta / self.Om), event, rank, size))
 
 
 def _of_flight(
-    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Any, end: Any, equations: ClosingEquations
+    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, equations: ClosingEquations
 ) -> None:
     K, v_end, sizes = equations.K, equations.belt(piece.end).v, margins.sizes
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
@@ -160,7 +162,7 @@ def _of_flight(
         margins.add(text, beyond, end[1], BIRTH, PASSING, sizes.a)
 
 
-def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
+def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Number]:
     """Return how far the velocity stays from the boundaries of its domain at an extremum that is turned to them."""
     gaps = []
     if mode > 1 and extremum.b > 0:
@@ -170,7 +172,7 @@ def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
     return gaps
 
 
-def _of_stick(margins: _Margins, piece: OrbitPiece, start: Any, end: Any, equations: ClosingEquations) -> None:
+def _of_stick(margins: _Margins, piece: OrbitPiece, start: Point, end: Point, equations: ClosingEquations) -> None:
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
@@ -192,11 +194,13 @@ def _of_stick(margins: _Margins, piece: OrbitPiece, start: Any, end: Any, equati
     margins.add(text, slope, end[1], SLIP_VANISHING, STICK_END, float(abs(belt.drift) + abs(K.fB)))
 
 
-def _states(equations: ClosingEquations) -> Any:
+def _states(equations: ClosingEquations) -> Callable[..., Any]:
     return equations.arithmetic.namespace["state_at"]
 
 
-def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
+def extrema(
+    begin: Number, tau: Number, flight: Sequence[Number], at_rest: bool, equations: ClosingEquations
+) -> list[Extremum]:
     """Return the extrema of the velocity of a flight (v0, a0, s0, c0) between two times; `at_rest`: a0 = 0 is none.
 
     They are looked for in doubles, and then placed in the arithmetic of the equations.
@@ -211,7 +215,7 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
-def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:
+def _extremum(low: float, high: float, falls: bool, flight: Sequence[Number], equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
     states, K, number = _states(equations), equations.K, equations.exact or float
     allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
@@ -229,7 +233,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Any, equations: Clos
     return Extremum(tau, flight[0] + dv, b)
 
 
-def grazing_distance(equations: ClosingEquations, points: Any) -> float:
+def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     """Return the least velocity by which a flight misses a belt that it turns before, or exceeds one that it meets.
 
     At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past

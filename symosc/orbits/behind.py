@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.curve import Curve
 from symosc.orbits.guesses import (
     SETTLING_EVENTS,
+    Passage,
     WordRun,
     follow,
     followed,
@@ -70,7 +70,7 @@ def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | 
     return None
 
 
-def _words_of_a_period(equations: ClosingEquations, passages: Any) -> list[Word]:
+def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
     """Return the words that the simulation goes through in one period, the last ones first."""
     labels, found = followed(passages), []
     phases = np.array([passage.theta for passage in passages])

@@ -23,10 +23,9 @@ in the sense of interval arithmetic.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from symosc.aliases import Point, Points
 from symosc.engine.flow import derivatives
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
@@ -66,7 +65,7 @@ def of_function(condition: Condition) -> bool:
     return " stays in " in condition.text or " during " in condition.text
 
 
-def _cells(values: np.ndarray, deficit: Any = 0.0) -> np.ndarray:
+def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
     """Return for each column of (5, n) values whether it is proven positive between the rows."""
     bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
     if bend.size > 2:
@@ -103,7 +102,7 @@ def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -> list[np.ndarray]:
+def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
     """Return the functions of piece i that have to be positive, at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
@@ -111,7 +110,7 @@ def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -
 
 
 def _of_flight(
-    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
@@ -136,7 +135,7 @@ def _of_flight(
 
 
 def _of_stick(
-    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.errors import SymoscError
 from symosc.exact import whole_number
 from symosc.model import Parameters
@@ -37,7 +38,7 @@ class BranchError(SymoscError, ValueError):
         self.orbit = orbit
         super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.orbit,)
 
 
@@ -153,10 +154,10 @@ class Branch:
     def _index(self, i: int) -> int:
         return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return everything as plain values."""
 
-        def plain(end: BranchEnd) -> dict[str, Any]:
+        def plain(end: BranchEnd) -> Record:
             points = [list(map(float, point)) for point in end.points]
             return end._asdict() | {"points": points, "conditions": [c._asdict() for c in end.conditions]}
 

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Point, Points
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
 from symosc.errors import SymoscError
@@ -60,11 +61,11 @@ class ConvergenceError(SymoscError, ArithmeticError):
     P654 True
     """
 
-    def __init__(self, word: str, best: tuple[Any, ...], periods: int, residual: float, reason: str) -> None:
+    def __init__(self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str) -> None:
         self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
         super().__init__(f"no periodic orbit {word} was found: {reason} (smallest residual {residual:.1e})")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
 
 
@@ -157,12 +158,12 @@ class ClosingEquations:
         finer._coarse = self.coarse
         return finer
 
-    def ends(self, points: Any) -> list[Any]:
+    def ends(self, points: Points) -> list[Point]:
         """Return the points (x, theta) that the pieces end on."""
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
-    def residuals(self, points: Any) -> list[Any]:
+    def residuals(self, points: Points) -> list[Number]:
         """Return f1, f2 of every piece, in order, the known roots tau = 0 divided out of f2."""
         values = []
         for piece, start, end in self._ends_of_pieces(points):
@@ -170,18 +171,18 @@ class ClosingEquations:
             values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
         return values
 
-    def largest_residual(self, points: Any) -> Any:
+    def largest_residual(self, points: Points) -> Number:
         """Return the largest |f1|, |f2| of eq. (54)."""
         return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
 
-    def blocks(self, points: Any) -> list[Any]:
+    def blocks(self, points: Points) -> list[Any]:
         """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
         return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
 
-    def _ends_of_pieces(self, points: Any) -> Any:
+    def _ends_of_pieces(self, points: Points) -> Any:
         return zip(self.pieces, points, self.ends(points), strict=True)
 
-    def force(self, domain: int, x: Any, v: Any, theta: Any) -> Any:
+    def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return the acceleration F^(domain) (eq. (9))."""
         K = self.K
         return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
@@ -190,13 +191,13 @@ class ClosingEquations:
         """Return the constants of a belt."""
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
-    def start_of_flight(self, piece: OrbitPiece, start: Any) -> tuple[Any, Any, Any, Any]:
+    def start_of_flight(self, piece: OrbitPiece, start: Point) -> tuple[Number, Number, Number, Number]:
         """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return v, a, self.sin(start[1]), self.cos(start[1])
 
-    def _residual(self, piece: OrbitPiece, start: Any, end: Any) -> tuple[Any, Any]:
+    def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
             domain = piece.start + (piece.side > 0)
@@ -206,7 +207,7 @@ class ClosingEquations:
         basis = self.basis(tau, K)[:5]
         return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
-    def _jacobian(self, piece: OrbitPiece, start: Any, end: Any) -> Any:
+    def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
             x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
@@ -223,7 +224,7 @@ class ClosingEquations:
             v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
-    def matrix(self, points: Any) -> np.ndarray:
+    def matrix(self, points: Points) -> np.ndarray:
         """Return the block-cyclic Jacobian, (2n, 2n) floats."""
         n = len(self.pieces)
         matrix = np.zeros((2 * n, 2 * n))

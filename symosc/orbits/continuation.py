@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -58,7 +59,7 @@ def continue_orbit(
     parameters: Parameters,
     word: Any,
     parameter: str,
-    range: tuple[Any, Any],
+    range: tuple[NumberLike, NumberLike],
     guess: Any = None,
     *,
     periods: int | None = None,
@@ -274,7 +275,7 @@ def _ended(
     path[-1] = last = _inside(curve, path[-1])
     outward = float(np.sign(failed.value - before.value)) or direction
     word, instead = look_behind(curve, last, outward)
-    message += f"; behind it {instead}" if instead else ""
+    message += f"; beyond it {instead}" if instead else ""
     return path, BranchEnd(kind, last.value, message, _named(curve, last), reasons, word)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Points
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, whole_number
@@ -30,7 +31,7 @@ from symosc.orbits.guesses import (
 from symosc.orbits.newton import Solution, polish, solve
 from symosc.orbits.periodic_orbit import Approach, PeriodicOrbit, SwitchingPoint
 from symosc.orbits.verification import failures
-from symosc.words import WordError, read_word
+from symosc.words import Word, WordError, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
@@ -95,20 +96,31 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    read = read_word(word)
-    if len(read.labels) > MOST_MAPPINGS:
-        reason = f"has {len(read.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
-        raise WordError(f"{str(read)[:20]}...", reason)
+    found = _read_word(word)
+    _check_parameters(parameters)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    digits = read_digits(digits)
+    equations = ClosingEquations(parameters, found, periods or 1)
+    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
+    root = _best_root(equations, batches)
+    return orbit_at(root[0], root[1], digits)
+
+
+def _read_word(word: Any) -> Word:
+    """Return a word that is short enough to look for its orbit."""
+    found = read_word(word)
+    if len(found.labels) > MOST_MAPPINGS:
+        reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        raise WordError(f"{str(found)[:20]}...", reason)
+    return found
+
+
+def _check_parameters(parameters: object) -> None:
+    """Raise ParameterError unless these are Parameters with a spring."""
     if not isinstance(parameters, Parameters):
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
-    digits = read_digits(digits)
-    equations = ClosingEquations(parameters, read, periods or 1)
-    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
-    root = _best_root(equations, batches)
-    return orbit_at(root[0], root[1], digits)
 
 
 def _guesses(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
@@ -233,7 +245,7 @@ def _message(
     if failed:
         what = "; ".join(map(_failure, failed))
         zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
-        return f"a root that is no orbit ({what}){_instead(equations, zero)}"
+        return f"a root that is not an orbit ({what}){_instead(equations, zero)}"
     periods = equations.periods
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
     text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
@@ -268,7 +280,7 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
     return f"; {found}" if found else ""
 
 
-def switching_points(equations: ClosingEquations, points: Any) -> list[SwitchingPoint]:
+def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
     """Return (t, x) from (x, theta)."""
     number = float if equations.exact is None else equations.exact
     return [SwitchingPoint(number(theta / equations.K.Om), number(x)) for x, theta in points]

@@ -35,9 +35,11 @@ ratios is at most 1.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number, Points
 from symosc.kernels._generated import motion
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations
@@ -59,12 +61,12 @@ class Monodromy(NamedTuple):
         The determinant comes from its factors, not from the matrix: it keeps its digits however small it is.
     """
 
-    matrix: Any
-    trace: Any
-    determinant: Any
+    matrix: tuple[tuple[Number, Number], tuple[Number, Number]]
+    trace: Number
+    determinant: Number
 
 
-def monodromy(equations: ClosingEquations, points: Any) -> Monodromy:
+def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
     """Return the monodromy matrix of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
     K, pieces = equations.K, equations.pieces
     xx, xv, vx, vv = 1, 0, 0, 1
@@ -86,7 +88,7 @@ def monodromy(equations: ClosingEquations, points: Any) -> Monodromy:
     return Monodromy(((xx, xv), (vx, vv)), xx + vv, determinant)
 
 
-def multipliers(trace: Any, determinant: Any, root: Any) -> tuple[Any, Any]:
+def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
     """Return the eigenvalues, the larger one first, from trace and determinant; `root` is a complex square root."""
     half = trace / 2
     square = half * half - determinant
@@ -96,7 +98,7 @@ def multipliers(trace: Any, determinant: Any, root: Any) -> tuple[Any, Any]:
     return large, determinant / large if large != 0 else 0 * large
 
 
-def inside(equations: ClosingEquations, points: Any, values: Any) -> float | None:
+def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
     """Return by how much the larger multiplier is less than 1 in size; None if it is 1 as far as 50 digits tell.
 
     Parameters

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Number
 from symosc.engine.next_event import CROSS, END, FAILED, REST, SLIP, STICK, advance
 from symosc.engine.switching import BELT, DOMAIN_ABOVE, resolve
 from symosc.model import MODE_NAMES, NEIGHBOURS
@@ -117,7 +118,7 @@ def without_word(equations: ClosingEquations, run: WordRun) -> str:
     return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
 
 
-def between(positions: tuple[Any, Any]) -> str:
+def between(positions: tuple[Number, Number]) -> str:
     """Name an interval of positions of rest."""
     low, high = (f"{float(value):.6g}" for value in positions)
     return f"where every x from {low} to {high} is a position of rest"

@@ -7,7 +7,9 @@ from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import Number, Record
 from symosc.engine.first_exit import state_at
 from symosc.errors import ParameterError
 from symosc.model import Parameters
@@ -37,8 +39,8 @@ class SwitchingPoint(NamedTuple):
     t = 0.181670, x = 4.154921
     """
 
-    t: Any
-    x: Any
+    t: Number
+    x: Number
 
 
 class Approach(NamedTuple):
@@ -123,9 +125,9 @@ class PeriodicOrbit:
     word: str
     labels: tuple[str, ...]
     points: tuple[SwitchingPoint, ...]
-    period: Any
+    period: Number
     periods: int
-    multipliers: tuple[Any, Any]
+    multipliers: tuple[Number, Number]
     stable: bool | None
     residual: float
     admissible: bool
@@ -158,7 +160,7 @@ class PeriodicOrbit:
         """Return every inequality that makes the root an orbit, with its margin."""
         return conditions(self.equations(), self.phases())
 
-    def __call__(self, t: Any) -> np.ndarray:
+    def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
         times = np.asarray(t, dtype=float)
         equations, points = self.equations(), self.phases()
@@ -205,10 +207,10 @@ class PeriodicOrbit:
                 best = min(best, (dt, float(scene.x0) - float(x)), key=lambda pair: _size(*pair))
         return best
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return everything as plain values; numbers with more than double precision become text."""
 
-        def plain(value: Any) -> Any:
+        def plain(value: Any) -> float | str:
             return float(value) if self.digits is None else value.context.nstr(value, self.digits)
 
         rows = zip(self.labels, self.points, strict=True)

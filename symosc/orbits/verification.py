@@ -12,11 +12,12 @@ Three things are asked, in this order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, pi
-from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Points
 from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.admissibility import (
@@ -33,6 +34,7 @@ from symosc.orbits.admissibility import (
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import Solution, polish
 from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...
 MARGINAL = 1e-9
@@ -49,7 +51,7 @@ VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces 
 SAME_EXACTLY = 1e-12
 
 
-def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
+def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return what keeps a root from being an orbit, the condition that explains the others first; empty for an orbit.
 
     Parameters
@@ -80,7 +82,7 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
     return [_contradiction(equations, points)]
 
 
-def ill_conditioned(equations: ClosingEquations, points: Any) -> bool:
+def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     """Return whether rounding errors of the residuals move the phases of the root by more than MARGINAL."""
     sizes, rows = scales(equations, points), []
     x_size = max(abs(float(x)) for x, _ in points)
@@ -100,7 +102,7 @@ def _cleaned(condition: Condition) -> Condition:
     return condition._replace(value=0.0) if abs(condition.value) < NOTHING_LEFT * condition.scale else condition
 
 
-def refined(equations: ClosingEquations, points: Any) -> tuple[ClosingEquations, Solution]:
+def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquations, Solution]:
     """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method gets hold of it."""
     fine = equations.with_digits(FINE_DIGITS)
     try:
@@ -110,7 +112,7 @@ def refined(equations: ClosingEquations, points: Any) -> tuple[ClosingEquations,
 
 
 def _vanishing(
-    equations: ClosingEquations, points: Any, found: list[Condition], fine: ClosingEquations, root: Solution
+    equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
     """Return that a piece has no length where its duration goes to 0 under Newton's method: a multiple root."""
     was, now = (
@@ -132,7 +134,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
     return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
 
 
-def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool:
+def agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
     """Return whether the engine, started on the root, follows the word and comes back after the period."""
     i = _start(equations, points)
     events = _simulated(equations, points, i, digits)
@@ -149,7 +151,7 @@ def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool
     return True
 
 
-def _start(equations: ClosingEquations, points: Any) -> int:
+def _start(equations: ClosingEquations, points: Points) -> int:
     """Return the switching point at the end of a flight where the forces above and below the belt are clearest."""
     best, start = -inf, 0
     for i, piece in enumerate(equations.pieces):
@@ -162,7 +164,7 @@ def _start(equations: ClosingEquations, points: Any) -> int:
     return start
 
 
-def _simulated(equations: ClosingEquations, points: Any, i: int, digits: int | None) -> Any:
+def _simulated(equations: ClosingEquations, points: Points, i: int, digits: int | None) -> Sequence[Event]:
     """Return the events of a little more than one period from switching point i."""
     p, (x, theta) = equations.parameters, points[i]
     number = equations.exact or float
@@ -173,7 +175,7 @@ def _simulated(equations: ClosingEquations, points: Any, i: int, digits: int | N
     return simulate(p, t0=t, x0=number(x), v0=v, t_end=end, max_events=most, digits=digits).events
 
 
-def _expected(equations: ClosingEquations, points: Any, i: int) -> list[tuple[int, int, Any, Any]]:
+def _expected(equations: ClosingEquations, points: Points, i: int) -> list[tuple[int, int, Number, Number]]:
     """Return boundary, mode after it, x and t of every switching after point i, up to its own a period later."""
     n, pieces, number = len(equations.pieces), equations.pieces, equations.exact or float
     due = []
@@ -184,7 +186,7 @@ def _expected(equations: ClosingEquations, points: Any, i: int) -> list[tuple[in
     return due
 
 
-def _contradiction(equations: ClosingEquations, points: Any) -> Condition:
+def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
     """Return which piece the engine, started on the root, does not follow."""
     i, n = _start(equations, points), len(points)
     events, due = _simulated(equations, points, i, None), _expected(equations, points, i)

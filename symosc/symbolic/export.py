@@ -22,13 +22,13 @@ from symosc.files import read_path, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.symbolic.export_program import FLAGS, Program, program
 from symosc.symbolic.languages import LANGUAGES, MATRIX, RESERVED, C, Julia, wrapped
-from symosc.words import read_word
+from symosc.words import WordLike, read_word
 
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 
 
 def export(
-    word: Any, language: str = "python", fix: Parameters | None = None, name: str | None = None
+    word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
     """Return the source files of a word's residual and Jacobian, text by file name.
 

@@ -12,6 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.engine.flow import constants
 from symosc.kernels import _generated, entire, entire_array, mapping
 from symosc.model import NEIGHBOURS, Parameters
@@ -79,7 +80,7 @@ class Program:
     functions: dict[str, ast.FunctionDef]
     maps: list[str]
     fields: list[str]
-    values: dict[str, Any] | None
+    values: Record | None
     settings: dict[str, float]
     parameters: Parameters | None
 

@@ -14,16 +14,15 @@ window at equality as well, if side k v_lambda > 0: the tangency of fourth order
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr, NumberLike
 from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
 from symosc.model import Parameters
 from symosc.symbolic.theorem7 import rational, real, sign_of
-
-Expr = Any  # sympy ships no types
 
 #: The letters of the answers without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
 QUERY_LETTERS = {
@@ -74,7 +73,9 @@ class _Problem(NamedTuple):
         return self.where.side * self.letters["k"] * self.letters["v"]
 
 
-def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any = None, order: str = "full") -> Any:
+def values_containing(
+    p: Parameters | None, mapping: str, name: str, theta: NumberLike = None, order: str = "full"
+) -> Expr:
     """Return for which values of a parameter the window of a map contains a phase.
 
     Parameters
@@ -116,7 +117,7 @@ def values_containing(p: Parameters | None, mapping: str, name: str, theta: Any 
     return _collected(problem, _containing(problem, theta, full))
 
 
-def values_empty(p: Parameters | None, mapping: str, name: str) -> Any:
+def values_empty(p: Parameters | None, mapping: str, name: str) -> Expr:
     """Return for which values of a parameter the window of a map is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
@@ -131,7 +132,7 @@ def values_empty(p: Parameters | None, mapping: str, name: str) -> Any:
     return _collected(problem, _reaching(problem, -problem.where.side, closed=True, at_zero=True))
 
 
-def values_everything(p: Parameters | None, mapping: str, name: str, order: str = "full") -> Any:
+def values_everything(p: Parameters | None, mapping: str, name: str, order: str = "full") -> Expr:
     """Return for which values of a parameter every phase is in the window of a map; see `values_containing`.
 
     Examples
@@ -274,7 +275,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
             yield positive, condition
 
 
-def _collected(problem: _Problem, answers: Iterator[Answer]) -> Any:
+def _collected(problem: _Problem, answers: Iterator[Answer]) -> Expr:
     """Cut answers to the allowed values, join conditions with one answer, and return a set if there is no condition."""
     found: dict[Expr, Expr] = {}
     for condition, values in answers:

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr, NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.mappings.theorem7_cases import (
@@ -29,8 +30,6 @@ from symosc.mappings.theorem7_cases import (
     place,
     window_kind,
 )
-
-Expr = Any  # sympy ships no types
 
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
 TOP, BOTTOM = sp.pi / 2, sp.pi + sp.pi / 2  # where the sine is 1 and -1
@@ -64,7 +63,7 @@ class Case(NamedTuple):
     phases: Expr
 
 
-def theorem7(mapping: str, gamma: Any, amplitude: Any, order: str = "full") -> Any:
+def theorem7(mapping: str, gamma: NumberLike, amplitude: NumberLike, order: str = "full") -> Expr | tuple[Case, ...]:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
     Parameters
@@ -233,7 +232,7 @@ def _case(
 # --- exact numbers ---
 
 
-def real(name: str, value: Any) -> Expr:
+def real(name: str, value: NumberLike) -> Expr:
     """Return `value` as a sympy expression: exact for numbers, as it is for real constants and symbols.
 
     Raises

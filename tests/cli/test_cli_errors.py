@@ -43,7 +43,7 @@ BAD = [
     (["simulate", "keys.toml"], "is missing"),
     (["simulate", "binary.toml"], "is not valid TOML"),
     (["simulate", "fig5", "--set", "k"], "'k' is not NAME=VALUE"),
-    (["simulate", "fig5", "--set", "kk=1"], "kk = '1': is no parameter"),
+    (["simulate", "fig5", "--set", "kk=1"], "kk = '1': is not a parameter"),
     (["simulate", "fig5", "--set", "k=x"], "k = 'x'"),
     (["simulate", "fig5", "--set", "k=nan"], "must be finite"),
     (["simulate", "fig5", "--set", "m=0"], "m = '0': must be > 0"),

@@ -246,7 +246,7 @@ def test_phases_at_large_times() -> None:
         (lambda t, x, v: (t, x[:-1], v), "one length"),
         (lambda t, x, v: (t[:1], x[:1], v[:1]), "at least 2"),
         (lambda t, x, v: (t, np.array([x, x]), v), "one-dimensional"),
-        (lambda t, x, v: (t, ["a"] * len(t), v), "'a': is no number"),
+        (lambda t, x, v: (t, ["a"] * len(t), v), "'a': is not a number"),
     ],
 )
 def test_bad_samples(change: Any, words: str, grid: Any) -> None:
@@ -296,11 +296,11 @@ def test_what_cannot_be_read(tmp_path: Path) -> None:
     files = {
         "two.csv": ("t,x\n0,1\n1,2\n", "column = 'v': is missing"),
         "short.csv": ("t,x,v\n0,1,2\n1,2\n", "row 3 has 2 entries"),
-        "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is no number"),
+        "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is not a number"),
         "empty.csv": ("", "is empty"),
         "bad.json": ("{", "cannot be read"),
         "list.json": ("[1, 2]", "must hold columns"),
-        "bad.npz": ("no zip", "is no npz file"),
+        "bad.npz": ("no zip", "is not an npz file"),
         "run.txt": ("", "must end in"),
     }
     for name, (text, words) in files.items():

@@ -40,7 +40,7 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         values = rng.uniform(-9, 9, 300) * size * 10.0 ** rng.uniform(-1, 1, 300)
         digits = find_digits(cut(values))
         assert digits is not None
-        assert digits.words == words
+        assert digits.text == words
         # One unit of the last digit, which the rounding error never exceeds by half.
         assert np.all(np.abs(cut(values) - values) <= 0.5000001 * digits.units)
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3

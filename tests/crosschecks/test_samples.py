@@ -217,7 +217,7 @@ def test_npz_files(tmp_path: Path) -> None:
     np.save(tmp_path / "array.npy", T)
     for damaged in (b"", b"no zip", content[: len(content) // 2], (tmp_path / "array.npy").read_bytes(), b"\x80\x04]."):
         path.write_bytes(damaged)
-        one_line(lambda: crosscheck("fig9", path), "is no npz file")
+        one_line(lambda: crosscheck("fig9", path), "is not an npz file")
 
 
 def test_more_events_than_can_be_meant() -> None:

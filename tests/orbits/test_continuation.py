@@ -279,7 +279,7 @@ def test_command_line(tmp_path):
     arguments = ["fig9", "--structure", "P32", "--continue", "Omega=3:5.5", "-o", str(chart)]
     result = run(command, arguments, standalone_mode=False)
     assert "birth of a stick, F^(1) < 0 where P3 crosses v1 (Theorem 5)" in result.output
-    assert "behind it P7482" in result.output
+    assert "beyond it P7482" in result.output
     assert chart.stat().st_size > 10_000
     result = run(command, ["fig9", "--set", "Omega=3"], standalone_mode=False)
     assert result.return_value == 1
