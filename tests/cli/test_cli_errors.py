@@ -97,7 +97,7 @@ BAD = [
     (["simulate", ""], "scene '': unknown"),
     (["scenes", ""], "scene '': unknown"),
     (["scenes", "fig55"], "scene fig55: unknown"),
-    (["codegen", "now"], "is no mapping"),
+    (["codegen", "now"], "is not a mapping"),
     (["bench", "--slow"], "No such option"),
 ]
 

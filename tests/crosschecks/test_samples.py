@@ -194,7 +194,7 @@ def test_files_that_are_read_although_they_look_odd(tmp_path: Path) -> None:
 def test_files_that_are_no_text(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"file{suffix}"
     path.write_text(json.dumps(GOOD), encoding="utf-16")
-    one_line(lambda: crosscheck("fig9", path), "no text in UTF-8")
+    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8")
 
 
 def test_npz_files(tmp_path: Path) -> None:
