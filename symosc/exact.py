@@ -17,7 +17,7 @@ NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fractio
 
 #: What a decimal or a fraction looks like: ASCII digits only, no underscores, no spaces inside.
 NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE](?P<exponent>[+-]?\d+))?)", re.ASCII)
-#: What an expression looks like, which is no number.
+#: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
     "is an expression, and only fractions are exact: write its value with the digits that you need, such as "
@@ -43,8 +43,8 @@ def read_exact(name: str, value: object) -> Fraction:
     Raises
     ------
     ParameterError
-        For text that is no number, for NaN, infinities and numbers that are too large, and for types that are not exact
-        numbers.
+        For text that is not a number, for NaN, infinities and numbers that are too large, and for types that are not
+        exact numbers.
     """
     number = _read(name, value)
     if abs(number) > LARGEST:
@@ -101,7 +101,7 @@ def _read_mpf(name: str, value: Any) -> Fraction:
 
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
-    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
+    """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
     try:
         number = operator.index(value)

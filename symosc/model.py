@@ -28,6 +28,7 @@ MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
 #: The domains below and above each boundary.
 NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
+SIDES = NEIGHBOURS
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -53,7 +54,7 @@ class Parameters:
     Raises
     ------
     ParameterError
-        If a value is no finite number or is out of range; the message names it.
+        If a value is not a finite number or is out of range; the message names it.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """Events of a solver against those of a reference: errors, missed and invented events.
 
-The two lists are aligned as sequences: an event can be matched with one of the same kind on the same boundary that is
-at most a window of time away, matches keep the order of both lists, and of all such alignments the one with the most
-and nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
+The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
+at most a window of time away. Matches keep the order of both lists. Of all such alignments the one with the most and
+nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
 nearest counts and the others are invented.
 """
 
@@ -119,9 +119,9 @@ def _align(
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment, in order.
 
-    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Row i of the
-    usual table differs from the one before within the window and, by what it ends with there, after it; so only the
-    window is visited, and `best` reaches to the end of the latest window.
+    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Events found
+    outside the window cannot match. So row i of the usual table changes only in the window, and only the window is
+    visited. `best` reaches to the end of the latest window; after that it is constant.
     """
     found_times = [event.t for event in found]
     best = [0.0]

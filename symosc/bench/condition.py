@@ -5,7 +5,7 @@ For each event, with out its time or position and in each parameter and start va
     condition = max over out of  sum over in of |d out/d in| |in| / max(1, |out|),
 
 the amplification of relative errors of the input into errors of the output as the benchmarks measure them. A solver
-that works in doubles rounds every input, so an error of condition * 1e-16 is nobody's fault.
+that works in doubles rounds every input, so no solver can avoid an error of condition * 1e-16.
 
 A number that is 0 has no relative error and does not count. A start on a belt moves with the belt, because off it
 there would be other events. The derivatives are differences of two runs with more digits; where the difference

@@ -6,9 +6,10 @@ the size of what it oscillates in:
 
     E0: max(1, |E0|),   E1: |E1| + |E0| tau/(1 + w0 tau),   E2: |E2|,   R2 and I2: |R2| + |I2|
 
-(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio
-zeta = c/(2 m w0) and Omega/w0, w0 = sqrt(k/m), for some w0 tau, twice: for the cheap closed form wherever it can be
-evaluated, and for what symosc does, which is the cheap form on one side of a border and others beyond it.
+(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio zeta = c/(2
+m w0) and over Omega/w0, with w0 = sqrt(k/m), for some w0 tau. There are two maps: one of the cheap closed form,
+wherever it can be evaluated, and one of what symosc does. That is the cheap form up to a border, and other forms beyond
+it.
 """
 
 from __future__ import annotations

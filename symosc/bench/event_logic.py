@@ -24,7 +24,7 @@ from symosc.scenes import Scene
 State = Sequence[float]
 Scalar = Callable[[float, State], float]
 
-#: So many events within one period (of `Motion`) are no motion of this oscillator.
+#: This oscillator never has so many events within one period (of `Motion`).
 CHATTER = 100
 
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:

@@ -245,7 +245,7 @@ def _row(case: HardCase, known: Sequence[float], cells: Record) -> Record:
 
 
 def violations(rows: Sequence[Record]) -> list[str]:
-    """Return where ours missed or invented an event or had too large an error; that it took too long is none."""
+    """Return where ours missed or invented an event or had too large an error; what took too long is left out."""
     found = []
     for row in rows:
         for solver in ours.SOLVERS:

@@ -1,7 +1,7 @@
 """Cases that are hard for solvers, as data: scenes of exact numbers, what is hard about each, and its reference.
 
-All numbers are decimals of at most 17 digits (but for the periodic orbits of the long runs), so that every solver gets
-the same problem, to the rounding of a decimal to a double. What that rounding alone can do to the events is their
+All numbers are decimals of at most 17 digits, except for the periodic orbits of the long runs. So every solver gets the
+same problem, up to the rounding of a decimal to a double. What that rounding alone can do to the events is their
 condition number (`symosc.bench.condition`).
 """
 
@@ -86,9 +86,8 @@ GROUPS = {
 def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion.
 
-    They are those of a period on the orbit, a whole number of periods later. A start that is not exactly on the orbit
-    is forgotten (every period multiplies its distance by the orbit's multipliers, 0.56 and less), so a long run must
-    end with them.
+    They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if its
+    start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and less.
     """
     p, context = scene.parameters, mp_context(digits + 10)
     orbit = find_orbit(p, scene.structure, guess=find_orbit(p, scene.structure), digits=digits + 10)

@@ -1,13 +1,14 @@
 """SUNDIALS CVODE with root finding, through scikit-sundae: at its best (Adams and BDF) and as it comes.
 
 CVODE knows that a root function may be 0 at the start: it looks a little ahead and waits until the function has left 0.
-Flights may start on the belt, but after a near graze its first steps, of order 1, go to the wrong side at coarse
-tolerances, so the best version starts a little off. What CVODE does not see is a function that is out and back within
-one step; and on a belt, where every error estimate is 0, the step grows past the end of the stick. The best version
-bounds the step, and adds the turning points of the exit functions as roots, to go back when one has turned outside.
+Flights may start on the belt. But after a near graze the first steps, of order 1, cross the belt at coarse tolerances.
+So the best version starts a little off. CVODE does not see a function that changes its sign twice within one step. On a
+belt every error estimate is 0, so that the step grows past the end of the stick. The best version bounds the step, and
+adds the turning points of the exit functions as roots, to go back when one has turned outside.
 
-A CVODE object of scikit-sundae (1.2) is good for one solution: it goes on counting events over calls of `solve`, and
-after a terminal event in one the next stops at any event. So each phase gets an object of its own, which takes 0.04 ms.
+A CVODE object of scikit-sundae (1.2) can be used for one solution only. It goes on counting events over calls of
+`solve`, and after a terminal event in one call the next call stops at any event. So each phase gets an object of its
+own, which takes 0.04 ms.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """heyoka: Taylor series of high order, compiled just in time, with events found on the series itself.
 
-At its best, one integrator does everything: flights and sticks differ by its parameters, which the callbacks of its
-two terminal events rewrite, so that Python runs once per event. The drive is two more state variables: that is cheaper
-than a cosine, and keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights
-start off the belt and need no cool-down.
+At its best, one integrator does everything. Flights and sticks differ by its parameters, which the callbacks of its two
+terminal events rewrite; so Python runs once per event. The drive is two more state variables, which is cheaper than a
+cosine. It also keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights start
+off the belt and need no cool-down.
 
 As it comes, there is one integrator for each domain and belt, which is stopped by its terminal events and started
 again on the belt. In a step that starts where an event function is exactly 0, heyoka 7.13 does not see the next root.
@@ -32,9 +32,9 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
 
     Notes
     -----
-    State: x, v, and B0/m times the cosine and the sine of the drive. Parameters p: v' = p0 (a + p1) with
-    a = (B0 cos - k x - c v)/m, and the event functions p2 v + p3 a + p4 and p5 v + p6 a + p7. In flights these are the
-    distances of v from both belts, in sticks the accelerations on both sides.
+    State: x, v, and B0/m times the cosine and the sine of the drive. Parameters p: v' = p0 (a + p1) with a = (B0 cos -
+    k x - c v)/m. The event functions are p2 v + p3 a + p4 and p5 v + p6 a + p7. In flights these are the distances of v
+    from both belts, in sticks the accelerations on both sides.
     """
     import heyoka as hy
 

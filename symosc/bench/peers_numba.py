@@ -1,9 +1,9 @@
 """DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
 
 Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). As it
-comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited, a
-step in which the derivative of a margin vanishes is looked at there too, the event is refined by steps of the method
-itself instead of its interpolant, and flights start off the belt.
+comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited. A
+step in which the derivative of a margin vanishes is looked at there too. The event is refined by steps of the method
+itself, not by its interpolant, and flights start off the belt.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The closed form as a careful user writes it, scanned at a fixed distance for a change of sign.
 
-Particular plus homogeneous solution in sines, cosines and exponentials, one formula for each regime of damping; a
-number of samples per period (of drive or spring, the shorter one), and a root finder between two samples of different
-sign. In Python the samples are taken with NumPy, a period at a time, and the root finder is scipy's brentq; the other
-form is compiled by numba.
+It evaluates the particular plus the homogeneous solution in sines, cosines and exponentials, with one formula for each
+regime of damping. It takes a number of samples per period (of drive or spring, the shorter one), and a root finder
+between two samples of different sign. In Python the samples are taken with NumPy, a period at a time, and the root
+finder is scipy's brentq; the other form is compiled by numba.
 
 What happens between two samples is not seen, and the formulas divide by k and by the distance from resonance.
 """

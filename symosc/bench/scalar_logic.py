@@ -1,9 +1,9 @@
 """The event logic of `event_logic` in scalars only, so that numba can compile it together with a solver.
 
-A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``: it follows one flight or stick and returns
-(side, t, x), the side being -1 or +1 where it was left, 0 where it lasts until t_end and UNSOLVED where the solver gave
-up. The clock that it sees starts anew with each flight and stick, and the phase at t = 0 is in `Scalars`: after many
-periods the rounding of Omega t would be more than a fine tolerance allows, and steps would shrink to nothing.
+A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick and returns
+(side, t, x). The side is -1 or +1 where it was left, 0 where it lasts until t_end, and UNSOLVED where the solver gave
+up. Its clock starts anew with each flight and stick, and the phase at t = 0 is in `Scalars`. Otherwise, after many
+periods, the rounding of Omega t would be more than a fine tolerance allows, and steps would shrink to nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CHATTERS, GAVE_UP = 1, 2
 #: from the belt itself, some flights come back at once for ever, and errors after a near graze are in proportion.
 ONE_STEP_OFFSET = 1e-15
 FIRST_ROWS = 64
-# A root is refined until its bracket is within so many parts of its time.
+# A root is refined until its bracket is within this part of its time.
 LAST_BIT = 2.0**-52
 
 #: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and

@@ -1,9 +1,9 @@
 """How fast, and how exact: the figures that the README quotes, measured in one run.
 
-The unit is one evaluation of the closed-form flow (one exp, the sine and cosine of two angles, and the arithmetic that
-makes position and velocity of them), timed in the same process right after what it is the unit of: some machines change
-their pace by the second. Times are the best of several repeats, ratios their median; a first call, which compiles or
-loads the compiled code, is reported apart.
+The unit is one evaluation of the closed-form flow: one exp, the sine and cosine of two angles, and the arithmetic that
+makes position and velocity of them. It is timed in the same process, right after what is measured, because some
+machines change their pace every second. Times are the best of several repeats, ratios their median; a first call, which
+compiles or loads the compiled code, is reported apart.
 """
 
 from __future__ import annotations

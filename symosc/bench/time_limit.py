@@ -1,8 +1,8 @@
 """Calls with a time limit, in a process of their own: what hangs or dies there is a result, not the end of the run.
 
-The process is spawned, not forked: compiled peers (numba, heyoka) and the pool itself run threads, and the locks that
-those hold at a fork are never released in the child. It serves all calls until one overruns its limit or kills it, so
-imports and compilation are paid once; after that the next call gets a new process.
+The process is spawned, not forked. Compiled peers (numba, heyoka) and the pool itself run threads, and locks that these
+hold at a fork are never released in the child. It serves all calls until one overruns its limit or kills it, so imports
+and compilation are paid once; after that the next call gets a new process.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Work and precision: time per event and error of every solver, at every tolerance, on the shipped scenes.
 
 All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
-run in 40 digits. There are two spans: a short one for everybody, on which the errors are measured, and a long one, so
-that the fixed cost of a call does not count, for those that finish it in a moment.
+run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
+measured on a long one, so that the fixed cost of a call does not count, if a solver finishes it soon.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
 #: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
-#: comes after fig8's first 20 events is no task for doubles: its sticks shrink by 3/8 each half period.
+#: comes after fig8's first 20 events is beyond doubles: its sticks shrink by 3/8 each half period.
 SCENE_SPANS = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
 SCENE_SPANS |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
 QUICK_SCENE_SPANS = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}

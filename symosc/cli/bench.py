@@ -26,14 +26,14 @@ from symosc.cli.settings import goes_to_stdout
 def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
-    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of
-    one closed-form evaluation. Solvers that are not installed are skipped with a word (extra bench); one that hangs or
-    fails is shown as such. With --hard: what the solvers make of the cases that are hard to get right, and -o draws
-    the error of symosc's kernels over damping ratio and drive instead; the exit code is 1 if symosc itself misses or
-    invents an event, or errs by more than 1e-12 (where a case is ill-conditioned, 100 * condition * 1e-16).
+    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
+    closed-form evaluation. Solvers that are not installed are skipped, and named (extra bench); one that hangs or fails
+    is shown as such. With --hard all solvers get cases that are hard to get right. The exit code is 1 if symosc itself
+    misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition * 1e-16).
+    Then -o draws the error of symosc's kernels over damping ratio and drive.
 
-    --results writes tables, pictures and machine into a README with the lines '<!-- results: begin -->' and
-    '<!-- results: end -->'; pictures and full tables go to docs/results beside it.
+    --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
+    and full tables go to docs/results beside it.
 
     \b
     Examples:

@@ -44,9 +44,9 @@ def orbit(
 ) -> int:
     """Find the periodic orbit with a mapping structure, and say whether it is stable.
 
-    Prints the switching points, the multipliers, and how the scene's start lies to the orbit. With --continue the orbit
-    is followed both ways until it ends or leaves the range; the reason for each end is located and named, with the
-    structure of the orbit behind it. A structure without an orbit at these parameters gives exit code 1.
+    Prints the switching points, the multipliers, and how far the scene's start is from the orbit. With --continue the
+    orbit is followed both ways until it ends or leaves the range. Each end is located, and printed with its reason and
+    with the structure of the orbit beyond it. A structure without an orbit at these parameters gives exit code 1.
 
     \b
     Examples:

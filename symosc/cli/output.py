@@ -1,4 +1,4 @@
-"""What commands print: text, JSON and tables on stdout, and a word on stderr where a motion could not be decided."""
+"""What commands print: text, JSON and tables on stdout, and a line on stderr where a motion could not be decided."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON i
 
 
 def write(text: str) -> None:
-    """Print to stdout. A reader that closed the pipe has had enough."""
+    """Print to stdout. Nothing is wrong if the reader has closed the pipe."""
     try:
         click.echo(text)
     except BrokenPipeError:

@@ -38,7 +38,7 @@ DRIFT = 1e-4
 SAMPLE_JUMP = 1e-4
 # Wrong steps that are looked at one by one.
 MOST_FAULTS = 500
-# The exact motion is followed for so many events.
+# The exact motion is followed for this many events.
 FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 
 
@@ -230,7 +230,7 @@ class Task:
         return list(longer.events[len(trajectory.events) :])
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
-        # Samples of so many more events than there are samples cannot be meant.
+        # So many more events than samples cannot be meant.
         most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
@@ -325,8 +325,8 @@ def _loose(p: Parameters, samples: Samples, units: np.ndarray) -> np.ndarray:
 def _carried(steps: ExactSteps, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """Return how far rounded samples may be from the exact motion over the step, shape (n - 1, 2).
 
-    That is the rounding of the next sample, and what becomes of the rounding of the one before: events in the step
-    amplify it, so the exact motion is followed from the corners of what rounds to the sample.
+    That is the rounding of the next sample, and what the step makes of the rounding of the one before. Events in the
+    step amplify it. So the exact motion is followed from the corners of the box of states that round to the sample.
     """
     if not np.any(loose):
         return np.zeros_like(steps.defects)

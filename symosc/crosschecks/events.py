@@ -115,7 +115,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
                 continue
             # Where the steps are right, the exact motion tells what happens at the contact.
             source, target = int(steps.last[first - 1]), int(steps.first[last])
-            if not now:  # a start on the belt is no event
+            if not now:  # a start on the belt is not an event
                 source = now = target
             if {source, target} == {mode - 3, mode - 2}:
                 go(source, first)

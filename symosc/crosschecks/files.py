@@ -27,7 +27,7 @@ def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Sampl
     source : path or object
         A path that ends in .csv (with a header), .npz or .json (columns as lists, or a list of rows); an OdeResult of
         scipy (the rows of y are x and v); a pandas DataFrame, an xarray Dataset or a mapping of columns. The index of a
-        DataFrame will do for the time. "events" in JSON, an npz or a mapping are pairs (t, kind).
+        DataFrame can be the time. "events" in JSON, an npz or a mapping are pairs (t, kind).
     columns : mapping, optional
         What the columns t, x and v are called, for example ``{"x": "position"}``.
 

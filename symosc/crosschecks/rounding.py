@@ -65,7 +65,8 @@ class Rounding:
 def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
     """Return how samples were rounded.
 
-    Times are taken as rounded only if x or v are and the times are no even grid: a time such as 0.05 is exact as it is.
+    Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
+    exact.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
         t = find_digits(samples.t, samples.t[:1])
         t = None if t is None or _even(samples.t, t.units) else t
     listed = np.array([time for time, _ in samples.events or ()])
-    # A list beside rounded samples is likely to be rounded too: one time shows it.
+    # A list given with rounded samples is likely to be rounded too: one time shows it.
     least = LEAST_SHOWN if x is None and v is None else 1
     return Rounding(t, x, v, find_digits(listed, samples.t[:1], least))
 

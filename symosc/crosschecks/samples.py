@@ -127,7 +127,7 @@ def _items(values: Any) -> Iterable[object]:
 
 
 def _number(value: Any) -> float:
-    """Return `value` as a float; ValueError for text such as 1_000, which Python reads and nobody writes in a table."""
+    """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)):
         raise TypeError("no real number")
     if isinstance(value, bytes):
@@ -138,7 +138,7 @@ def _number(value: Any) -> float:
 
 
 def short(text: str) -> str:
-    """Return text for a message, not longer than a line can bear."""
+    """Return text for a message, cut if it is too long for a line."""
     text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
     return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
 

@@ -134,7 +134,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(doubtful):
         others = follow(doubtful, closest[doubtful])
-        # On a belt both agree, but for rounding: then the belt it is.
+        # On a belt both agree up to rounding: then it is on the belt.
         better = ~(others[3] > size[doubtful] * (1.0 + 1e-6) + EPS)
         chosen = doubtful[better]
         defects[chosen], first[chosen], last[chosen] = (values[better] for values in others[:3])

@@ -13,7 +13,7 @@ from symosc.aliases import Angle, Context, Expr, Number
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
 
-# Longer texts are no angles that somebody means.
+# Nobody writes an angle as a longer text.
 LONGEST_TEXT = 200
 
 

@@ -24,7 +24,7 @@ a step to one with more digits (`look`), and goes on from there as if it had jus
 A flight may never have met a boundary. That can happen in an over- or critically damped system only, and is recognised
 by a transient that runs away from the only boundary for ever (`_never_came`). An underdamped transient comes back.
 
-BackwardSteps run on floats and on mpmath numbers (`BackwardSteps`); searches over many steps on floats (`Search`).
+`BackwardSteps` run on floats and on mpmath numbers; a `Search` over many steps runs on floats.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ STEP = 1.0
 BACKWARD_ROUNDING = 8
 # What a flight must stay away from a boundary to be said never to have met it, as a part of the velocity's size.
 CLEAR_GAP = 1e-9
-# Velocities that are no longer followed: nothing can be simulated from there.
+# Larger velocities are not followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_BACKWARD_STEPS = 20_000
@@ -225,7 +225,7 @@ class BackwardSteps:
 class Search(BackwardSteps):
     """Searches of one system in double precision.
 
-    A step is linear in v, a and the sine and cosine of the phase: one product with a matrix gives its Taylor
+    A step is linear in v, a and the sine and cosine of the phase. So one product with a matrix gives its Taylor
     coefficients, its Bernstein coefficients (less v) and the state at its end.
     """
 
@@ -263,8 +263,8 @@ class Search(BackwardSteps):
         tau_max : float
             Time to search.
         look : callable, optional
-            Judges with more digits what is open on the step that begins at a given time: returns the arrival there, or
-            None and the state behind. Without it what is open is a touch.
+            Decides with more digits what is open on the step that begins at a given time. It returns the arrival there,
+            or None and the state after the step. Without it what is open is a touch.
         most_steps : int
         """
         state = self.begin(0.0)

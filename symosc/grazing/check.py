@@ -1,11 +1,11 @@
 """Theorem 7 against numerics: does a contact at a phase graze? Decided in three ways and compared with the window.
 
-A contact is built at each phase (x_m from F = 0), and whether the flow of the domain turns back there is decided by the
+A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided by the
 signs of the G-functions, by the exact flow a short time before and after, and by scipy's DOP853
 (`symosc.grazing.deciders`).
 
-The phases are random ones, in double precision, and adversarial ones, exact: the ends of the window, the points of
-equality and the quarters of the circle themselves, and 1e-3 to 1e-14 beside them on both sides.
+Some phases are random, in double precision. The others are adversarial, and exact: the ends of the window, the points
+of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and after each of them.
 """
 
 from __future__ import annotations

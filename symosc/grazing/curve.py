@@ -1,9 +1,9 @@
 """The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
 
-Theorem 7's window gives the phases theta_m of the tangencies, the flow back from each gives the start
-(`symosc.grazing.backward_flow`, in double precision with error bounds, with more digits where these leave a contact
-open). The curve ends where the window ends, or where the flow begins to come from elsewhere: it touches the other belt
-or its own on the way, or has met none.
+Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the start
+(`symosc.grazing.backward_flow`). That is done in double precision with error bounds, and with more digits where these
+leave a contact open. The curve ends where the window ends, or where the flow no longer comes from the mapping's belt:
+it touches the other belt or its own on the way, or it has met no belt.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
 PIECE_POINTS = 33
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 CURVE_HALVINGS = 50
-# ... but not where the search ends in one of them: that is no end of the curve.
+# ... but not where the search ends in one of them: that is not an end of the curve.
 ROUGH_HALVINGS = 8
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
 CURVE_STRIDE = 0.2
-# ... unless the slopes explain it, but for this part of it ...
+# ... unless the slopes explain it up to this part of it ...
 CURVE_AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
 CURVE_JUMP = 1e-3

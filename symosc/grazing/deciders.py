@@ -82,8 +82,9 @@ class Ways:
     def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
 
-        `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m; where
-        that is 0, G^(2) = -(B0 Omega/m) Omega cos, which is 0 too iff |k v| = |B0| Omega; then the next one decides.
+        `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
+        that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
+        decides.
         """
         iv, p = self._intervals, self.p
 
@@ -156,8 +157,8 @@ class Ways:
     def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
         """Return how far into the domain the velocity is at tau, over size tau^2, by DOP853.
 
-        The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2) against the time over tau; the force is
-        taken against its value 0 at the contact, a difference of cosines as a product.
+        The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
+        the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         """
         from scipy.integrate import solve_ivp
 

@@ -1,8 +1,8 @@
 """The flight that ends in a tangency, in closed form and in any number of digits: polishing what a search has found.
 
 A search back in time (`symosc.grazing.backward_flow`) tells in double precision which contact comes first, and where
-about. Here the same flight is evaluated by the kernel `motion` at the time -tau, Newton's method makes the contact
-right to as many digits as wanted, and the steps that double precision leaves open are judged.
+about. Here the same flight is evaluated by the kernel `motion` at the time -tau. Newton's method makes the contact
+right to as many digits as wanted, and the steps that double precision leaves open are decided.
 
 Between a tangency at the phase theta_m and a point tau earlier, a shift of theta_m along the contacts moves the
 state at fixed tau by
@@ -36,7 +36,7 @@ from symosc.kernels._generated import motion
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
-# A step that is open is looked at again, with another length: it is no accident of where steps and intervals end.
+# A step that is open is looked at again with other lengths, so that it does not depend on where steps end.
 LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
 DIGITS_ROUNDING = 2**10
@@ -169,7 +169,7 @@ class Flights:
         return self._steps[step]
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
-        """Return how many digits behind the point a polished arrival lacks."""
+        """Return how many digits after the decimal point a polished arrival lacks."""
         if arrival.kind not in (CONTACT, REACHED):
             return 0
         t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a

@@ -21,7 +21,7 @@ from symosc.grazing.flight import Flights
 from symosc.grazing.origin import SEARCH_PERIODS
 from symosc.grazing.tracer import OWN, UNKNOWN, Sample
 
-# Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
+# Digits beyond the ones wanted: slopes up to 1e15 can be distinguished from a jump in doubles.
 CURVE_SPARE_DIGITS = 40
 MOST_CURVE_NEWTON = 20
 NEWTON_HALVINGS = 60

@@ -49,7 +49,7 @@ class Origins:
         return type(self), (self.p, self.mapping)
 
     def flights(self, digits: int) -> Flights:
-        """Return flights with so many digits, made once."""
+        """Return flights with that many digits, made once."""
         if digits not in self._flights:
             self._flights[digits] = Flights(self.p, self.mapping, digits)
         return self._flights[digits]
@@ -117,7 +117,7 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[Arrival, Flights]:
-        """Return where the flow came from with `wanted` digits behind the point, and the flights that it is one of.
+        """Return where the flow came from with `wanted` digits after the point, and the flights that it is one of.
 
         Parameters
         ----------

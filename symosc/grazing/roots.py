@@ -2,9 +2,9 @@
 
 If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls from
 above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly once, from
-falling to rising, the value at the bottom tells: above the noise no root, below it two, of which the first one counts,
-within it a touch as far as the noise tells. Otherwise the interval is divided; what is still open at the smallest width
-is a touch too.
+falling to rising, the value at the bottom decides. Above the noise there is no root, below it there are two, of which
+the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still open at the
+smallest width is a touch too.
 
 The functions are scalar and run on floats and on mpmath numbers.
 """
@@ -98,8 +98,8 @@ def _value(p: list[Number], sigma: Number) -> Number:
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
     """Return the root of p, positive at `low` and negative at `high`, by Newton's method kept inside the bracket.
 
-    Only steps of Newton's method tell that it has converged: one that leaves the bracket is replaced by a halving,
-    whose length says nothing.
+    Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
+    halving, whose length says nothing.
     """
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75

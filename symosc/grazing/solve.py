@@ -2,8 +2,8 @@
 
 Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
 which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the grazing curve
-shows between which of its samples the value lies; there Newton's method solves for the phase of the tangency and the
-time of the flight (`symosc.grazing.newton`), and the solution is flown back from anew.
+shows between which of its samples the value lies. There Newton's method solves for the phase of the tangency and the
+time of the flight (`symosc.grazing.newton`). Then the flow back from that tangency is computed anew.
 """
 
 from __future__ import annotations

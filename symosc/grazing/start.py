@@ -1,7 +1,8 @@
 """Where grazing orbits come from: the way back from a tangency to the switching plane.
 
-The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient: the flow that
-touches the belt at phase theta must have come from the plane on which the mapping starts. Flowing back from the contact
+The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient. The flow that
+touches the belt at phase theta must also have come from the plane on which the mapping starts. Flowing back from the
+contact
 
     x_m(theta) = (A_alpha + B0 cos(theta) - c v_lambda)/k,   v = v_lambda,   acceleration 0
 
@@ -281,6 +282,6 @@ def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | 
 
 
 def _text(value: Number, digits: int, context: Context) -> str:
-    """Return a decimal with `digits` digits behind the point's side that matters, readable as an exact number."""
+    """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))

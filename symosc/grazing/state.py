@@ -73,7 +73,7 @@ def is_grazing(
     Raises
     ------
     ParameterError
-        For a mapping without grazing, and for values that are no numbers or out of range.
+        For a mapping without grazing, and for values that are not numbers or are out of range.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Grazing windows: at which phases a flow that touches a belt's speed turns back (Theorem 7).
 
-At a contact x'' = 0 and x' = v_lambda, so gamma = k v_lambda/m and the contact's place x_m(theta) are given by the
-parameters: a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
+At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the contact's place x_m(theta),
+and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
 """
 
 from __future__ import annotations
@@ -157,9 +157,7 @@ class GrazingWindow:
     def ends(self) -> tuple[float, float]:
         """The ends of the arc, going up from the first to the second, through 0 if wrapped."""
         if self.kind == ALL_BUT_ONE:
-            point = (
-                double_double.HALF_PI_PAIR[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
-            )
+            point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
         context, theta_cr = mp_context(WINDOW_DIGITS), self.critical_phase()
         ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
@@ -194,7 +192,7 @@ class GrazingWindow:
         Raises
         ------
         ParameterError
-            If theta is no real number.
+            If theta is not a real number.
         """
         if isinstance(theta, np.ndarray) and theta.ndim:
             return self._contains_array(theta)

@@ -14,7 +14,7 @@ from __future__ import annotations
 from math import ldexp, nan
 
 from symosc.kernels.double_double import (
-    HALF_PI_PAIR,
+    HALF_PI,
     PI_PAIR,
     THREE_HALVES_PI,
     TWO_PI_PAIR,
@@ -55,10 +55,10 @@ def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
     if excess_sign > 0:
         return kind, nan, nan, nan
     if excess_sign == 0:
-        theta_cr = slope * HALF_PI_PAIR[0]
+        theta_cr = slope * HALF_PI[0]
         if kind != ALL_BUT_ONE:
             return kind, nan, nan, theta_cr
-        point = HALF_PI_PAIR[0] if slope > 0 else THREE_HALVES_PI
+        point = HALF_PI[0] if slope > 0 else THREE_HALVES_PI
         return kind, point, point, theta_cr
     ah, al = pair_asin(ph, pl, qh, ql)
     ah, al = slope * ah + 0.0, slope * al  # no -0.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import frexp, ldexp, sqrt
 
 SPLITTER = 134217729.0  # 2^27 + 1 (Veltkamp)
-HALF_PI_PAIR = (1.5707963267948966, 6.123233995736766e-17)
+HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
 PI_PAIR = (3.141592653589793, 1.2246467991473532e-16)
 TWO_PI_PAIR = (6.283185307179586, 2.4492935982947064e-16)
 THREE_HALVES_PI = 4.71238898038469
@@ -116,7 +116,7 @@ def pair_asin(yh, yl, rh, rl):
     if yh <= xh:
         return pair_atan(yh, yl, xh, xl)
     ah, al = pair_atan(xh, xl, yh, yl)
-    return pair_sum(HALF_PI_PAIR[0], HALF_PI_PAIR[1], -ah, -al)
+    return pair_sum(HALF_PI[0], HALF_PI[1], -ah, -al)
 
 
 def scaled_product(ah, al, bh, bl):

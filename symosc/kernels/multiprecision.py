@@ -21,7 +21,7 @@ BITS_PER_DIGIT = math.log2(10)
 
 @lru_cache(maxsize=256)
 def mp_context(digits: int) -> FixedContext:
-    """Return the mpmath context with that many decimal digits; it is nobody else's, and nobody can change it."""
+    """Return the mpmath context with that many decimal digits; its precision cannot be changed."""
     return FixedContext(digits)
 
 

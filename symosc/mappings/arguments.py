@@ -70,7 +70,7 @@ def columns_of(given: list[object]) -> list[np.ndarray]:
 
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats; text, booleans and complex numbers are none."""
+    """Return finite real numbers as an array of floats; text, booleans and complex numbers are refused."""
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"

@@ -36,7 +36,7 @@ from symosc.words import MAPS, Map
 EXITS = ("below", "above")
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
 Pair: TypeAlias = Sequence[Numbers | ArrayLike] | np.ndarray
-# Arrays are evaluated in blocks of so many points: the temporaries then stay in the cache.
+# Arrays are evaluated in blocks of this many points: the temporaries then stay in the cache.
 BLOCK = 16384
 
 
@@ -212,7 +212,7 @@ def _arrays(p: Parameters) -> MapArithmetic:
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return the arithmetic of an mpmath context; `precision` is its precision, for the cache's sake."""
+    """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
     from symosc.kernels.entire_mp import BasisMP
 
     def number(value: Fraction) -> Number:

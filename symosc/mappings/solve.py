@@ -18,7 +18,7 @@ from symosc.mappings.equations import EXITS, jacobian, read_points
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 from symosc.words import MAPS, Map
 
-# A flight is followed for so many forcing periods.
+# A flight is followed for this many forcing periods.
 MOST_MAP_PERIODS = 1000
 MAP_GUARD_DIGITS = 10
 
@@ -93,7 +93,7 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
     label : str
         "P1" to "P8".
     x_i, theta_i : number
-        The start: position and phase Omega t (any multiple of 2 pi may be on it). Floats or mpmath numbers.
+        The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
 
     Returns
     -------

@@ -79,8 +79,8 @@ def check_order(order: str) -> str:
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
     """Return what the window is from the signs of gamma, the amplitude and |gamma| - |amplitude|.
 
-    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there and G^(3) = -gamma Omega^2 has the
-    sign of a graze at `side` iff the rest of the circle is in the window: `full` includes it.
+    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
+    sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
     """
     level = side * gamma_sign
     if amplitude_sign == 0:

@@ -1,8 +1,9 @@
 """Which roots of the closing equations are orbits: every inequality that they do not contain, and its margin.
 
 The equations say that each piece ends on its belt. That it gets there first, and that the motion goes on as the next
-mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds: the smallest
-values tell how far an orbit is from ceasing to exist, and one that passes 0 along a branch is the reason why it ends.
+mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds. The smallest
+values show how far an orbit is from ceasing to exist. One that passes 0 along a branch is the reason why the branch
+ends.
 
 The margins are computed in the arithmetic of the equations, so that more digits decide what doubles cannot. The
 engine's verdict on the whole orbit is `symosc.orbits.verification`.
@@ -237,7 +238,7 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     """Return the least velocity by which a flight misses a belt that it turns before, or exceeds one that it meets.
 
     At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past
-    the belt if the motion of its domain went on: both are 0 where the orbit grazes, from either side.
+    the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from above.
     """
     K, nearest = equations.K, inf
     points = [(float(x), float(theta)) for x, theta in points]

@@ -1,4 +1,4 @@
-"""Which word a motion has just behind the end of a branch."""
+"""Which word a motion has just beyond the end of a branch."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from symosc.orbits.newton import solve
 from symosc.orbits.verification import failures
 from symosc.words import Word, WordError, read_word
 
-# How far behind an end the words are looked for, as parts of the range: the nearest that can be told counts.
+# How far beyond an end the words are looked for, as parts of the range: the nearest that is found counts.
 DISTANCES = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 MOST_WORDS, MOST_GUESSES = 6, 4
 LONGEST_WORD = 24  # mappings of a word that is tried
 
 
 def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-    """Return the word of the orbit just behind an end, or None and what the motion does there instead, if that is told.
+    """Return the word of the orbit just beyond an end; or None and what the motion does there, "" if that is not known.
 
-    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for: one
-    with an admissible orbit is the answer, for with c > 0 there is no second one (`symosc.orbits.floquet`).
+    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
+    an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
     """
     instead = ""
     for distance in DISTANCES:

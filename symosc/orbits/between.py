@@ -4,21 +4,21 @@ A flight of duration tau stays in its domain exactly if tau > 0 and, for each bo
 
     q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
 
-Here time counts from its start and u = time/tau; j counts the known roots at its start (0 off the boundary, 1 on it, 2
-behind a stick), and e those at its end. A stick has F/((1 - u) tau) for the force that ends it, and for the other force
-its distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are
-accelerations. All other conditions are smooth numbers.
+Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the boundary, 1 on it, 2
+after a stick), those at its end e. A stick has F/((1 - u) tau) for the force that ends it, and for the other force its
+distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are accelerations.
+All other conditions are smooth numbers.
 
-Three points of the branch and two on its cubic between them cut a piece of it into four. On a cell with the margins
-f0, f1 > 0 at its ends a margin is at least (1 - r) f0 + r f1 - C r (1 - r), with C = h^2 max|f''|/2, and that is
-positive for all r in [0, 1] if and only if
+Three points of the branch and two on its cubic between them cut a piece of it into four. Take a cell with the margins
+f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the margin is at least (1 - r) f0 + r f1 - C r
+(1 - r). That is positive for all r in [0, 1] if and only if
 
     sqrt(f0) + sqrt(f1) > sqrt(C).
 
-h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY: the bound holds as long as a
-margin's second derivative is nowhere larger than MARGIN_SAFETY times what it is at the inner points and, for the
-functions of u, at any neighbouring u. Where it does not suffice the piece is halved. It is a bound in this sense, not
-in the sense of interval arithmetic.
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound holds as long as a
+margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest value at the inner points (for the
+functions of u, also at the neighbouring u). Where it does not suffice the piece is halved. It is a bound in this sense,
+not in the sense of interval arithmetic.
 """
 
 from __future__ import annotations

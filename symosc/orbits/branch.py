@@ -18,7 +18,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 
 
 class BranchError(SymoscError, ValueError):
-    """A branch that cannot be begun, because its first root is no orbit.
+    """A branch that cannot be begun, because its first root is not an orbit.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class BranchEnd(NamedTuple):
     conditions : tuple of Condition
         The inequalities that pass 0, the one that explains the others first, where they do.
     beyond : str or None
-        The word of the orbit just behind the end: one was found and verified there, as near as 1e-9 of the range. None
+        The word of the orbit just beyond the end: one was found and verified there, as near as 1e-9 of the range. None
         at the end of the range, where the motion has no word (the message says what it does), or if none was found.
 
     Examples

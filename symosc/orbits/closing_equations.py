@@ -6,10 +6,10 @@ mapping from point i to point i + 1, the last one back to (x_0, theta_0 + 2 pi N
 Jacobian is block-cyclic: mapping i has one 2x2 block for its start and one for its end. As all points are unknown,
 errors do not grow along the orbit as they would with shooting from one point, and every equation belongs to one piece.
 
-The residuals are those of `symosc.mappings.equations`, continued to where they are no mappings any more, so that a
-branch of orbits is smooth up to its end and beyond: sticks may have a negative duration; a flight after a stick starts
-with no acceleration (the stick's equation says so already). Where tau = 0 is a root of f2 it is divided out: Newton's
-method does not fall for it, and a slip may vanish without the system becoming singular.
+The residuals are those of `symosc.mappings.equations`, continued to where there are no mappings any more. So a branch
+of orbits is smooth up to its end and beyond. Sticks may have a negative duration. A flight after a stick starts with no
+acceleration, as the stick's equation says already. Where tau = 0 is a root of f2 it is divided out: Newton's method
+does not fall for it, and a slip may vanish without the system becoming singular.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ class ClosingEquations:
         return self._coarse
 
     def with_digits(self, digits: int) -> ClosingEquations:
-        """Return the same equations with so many digits."""
+        """Return the same equations with that many digits."""
         finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
         finer._coarse = self.coarse
         return finer

@@ -143,7 +143,7 @@ class Curve:
         return self.point(self.joined(self.start, self.value), np.append(np.zeros(len(self.scale) - 1), direction))
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
+        """Return the point at z, or None if there is no such point or the curve turns too sharply towards it."""
         if z is None:
             return None
         try:

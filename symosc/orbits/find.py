@@ -59,8 +59,8 @@ def find_orbit(
     word : str or sequence of str
         The mapping structure, read right to left: "P32" is P2 first, then P3.
     guess : optional
-        None: from simulations. n pairs (t, x), one for each switching in order of time; or a single pair (t, x) on the
-        belt on which the word begins, from which the guess is simulated; or a PeriodicOrbit of the same word.
+        None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one pair (t, x) on the
+        belt on which the word begins; the guess is simulated from there. Or a PeriodicOrbit of the same word.
     digits : int, optional
         None: double precision. An int: that many correct digits (mpmath).
     periods : int, optional
@@ -69,12 +69,13 @@ def find_orbit(
     Returns
     -------
     PeriodicOrbit
-        Its `admissible` says whether it is an orbit; if the guess led to a root that is none, `failures` says why.
+        Its `admissible` says whether it is an orbit; if the guess led to a root that is not an orbit, `failures` says
+        why.
 
     Raises
     ------
     WordError
-        If the word is none, or its mappings cannot follow each other.
+        If it is not a word, or its mappings cannot follow each other.
     ParameterError
         If the guess has a wrong shape, its times do not increase, or k = 0.
     ConvergenceError
@@ -83,9 +84,9 @@ def find_orbit(
     Notes
     -----
     With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and has the period of the
-    excitation. Other words, and more periods, only have roots that are no orbits. There is no orbit where the mass may
-    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With
-    c = 0 there may be many orbits, and they may be marginal.
+    excitation. Other words, and more periods, only have roots that are not orbits. There is no orbit where the mass may
+    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c
+    = 0 there may be many orbits, and they may be marginal.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
 
@@ -159,7 +160,7 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
 
 
 def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
-    """Return whether two roots are one, but for whole turns."""
+    """Return whether two roots are the same, apart from whole turns."""
     if equations.periods != others.periods:
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
@@ -264,14 +265,14 @@ def _failure(condition: Condition) -> str:
 
 
 def _size(gap: float | None) -> str:
-    """Return 1 - gap so that it can be told from 1."""
+    """Return 1 - gap, written so that it differs from 1."""
     if gap is None:
         return "1"
     return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
-    """Say what the motion at these parameters comes to; `resting`: the root is a stick that may last for ever."""
+    """Say how the motion at these parameters ends; `resting`: the root is a stick that may last for ever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:

@@ -17,14 +17,14 @@ Friction never grows with the velocity (A_1 >= A_2 >= A_3), so the difference y 
 
 No difference grows. For c > 0 and k > 0 motions are bounded, so by Brouwer's theorem a periodic one exists, with the
 period of the excitation. If E stays constant along two motions, y' = 0 and y = d for all times. If d is not 0, the
-equations of the two differ by k d, so both have set-valued friction at all times: both ride the same belt for ever.
-Being bounded they do so on a belt at rest. Hence, for c > 0 and k > 0:
+equations of the two differ by k d. So both have set-valued friction at all times: both stick to the same belt for ever.
+They are bounded, so that belt is at rest. Hence, for c > 0 and k > 0:
 
 - An orbit with a flight of positive length is the only periodic motion, attracts all others, and both its multipliers
-  lie inside the unit circle. All words have flights, so every admissible orbit with c > 0 is stable, no other word has
-  one at these parameters, and folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur: a
+  lie inside the unit circle. All words have flights. So every admissible orbit with c > 0 is stable, and no other word
+  has one at these parameters. Folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur. A
   branch of orbits ends at a graze, or where a stick, a slip or a flight is born or vanishes.
-- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|: the mass may rest on it for ever, at every x
+- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|. The mass may rest on it for ever, at every x
   of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These motions are periodic, attract the others
   only as a set, and have the multiplier 1. They have no flight, so no word.
 
@@ -45,9 +45,9 @@ from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import polish
 
-# A multiplier this near to the unit circle is computed once more with so many digits ...
+# A multiplier this near to the unit circle is computed again with this many digits ...
 NEAR_ONE, MULTIPLIER_DIGITS = 1e-9, 50
-# ... and lies on it if it is so near even then.
+# ... and lies on it if it is this near even then.
 ON_CIRCLE = 1e-25
 
 
@@ -99,7 +99,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 as far as 50 digits tell.
+    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 to 50 digits.
 
     Parameters
     ----------

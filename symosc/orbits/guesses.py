@@ -99,7 +99,7 @@ def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
 
 
 def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
-    """Say in words what the motion from a start on a belt comes to; "" if it has not settled soon."""
+    """Say in words where the motion from a start on a belt settles; "" if it has not settled soon."""
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     word = settled_word(equations, run)
     if word is not None:

@@ -1,4 +1,4 @@
-"""A periodic orbit: its data, its states at any time, and how a start lies to it."""
+"""A periodic orbit: its data, its states at any time, and how far a start is from it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class SwitchingPoint(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """How a start lies to a periodic orbit.
+    """How far a start is from a periodic orbit, and how soon its motion comes near.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Approach(NamedTuple):
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """A periodic orbit, or a root of its closing equations that is none (`admissible` is False).
+    """A periodic orbit, or a root of its closing equations that is not one (`admissible` is False).
 
     Calling it gives the state: ``orbit(t)`` is ``[x, v]``, of shape (2,) or (2, n), for any times.
 
@@ -94,8 +94,8 @@ class PeriodicOrbit:
     multipliers : tuple of two complex numbers
         Floquet multipliers, the larger one first; 0 is one of them if the orbit sticks.
     stable : bool or None
-        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it as far as 50 digits tell.
-        An admissible orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
+        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it to 50 digits. An admissible
+        orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
     residual : float
         Largest |f1|, |f2| of eq. (54).
     admissible : bool

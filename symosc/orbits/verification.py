@@ -3,7 +3,8 @@
 Three things are asked, in this order.
 
 1. Do all inequalities hold (`symosc.orbits.admissibility`)? Where a margin is too small for doubles the root is refined
-   to FINE_DIGITS digits first; what is 0 there holds for no orbit: a piece without length, a belt that is only touched.
+to FINE_DIGITS digits first. If a margin is 0 there, it is not an orbit: a piece has no length, or a belt is only
+touched.
 2. Does the motion from a switching point of the root do what the word says? It is simulated over the whole period by
    the engine, always: no margin is too small or too large for that. (In real arithmetic its first exits are proven to
    be the first; what rounding may do was measured. See `symosc.engine.first_exit`.)
@@ -98,12 +99,12 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
 
 
 def _cleaned(condition: Condition) -> Condition:
-    """Return the condition with the value 0 where it is 0 as far as FINE_DIGITS tell."""
+    """Return the condition with the value 0 where it is 0 to FINE_DIGITS digits."""
     return condition._replace(value=0.0) if abs(condition.value) < NOTHING_LEFT * condition.scale else condition
 
 
 def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquations, Solution]:
-    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method gets hold of it."""
+    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method finds it."""
     fine = equations.with_digits(FINE_DIGITS)
     try:
         return fine, polish(fine, points)
@@ -125,7 +126,7 @@ def _vanishing(
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail or may fail, for a root that more digits do not get hold of."""
+    """Return the conditions that fail or may fail, for a root that is not found with more digits."""
     failed = failing(found)
     if failed:
         return failed

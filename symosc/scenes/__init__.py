@@ -44,7 +44,7 @@ class Scene:
     ParameterError
         If a number is not finite, t_end <= t0, or another argument is not of its type.
     WordError
-        If the structure is none.
+        If the structure is not one.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene, or the file is no TOML, or a key is missing or unknown.
+        If there is no such scene, or the file is not TOML, or a key is missing or unknown.
     ParameterError
         If a number is out of range.
 

@@ -1,8 +1,8 @@
 """Prints the kernels to symosc/kernels/_generated.py (`symosc codegen --regenerate`).
 
-A kernel is a straight-line program of formulas from `symosc.symbolic.solution`, kept in the structure in which they
-were derived: simplifying them further would bring back the cancellation that they avoid. Printing finds common
-subexpressions and writes + - * / only, so that the module runs on floats, numpy arrays, mpmath numbers and in numba.
+A kernel is a straight-line program of formulas from `symosc.symbolic.solution`. They are printed as they were derived:
+simplifying them further would bring back the cancellation that they avoid. Printing finds common subexpressions and
+writes + - * / only, so that the module runs on floats, numpy arrays, mpmath numbers and in numba.
 
 To add a kernel, append a function that returns a `Kernel` to `KERNELS`.
 """

@@ -1,6 +1,6 @@
 """Standalone source of a mapping structure's residual and Jacobian, for programs without symosc.
 
-The source is that of the library: its scalar kernels are read as syntax trees, what the word does not need is left out,
+The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
 and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
 branches that these decide are cut, and so is what nothing calls any more.
 
@@ -49,8 +49,8 @@ def export(
     WordError
         If the word cannot be read or has an impossible step.
     ParameterError
-        For an unknown language, a name that is no identifier or that the language keeps for itself, and a `fix` that
-        is not Parameters.
+        For an unknown language, a name that is not an identifier or that the language reserves, and a `fix` that is not
+        Parameters.
     """
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")

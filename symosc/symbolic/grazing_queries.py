@@ -7,8 +7,8 @@ over theta in |B0|. So each answer is a half line or an interval whose end is kn
     empty            iff side k v_lambda <= -|B0| Omega
     everything       iff side k v_lambda >= |B0| Omega and side k v_lambda > 0    (order 1: > |B0| Omega)
 
-In full order (see `symosc.grazing.window.grazing_window`) a theta at the top or bottom of the sine belongs to the
-window at equality as well, if side k v_lambda > 0: the tangency of fourth order.
+In full order (see `symosc.grazing.window.grazing_window`) equality counts too where theta is at the top or bottom of
+the sine, if side k v_lambda > 0: that is the tangency of fourth order.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def values_containing(
     Raises
     ------
     ParameterError
-        For a map without grazing, a parameter on which its window does not depend, or a phase that is no number.
+        For a map without grazing, a parameter on which its window does not depend, or a phase that is not a number.
 
     Examples
     --------

@@ -87,7 +87,7 @@ def theorem7(mapping: str, gamma: NumberLike, amplitude: NumberLike, order: str 
     Raises
     ------
     ParameterError
-        For a map without grazing, or if a value is no real number.
+        For a map without grazing, or if a value is not a real number.
 
     Examples
     --------
@@ -238,7 +238,7 @@ def real(name: str, value: NumberLike) -> Expr:
     Raises
     ------
     ParameterError
-        If it is no real number and cannot be one.
+        If it is not a real number and cannot be one.
     """
     if isinstance(value, sp.Expr) and not value.is_Rational and not value.is_Float:
         if value.is_extended_real is False or value.is_infinite or value is sp.nan:

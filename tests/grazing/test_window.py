@@ -519,5 +519,5 @@ def test_the_table_of_arctangents() -> None:
         exact = mp_wide.atan(mp_wide.mpf(j) / 8)
         assert double_double.ATAN_HI[j] == float(exact)
         assert double_double.ATAN_LO[j] == float(exact - double_double.ATAN_HI[j])
-    for pair, factor in ((double_double.HALF_PI_PAIR, 0.5), (double_double.PI_PAIR, 1), (double_double.TWO_PI_PAIR, 2)):
+    for pair, factor in ((double_double.HALF_PI, 0.5), (double_double.PI_PAIR, 1), (double_double.TWO_PI_PAIR, 2)):
         assert pair == (float(factor * mp_wide.pi), float(factor * mp_wide.pi - pair[0]))
