@@ -24,7 +24,7 @@ NO_EXPRESSION = (
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
 #: Digits that a caller may ask for.
-LEAST_DIGITS, MOST_DIGITS = 5, 10_000
+LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS = 5, 10_000
 MOST_CHARACTERS = 4000  # Python converts no more than 4300 digits to an int
 
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many digits.
@@ -112,15 +112,15 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return number
 
 
-def read_digits(digits: object, most: int = MOST_DIGITS) -> int | None:
+def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
     """Return how many digits are asked for, or None for doubles.
 
     Raises
     ------
     ParameterError
-        Unless it is None or a whole number from LEAST_DIGITS to `most`.
+        Unless it is None or a whole number from LEAST_ASKED_DIGITS to `most`.
     """
-    return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, most)
+    return None if digits is None else whole_number("digits", digits, LEAST_ASKED_DIGITS, most)
 
 
 def true_or_false(name: str, value: object) -> bool:

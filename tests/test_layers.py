@@ -120,3 +120,30 @@ def test_no_two_classes_have_one_name() -> None:
             if isinstance(node, ast.ClassDef):
                 homes.setdefault(node.name, []).append(name)
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}
+
+
+#: Constants that every module of a kind has: the solvers of a peer, the title of a chapter.
+OF_EACH = {"SOLVERS", "TITLE"}
+#: Packages that draw and write pages; their names are looked at apart.
+PAGES = {"plot", "derive", "paper"}
+
+
+def constants(path: Path) -> Iterator[str]:
+    """Yield the names in capitals that a module gives a value."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        if isinstance(node, ast.AnnAssign) and node.value is not None:
+            targets = [node.target]
+        for target in targets:
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            yield from (name.id for name in names if isinstance(name, ast.Name) and name.id.isupper())
+
+
+def test_a_constant_is_defined_once() -> None:
+    """So its name says what it bounds, and no two modules mean different numbers by it."""
+    homes: dict[str, set[str]] = {}
+    for name, path in MODULES.items():
+        if name.split(".")[0] not in PAGES:
+            for constant in set(constants(path)) - OF_EACH:
+                homes.setdefault(constant, set()).add(name)
+    assert {name: where for name, where in homes.items() if len(where) > 1} == {}

@@ -42,7 +42,7 @@ ZETA_TICKS = (
     ("100", place_of(100)),
 )
 ROWS = (("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))
-FORMULAS = {"apart": "cheap", "careful": "careful", "series": "series"}
+FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
 # Regions with less than this part of a panel's width around their middle get no name.
 LEAST_NAMED = 0.05
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
@@ -104,7 +104,7 @@ def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
         if np.nanmin(inside) < np.nanmax(inside):
             border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
             border.set_path_effects([*OUTLINE])
-    for formula, name in FORMULAS.items() if shipped else ():
+    for formula, name in FORMULA_LABELS.items() if shipped else ():
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
             _name(ax, ratios, zetas, parts == part, name)

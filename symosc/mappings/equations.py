@@ -37,7 +37,7 @@ EXITS = ("below", "above")
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
 Pair: TypeAlias = Sequence[Numbers | ArrayLike] | np.ndarray
 # Arrays are evaluated in blocks of this many points: the temporaries then stay in the cache.
-BLOCK = 16384
+ARRAY_BLOCK = 16384
 
 
 # --- residual and derivatives ---
@@ -277,8 +277,8 @@ def _in_blocks(
 ) -> np.ndarray:
     size = len(points[0])
     found = np.empty((*head, size))
-    for begin in range(0, size, BLOCK):
-        block = slice(begin, begin + BLOCK)
+    for begin in range(0, size, ARRAY_BLOCK):
+        block = slice(begin, begin + ARRAY_BLOCK)
         found[..., block] = evaluate([column[block] for column in points])
     return found
 

@@ -39,7 +39,7 @@ MULTIPLIER_MESSAGES = {
     PERIOD_DOUBLING: "a multiplier is -1",
     NEIMARK_SACKER: "two complex multipliers have the modulus 1",
 }
-RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
+RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
 
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
@@ -298,7 +298,7 @@ def _is_found(equations: ClosingEquations, point: BranchPoint) -> bool:
 def _stalled(curve: Curve, point: BranchPoint) -> BranchEnd:
     nearest = min(point.conditions, key=lambda condition: condition.value)
     message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
-    return BranchEnd(STALLED, point.value, message, _named(curve, point), (nearest,))
+    return BranchEnd(NO_CONVERGENCE, point.value, message, _named(curve, point), (nearest,))
 
 
 def _named(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:

@@ -13,7 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.orbits.branch import Branch, BranchEnd
-from symosc.orbits.continuation import MOST, STALLED
+from symosc.orbits.continuation import MOST, NO_CONVERGENCE
 from symosc.plot.figures import STYLE
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
@@ -113,7 +113,7 @@ def _next_words(ax: Axes, branch: Branch) -> None:
     style: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
     ax.annotate(branch.word, (0.5 * (low + high), 1), (0, 4), ha="center", **style)
     for end in branch.ends:
-        words = end.kind if end.kind in (STALLED, MOST) else end.beyond
+        words = end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond
         if words:
             ax.annotate(words, (end.value, 1), (0, 4), ha="center", **style)
 
