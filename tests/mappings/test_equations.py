@@ -122,7 +122,7 @@ def test_arrays_agree_with_floats(regime: str) -> None:
 
 
 def test_arrays_broadcast_and_blocks_join() -> None:
-    p, n = load_scene("fig9").parameters, 2 * m.BLOCK + 3
+    p, n = load_scene("fig9").parameters, 2 * m.ARRAY_BLOCK + 3
     theta = np.linspace(1, 9, n)
     f1, f2 = m.residual(p, "P3", (4.0, 0.5), (np.array([[1.0], [2.0]]), theta))
     assert f1.shape == f2.shape == (2, n)
