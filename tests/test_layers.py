@@ -147,3 +147,48 @@ def test_a_constant_is_defined_once() -> None:
             for constant in set(constants(path)) - OF_EACH:
                 homes.setdefault(constant, set()).add(name)
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}
+
+
+def functions_in(path: Path) -> Iterator[ast.FunctionDef]:
+    """Yield the functions and methods of a file."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            yield node
+
+
+def test_no_function_is_given_more_than_eight_arguments_by_place() -> None:
+    """More than that nobody tells apart: they belong into a tuple with names, such as the engine's `State`."""
+    crowded = []
+    for name, path in MODULES.items():
+        # Printed by sympy; and solvers to compare with, whose arguments are those of their methods.
+        if name == "kernels._generated" or name.startswith("bench."):
+            continue
+        for function in functions_in(path):
+            given = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
+            if len(given) - (given[:1] in (["self"], ["cls"])) > 8:
+                crowded.append(f"{name}.{function.name} takes {len(given)}")
+    assert crowded == []
+
+
+def test_the_engine_has_no_long_function() -> None:
+    """Not more than 60 lines, with its docstring."""
+    long = [
+        f"{name}.{function.name} has {(function.end_lineno or 0) - function.lineno + 1} lines"
+        for name, path in MODULES.items()
+        if name.split(".")[0] in ("engine", "simulation", "mappings", "kernels")
+        for function in functions_in(path)
+        if (function.end_lineno or 0) - function.lineno + 1 > 60
+    ]
+    assert long == []
+
+
+def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:
+    """Theorems 4 and 5 are asked by name in one package: starts elsewhere go through `symosc.engine.start`."""
+    asking = {
+        name.split(".")[0]
+        for name, path in MODULES.items()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if (isinstance(node, ast.Name) and node.id == "resolve")
+        or (isinstance(node, ast.Constant) and node.value == "resolve")
+    }
+    assert asking - {"bench", "derive"} == {"engine"}  # a peer's own one, and names that are resolved in derivations

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     "--against", metavar="NAME[=LOW:HIGH]", help="With --plot and one --map: the window against Omega, B0, k, v1 or v2."
 )
 def grazing(
+    *,
     scene: str | None,
     settings: tuple[str, ...],
     mappings: tuple[str, ...],

@@ -99,7 +99,7 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
         pairs += [arrays[name].ravel() if name in arrays else np.full(math.prod(shape), high)]
         pairs += [np.full(math.prod(shape), low)]
     columns = WindowColumns(np.empty(math.prod(shape), np.int8), *(np.empty(math.prod(shape)) for _ in range(3)))
-    _rows()(*pairs, where.side, full, *columns)
+    _rows()(tuple(pairs), where.side, full, tuple(columns))
     for i in np.nonzero(columns.kind == EQUALITY_IN_DOUBT)[0]:
         _fill(
             columns, int(i), p, mapping, order, {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}

@@ -29,15 +29,15 @@ from symosc.mappings.theorem7_cases import ALL_BUT_ONE, EQUALITY_IN_DOUBT, windo
 DOUBT = 2.0**-98
 
 
-def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
-    """Return (kind, low, high, theta_cr) of the window; k, v, B0 and Omega are pairs.
+def window(k, v, B, Omega, side, full):
+    """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs.
 
     An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE,
     low = high is the excluded phase. EQUALITY_IN_DOUBT: too near |k v| = |B0 Omega| for numbers that are no doubles.
     theta_cr is nan where Theta_cr does not exist.
     """
-    ph, pl, pe = scaled_product(kh, kl, vh, vl)
-    qh, ql, qe = scaled_product(Bh, Bl, Oh, Ol)
+    ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
+    qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
     p_sign, q_sign = sign(ph), sign(qh)
     if q_sign == 0:
         return window_kind(side, p_sign, 0, 0, full), nan, nan, nan
@@ -47,7 +47,7 @@ def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
     qh, ql = q_sign * qh, q_sign * ql
     difference, rest = pair_sum(ph, pl, -qh, -ql)
     excess_sign = sign(difference) if difference != 0.0 else sign(rest)
-    exact = kl == 0.0 and vl == 0.0 and Bl == 0.0 and Ol == 0.0
+    exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
     if not exact and abs(difference) <= DOUBT:
         return EQUALITY_IN_DOUBT, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
@@ -69,9 +69,10 @@ def window(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full):
     return kind, turned, (ah if ah > 0.0 else wrapped), ah
 
 
-def windows(kh, kl, vh, vl, Bh, Bl, Oh, Ol, side, full, kind, low, high, theta_cr):
-    """Fill the arrays kind, low, high and theta_cr from arrays of pairs, all of one length."""
+def windows(pairs, side, full, columns):
+    """Fill the arrays kind, low, high and theta_cr from four pairs of arrays (k, v, B0, Omega), all of one length."""
+    kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
+    kind, low, high, theta_cr = columns
     for i in range(len(kind)):
-        kind[i], low[i], high[i], theta_cr[i] = window(
-            kh[i], kl[i], vh[i], vl[i], Bh[i], Bl[i], Oh[i], Ol[i], side, full
-        )
+        k, v, B, Omega = (kh[i], kl[i]), (vh[i], vl[i]), (Bh[i], Bl[i]), (Oh[i], Ol[i])
+        kind[i], low[i], high[i], theta_cr[i] = window(k, v, B, Omega, side, full)

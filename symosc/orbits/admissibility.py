@@ -11,7 +11,7 @@ engine's verdict on the whole orbit is `symosc.orbits.verification`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf
 from typing import Any, NamedTuple
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from symosc.aliases import Number, Point, Points
 from symosc.engine.flow import Constants
+from symosc.engine.state import Launch
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
@@ -140,7 +141,7 @@ def _of_flight(
     arrival = piece.side * equations.force(piece.mode, end[0], v_end, end[1])
     rank, size = STAYS_INSIDE if piece.zeros == 2 else ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = piece.side * _states(equations)(*[tau, *flight, K])[2]
+        arrival = piece.side * _states(equations)(tau, flight, K).F
         size *= float(min(1, abs(tau) * K.rate))
     where, sign = f"F^({piece.mode})", ">" if piece.side > 0 else "<"
     text = f"{piece.label} meets v{piece.end} with {where} {sign} 0"
@@ -199,10 +200,8 @@ def _states(equations: ClosingEquations) -> Callable[..., Any]:
     return equations.arithmetic.namespace["state_at"]
 
 
-def extrema(
-    begin: Number, tau: Number, flight: Sequence[Number], at_rest: bool, equations: ClosingEquations
-) -> list[Extremum]:
-    """Return the extrema of the velocity of a flight (v0, a0, s0, c0) between two times; `at_rest`: a0 = 0 is none.
+def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
+    """Return the extrema of the velocity of a flight between two times; `at_rest`: a0 = 0 is none.
 
     They are looked for in doubles, and then placed in the arithmetic of the equations.
     """
@@ -216,14 +215,15 @@ def extrema(
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
-def _extremum(low: float, high: float, falls: bool, flight: Sequence[Number], equations: ClosingEquations) -> Extremum:
+def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
     states, K, number = _states(equations), equations.K, equations.exact or float
     allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):
-        _, dv, a, b, *_ = states(*[tau, *flight, K])
+        now = states(tau, flight, K)
+        a, b = now.F, now.G1
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
         following = tau - a / b if b != 0 else low
         if not low < following < high:
@@ -231,7 +231,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Sequence[Number], eq
         if abs(following - tau) <= allowed * high or following in (low, high):
             break
         tau = following
-    return Extremum(tau, flight[0] + dv, b)
+    return Extremum(tau, flight.v + now.dv, b)
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from symosc.engine.next_event import REST
+from symosc.engine.state import REST
 from symosc.errors import ParameterError
 from symosc.orbits.branch import BranchPoint
 from symosc.orbits.closing_equations import ClosingEquations

@@ -25,6 +25,7 @@ import numpy as np
 from symosc.aliases import Number, Point, Points
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
+from symosc.engine.state import Launch
 from symosc.errors import SymoscError
 from symosc.kernels._generated import (
     acceleration,
@@ -191,11 +192,11 @@ class ClosingEquations:
         """Return the constants of a belt."""
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
-    def start_of_flight(self, piece: OrbitPiece, start: Point) -> tuple[Number, Number, Number, Number]:
-        """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
+    def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
+        """Return the point that a flight starts from."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
-        return v, a, self.sin(start[1]), self.cos(start[1])
+        return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v

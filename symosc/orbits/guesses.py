@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 from math import cos, pi, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.next_event import CROSS, END, FAILED, REST, SLIP, STICK, advance
-from symosc.engine.switching import BELT, DOMAIN_ABOVE, resolve
-from symosc.model import MODE_NAMES, NEIGHBOURS
+from symosc.engine.start import belt_start, belt_state
+from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
+from symosc.model import MODE_NAMES
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
 from symosc.simulation.trajectory import MAP_LABELS
@@ -52,18 +52,14 @@ class WordRun(NamedTuple):
 
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
     """Follow the motion from a start on a belt for at most `most` events, in double precision."""
-    K, belt, turns = equations.K, equations.belt(boundary), int(theta // (2 * pi))
-    below, above = (equations.force(domain, x, belt.v, theta) for domain in NEIGHBOURS[boundary])
-    where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
-    mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
-    forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
-    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
-    passages, code = [Passage(x, theta, boundary, mode)], END
+    K, turns = equations.K, int(theta // (2 * pi))
+    start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
+    state = belt_state(start, (turns, theta - 2 * pi * turns), x, Covariance(0.0, 0.0, 0.0), K)
+    passages, code = [Passage(x, theta, boundary, start.mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, *rest = advance(*[*state, MOST_GUESS_PERIODS * K.period, 0.0, K])
-        state = rest
+        code, belt_met, _, _, state = equations.arithmetic.advance(state, MOST_GUESS_PERIODS * K.period, 0.0, K)
         if code in (CROSS, STICK, SLIP):
-            passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))
+            passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
     return WordRun(passages, code)

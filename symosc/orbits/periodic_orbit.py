@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.aliases import Number, Record
-from symosc.engine.first_exit import state_at
+from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.orbits.admissibility import Condition, conditions
@@ -241,8 +241,8 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
     tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
     if piece.sticks:
         return x + v * tau, v
-    dx, dv, *_ = state_at(*[tau, *equations.start_of_flight(piece, (x, begin)), K])
-    return x + dx, v + dv
+    now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
+    return x + now.dx, v + now.dv
 
 
 def _size(dt: float, dx: float) -> float:

@@ -19,6 +19,7 @@ from symosc.bench import peers_cvode, peers_scipy
 from symosc.bench.event_logic import CHATTER, INTEGRATOR_OFFSET, Exit, Motion, PeerError, Phase, follow, watching
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine.flow import constants, state_at
+from symosc.engine.state import Launch
 from symosc.scenes import Scene, load_scene
 
 SOLVERS = (*peers_scipy.SOLVERS, *peers_cvode.SOLVERS)
@@ -52,8 +53,8 @@ def exact_leave(parameters: Parameters) -> Any:
         def state(tau: float) -> tuple[float, float]:
             if phase.mode > 3:
                 return x + v * tau, v
-            dx, dv, *_ = state_at(tau, v, a, s, c, K)
-            return x + dx, v + dv
+            now = state_at(tau, Launch(v, a, s, c), K)
+            return x + now.dx, v + now.dv
 
         def turn(tau: float) -> float:
             return phase.turn(t + tau, state(tau))

@@ -14,6 +14,7 @@ from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, w
 from symosc import Parameters, simulate
 from symosc.engine import first_exit, next_event, stick_exit, touches
 from symosc.engine.start import Start
+from symosc.engine.state import FlightEnd, Flown, StickEnd
 from symosc.simulation.run import Path
 
 KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
@@ -128,7 +129,7 @@ LIMITS = [
     (touches, "MOST_DESCENTS", 2),
     (first_exit, "MOST_HALVINGS", 1),
     (first_exit, "MOST_NEWTON", 0),
-    (stick_exit, "MOST_STEPS", 1),
+    (stick_exit, "MOST_STICK_STEPS", 1),
 ]
 ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
 
@@ -174,7 +175,8 @@ def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytes
     """A search that gave up may have wandered anywhere: its time says nothing, and it is no end."""
     scene = undriven(random.Random(3), "P3")
     path = Path(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
-    gave_up = (touches.STALLED, -1, behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    now = Flown(behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    gave_up = FlightEnd(touches.STALLED, -1, now)
     monkeypatch.setattr(next_event, "first_exit", lambda *_: gave_up)
     path.step()
     assert (path.code, path.decided) == (next_event.FAILED, False)
@@ -185,7 +187,7 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
     start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
     path = Path(start)
     assert path.state.mode == 4
-    monkeypatch.setattr(next_event, "belt_exit", lambda *_: (touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
+    monkeypatch.setattr(next_event, "belt_exit", lambda *_: StickEnd(touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
     path.step()
     assert (path.code, path.decided) == (next_event.FAILED, False)
 

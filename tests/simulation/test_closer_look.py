@@ -16,8 +16,8 @@ from touches import ordinary, tenths
 
 from symosc import Parameters, load_scene, simulate
 from symosc.engine import first_exit, flow, start, touches
-from symosc.engine.next_event import MOVED
 from symosc.engine.start import Start
+from symosc.engine.state import MOVED
 from symosc.simulation import closer_look
 from symosc.simulation import simulate as simulate_module
 from symosc.simulation.closer_look import Backup, touch_digits

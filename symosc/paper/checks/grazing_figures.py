@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import constants
 from symosc.engine.rests import never_leaves
+from symosc.engine.state import Covariance, Launch
 from symosc.grazing.start import GrazingStart, grazing_start
 from symosc.grazing.state import is_grazing
 from symosc.grazing.window import grazing_window
@@ -151,7 +152,8 @@ def clear_since(path: Trajectory, belt: int) -> float:
     K, level = constants(p), float(p.belt(belt))
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         v, a, phase = float(path(t)[1]), float(path.force(SIDES[belt][0], t)), float(p.Omega) * t
-        if never_leaves(v, a, sin(phase), cos(phase), 0.0, 0.0, -np.inf, level, False, True, SIDES[belt][0], K):
+        start = Launch(v, a, sin(phase), cos(phase))
+        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, level, SIDES[belt][0], K):
             return float(t)
     return float("inf")
 
