@@ -140,6 +140,7 @@ def test_the_alignment_is_the_best_one() -> None:
 # --- time limit ---
 
 
+@pytest.mark.slow
 def test_calls_are_bounded_and_what_goes_wrong_is_said(capfd: pytest.CaptureFixture[str]) -> None:
     with Worker() as worker:
         first = worker.call(20.0, talk)

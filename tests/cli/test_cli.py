@@ -95,6 +95,7 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
 # --- figure, scenes, codegen ---
 
 
+@pytest.mark.slow
 def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
     path = tmp_path / "fig5.pdf"
     assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 9, 6 events\n"

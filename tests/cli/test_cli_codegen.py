@@ -20,6 +20,7 @@ def test_command_writes_files(tmp_path: Path) -> None:
     assert (tmp_path / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
 
 
+@pytest.mark.slow
 def test_command_prints() -> None:
     run = CliRunner().invoke(codegen, ["P32", "--language", "julia", "-o", "-"])
     assert run.stdout == export("P32", "julia")["p32.jl"]

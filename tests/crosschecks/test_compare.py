@@ -204,6 +204,7 @@ def test_errors_that_add_up_fail_in_the_end() -> None:
     assert not crosscheck(scene, t, x, v, global_tolerance=1e-7).ok
 
 
+@pytest.mark.slow
 def test_the_end_of_the_exact_motion_is_the_end_of_the_comparison() -> None:
     exact = simulate("fig8", t_end=70)
     assert exact.status == "undecidable"

@@ -176,6 +176,7 @@ def results(read: Any) -> Results:
     return run(Plan(claims, pictures(bad_picture)), workers=2)
 
 
+@pytest.mark.slow
 def test_what_goes_wrong_is_a_result(results: Results) -> None:
     verdicts = {each.claim.id: each.verdict for each in results.judged}
     assert verdicts == dict.fromkeys(verdicts, ERROR) | {"right": "confirmed", "wrong": "not as printed"}
@@ -203,6 +204,7 @@ def test_what_goes_wrong_is_a_result(results: Results) -> None:
     assert "It is 1 &lt;2&gt;." in texts["report.html"]
 
 
+@pytest.mark.slow
 def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("symosc.paper.run.LIMIT", 0.5)
     (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
