@@ -255,6 +255,9 @@ def main() -> None:
         for name in COPIED if not options.list else ():
             source = ROOT / name
             (shutil.copytree if source.is_dir() else shutil.copy2)(source, copy / name)
+        for package in [] if options.list else sorted({Path(mutants[number].path).parts[1] for number in numbers}):
+            found = tested(test_files(f"symosc/{package}/")[0], copy, options.limit)
+            assert found == ("survived", ""), f"the tests of {package} fail without a fault: {found}"
         for number in numbers:
             mutant = mutants[number]
             where = f"{number} {mutant.path}:{mutant.line} {mutant.kind}: {mutant.before!r} -> {mutant.after!r}"
