@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -39,9 +40,21 @@ def module_name(path: Path) -> str:
 MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
 
 
+@cache
+def nodes(path: Path) -> list[ast.AST]:
+    """Return all nodes of a file, its module first."""
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+def body(path: Path) -> list[ast.stmt]:
+    module = nodes(path)[0]
+    assert isinstance(module, ast.Module)
+    return module.body
+
+
 def imports(path: Path) -> Iterator[str]:
     """Yield what a file imports, wherever in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -85,9 +98,10 @@ def test_no_module_is_in_a_circle() -> None:
 def test_only_symbolic_and_derivations_import_sympy() -> None:
     """At their top; a late import is one that a fast path never comes to."""
     for name, path in MODULES.items():
-        body = ast.parse(path.read_text(encoding="utf-8")).body
-        heads = {alias.name.split(".")[0] for node in body if isinstance(node, ast.Import) for alias in node.names}
-        heads |= {(node.module or "").split(".")[0] for node in body if isinstance(node, ast.ImportFrom)}
+        heads = {
+            alias.name.split(".")[0] for node in body(path) if isinstance(node, ast.Import) for alias in node.names
+        }
+        heads |= {(node.module or "").split(".")[0] for node in body(path) if isinstance(node, ast.ImportFrom)}
         if name.split(".")[0] not in ("symbolic", "derive"):
             assert "sympy" not in heads, name
 
@@ -105,10 +119,10 @@ def test_every_package_says_what_it_is_for() -> None:
 def test_no_text_stands_alone() -> None:
     """A string that is no docstring does nothing: it was meant to be part of the line before."""
     for path in ROOT.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            body = getattr(node, "body", [])
+        for node in nodes(path):
+            inside = getattr(node, "body", [])
             own = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
-            for statement in body[own:] if isinstance(body, list) else []:
+            for statement in inside[own:] if isinstance(inside, list) else []:
                 lone = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
                 assert not (lone and isinstance(statement.value.value, str)), f"{path.name}, line {statement.lineno}"
 
@@ -116,7 +130,7 @@ def test_no_text_stands_alone() -> None:
 def test_no_two_classes_have_one_name() -> None:
     homes: dict[str, list[str]] = {}
     for name, path in MODULES.items():
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in body(path):
             if isinstance(node, ast.ClassDef):
                 homes.setdefault(node.name, []).append(name)
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}

@@ -158,7 +158,7 @@ def _namer(name: str) -> Callable[..., tuple[str, ...]]:
 # The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
 _naming_basis_at = types.FunctionType(
     entire.basis_at.__code__,
-    vars(entire) | {"series": _namer("series"), "basis_apart": _namer("apart"), "careful": _namer("careful")},
+    vars(entire) | {"series": _namer("series"), "closed_form": _namer("apart"), "careful": _namer("careful")},
 )
 
 

@@ -96,6 +96,7 @@ def test_rounded_samples_of_many_motions(kind: Any, count: int) -> None:
         check_rounded(rng, *single())
 
 
+@pytest.mark.slow
 def test_six_digits_are_not_the_method_but_a_bad_method_is() -> None:
     t = np.linspace(0, 12, 201)
     right, wrong = (

@@ -15,6 +15,7 @@ import pytest
 from symosc import ParameterError, simulate
 from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.files import read_samples
+from symosc.crosschecks.samples import LONGEST_ITEM, short, shown
 
 T = np.linspace(0.1324, 3, 30)
 X, V = simulate("fig9", t_end=3)(T)
@@ -225,3 +226,10 @@ def test_more_events_than_can_be_meant() -> None:
     result = crosscheck("fig9", [0.1324, 1e6], [4.5447, 1.0], [1.0, 1.0])
     assert not result.ok
     assert "later only steps are compared" in result.notes[0]
+
+
+def test_texts_of_messages_are_cut_where_they_are_too_long() -> None:
+    for length in (1, LONGEST_ITEM - 1, LONGEST_ITEM):
+        assert short("a" * length) == "a" * length
+    assert short("a" * (LONGEST_ITEM + 1)) == "a" * LONGEST_ITEM + "…"
+    assert shown("a" * LONGEST_ITEM) == "a" * LONGEST_ITEM

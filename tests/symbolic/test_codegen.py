@@ -304,6 +304,7 @@ def test_long_lines_are_folded() -> None:
 # --- writing ---
 
 
+@pytest.mark.slow
 def test_write_brings_the_file_up_to_date(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
     assert "+def motion(" in codegen.check()

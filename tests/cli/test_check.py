@@ -59,6 +59,7 @@ def test_a_wrong_one_fails_and_is_drawn(tmp_path: Path, samples: Any) -> None:
     assert data["max_defect_v"] == pytest.approx(0.5, rel=0.1)
 
 
+@pytest.mark.slow
 def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
     t, x, v = samples
     path = write(tmp_path / "run.csv", t, x + 1e-6 * np.sin(1e3 * t), v, "time,pos,v")
@@ -128,6 +129,7 @@ def test_json_has_no_nan(tmp_path: Path) -> None:
     assert data["first_wrong"]["defect_x"] is None
 
 
+@pytest.mark.slow
 def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
     path = tmp_path / "run.csv"
     np.savetxt(path, np.column_stack(samples), fmt="%.6g", delimiter=",", header="t,x,v", comments="")

@@ -14,38 +14,19 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
+from stand_in_claims import CLAIM
 
 from symosc.cli import reproduce
 from symosc.cli.app import main
 from symosc.derive.chapters import CHAPTERS
 from symosc.errors import OutputError, ParameterError
 from symosc.paper import report
-from symosc.paper.claims import FOLDER, Claim, ClaimsError, read_claims
+from symosc.paper.claims import read_claims
 from symosc.paper.evidence import VERDICTS
 from symosc.paper.pictures import PICTURES, Picture
 from symosc.paper.run import ERROR, Plan, Results, run
 
-ROOT = Path(__file__).parents[2]
 CLAIMS = read_claims(PICTURES)
-CHECKS = """
-import os
-import time
-from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED, Evidence
-def right(): return Evidence(CONFIRMED, "It is 1 <2>.", {"a|b": "1e-20", "F(1)": "-3"})
-def wrong(): return Evidence(NOT_AS_PRINTED, "It is 3.", {"x": "3"})
-def raises(): raise ZeroDivisionError("by nothing")
-def dies(): os._exit(7)
-def no_evidence(): return True
-def hangs(): time.sleep(600)
-"""
-CLAIM = """
-[[claim]]
-id = "{id}"
-source = "Section 9, Fig. 1"
-says = "1 < 2"
-check = "stand_ins.{check}"
-verdict = "confirmed"
-"""
 
 
 def good_picture() -> Figure:
@@ -62,86 +43,7 @@ def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
     return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
 
 
-@pytest.fixture
-def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Claim, ...]]:
-    """Return a function that reads claims given as TOML, whose checks are those above."""
-    package = tmp_path / "fake_checks"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "stand_ins.py").write_text(CHECKS)
-    monkeypatch.syspath_prepend(tmp_path)
-
-    def read(text: str, part: str = "model") -> tuple[Claim, ...]:
-        folder = tmp_path / "claims"
-        folder.mkdir(exist_ok=True)
-        (folder / f"{part}.toml").write_text(text, encoding="utf-8")
-        return read_claims(["fig1"], folder, "fake_checks")
-
-    return read
-
-
 # --- the claims files ---
-
-
-def test_every_figure_and_theorem_of_the_paper_has_a_claim() -> None:
-    figures: set[int] = set()
-    theorems: set[int] = set()
-    for claim in CLAIMS:
-        for word, found in (("Fig", figures), ("Theorem", theorems)):
-            for first, joint, last in re.findall(rf"{word}s?\.? (\d+)[^,;]*?(?:( to | and )(\d+))?", claim.source):
-                found |= {int(first)} | ({int(last)} if last else set())
-                found |= set(range(int(first), int(last))) if joint == " to " else set()
-    assert figures >= set(range(1, 11))
-    assert theorems >= {4, 5, 6, 7}
-
-
-def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
-    shown = {PICTURES[key].paper_figure for claim in CLAIMS for key in claim.figures}
-    assert shown >= set(range(1, 11))
-    assert {key for claim in CLAIMS for key in claim.figures} == set(PICTURES)
-
-
-def test_derivations_that_claims_name_are_scripts() -> None:
-    text = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.glob("*.toml"))
-    for name in set(re.findall(r'^derivation = "(.*)"', text, re.MULTILINE)):
-        script = (ROOT / "derivations" / f"{name}.py").read_text(encoding="utf-8")
-        assert f'run("{list(CHAPTERS)[int(name[:2]) - 1]}")' in script
-
-
-@pytest.mark.parametrize(
-    ("change", "complaint"),
-    [
-        (("id = ", "ident = "), "id is missing"),
-        (('verdict = "confirmed"', 'verdict = "true"'), "verdict = 'true': must be one of confirmed, "),
-        (('verdict = "confirmed"', 'verdict = "not as printed"'), "correction is missing"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\ncorrection = "no"'), "although it is confirmed"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = ["fig11"]'), "figure = 'fig11': must be one of"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = "fig1"'), "must be a list of texts"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nderivation = "11_none"'), "derivation = '11_none'"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nremark = "x"'), "remark is unknown; known are id, "),
-        (("stand_ins.right", "stand_ins.left"), "check = 'stand_ins.left': there is no such function"),
-        (("stand_ins.right", "stand_outs.right"), "check = 'stand_outs.right': there is no such function"),
-        (("stand_ins.right", "right"), "check = 'right': there is no such function"),
-        (('says = "1 < 2"', "says = 3"), "says = 3: must be text"),
-        (('id = "one"', 'id = "One!"'), "must be kebab case"),
-        (("[[claim]]", "[[clam]]"), r"may only have \[\[claim\]\] tables, not clam"),
-        (("[[claim]]", "[[claim]"), "cannot be read"),
-    ],
-)
-def test_a_wrong_claim_is_refused(read: Any, change: tuple[str, str], complaint: str) -> None:
-    text = CLAIM.format(id="one", check="right")
-    assert read(text)
-    with pytest.raises(ClaimsError, match=complaint):
-        read(text.replace(*change))
-
-
-def test_claims_are_in_order_and_unique(read: Any) -> None:
-    read(CLAIM.format(id="two", check="right"), "theorems")
-    assert [claim.id for claim in read(CLAIM.format(id="one", check="right"))] == ["one", "two"]
-    with pytest.raises(ClaimsError, match=r"theorems.toml: id 'one' is there twice"):
-        read(CLAIM.format(id="one", check="right"), "theorems")
-    with pytest.raises(ClaimsError, match=r"extras.toml: is no part"):
-        read(CLAIM.format(id="three", check="right"), "extras")
 
 
 def test_a_part_of_a_plan() -> None:
@@ -176,6 +78,7 @@ def results(read: Any) -> Results:
     return run(Plan(claims, pictures(bad_picture)), workers=2)
 
 
+@pytest.mark.slow
 def test_what_goes_wrong_is_a_result(results: Results) -> None:
     verdicts = {each.claim.id: each.verdict for each in results.judged}
     assert verdicts == dict.fromkeys(verdicts, ERROR) | {"right": "confirmed", "wrong": "not as printed"}
@@ -203,6 +106,7 @@ def test_what_goes_wrong_is_a_result(results: Results) -> None:
     assert "It is 1 &lt;2&gt;." in texts["report.html"]
 
 
+@pytest.mark.slow
 def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("symosc.paper.run.LIMIT", 0.5)
     (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged

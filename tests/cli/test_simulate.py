@@ -1,4 +1,4 @@
-"""The command line: what it prints, and what goes to standard output."""
+"""symosc simulate: its table, JSON, CSV, and starts from the command line."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ import pytest
 from cli_runs import good, run
 
 import symosc
-
-# --- simulate ---
 
 
 def test_the_table_shows_every_event_of_fig5() -> None:
@@ -92,46 +90,6 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     assert json.loads(as_json.stdout)["status"] == "undecidable"
 
 
-# --- figure, scenes, codegen ---
-
-
-def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
-    path = tmp_path / "fig5.pdf"
-    assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 9, 6 events\n"
-    assert path.read_bytes().startswith(b"%PDF-")
-    assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
-
-
-def test_scenes_lists_all_with_their_source() -> None:
-    text = good("scenes")
-    for name in symosc.scene_names():
-        assert re.search(rf"^{name} ", text, re.MULTILINE)
-    assert "WSEAS" in text.splitlines()[-1]
-    data = json.loads(good("scenes", "--json"))
-    assert [entry["name"] for entry in data] == symosc.scene_names()
-
-
-@pytest.mark.parametrize("name", symosc.scene_names())
-def test_a_printed_scene_is_the_scene(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "copy.toml"
-    path.write_text(good("scenes", name))
-    assert symosc.load_scene(path) == symosc.load_scene(name)
-
-
-def test_the_error_of_a_start_survives_the_scene_file(tmp_path: Path) -> None:
-    text = good("scenes", "fig8-exact")
-    assert "start_error = [0, 5e-45, 5e-45]" in text
-    assert json.loads(good("scenes", "fig8-exact", "--json"))["start_error"] == ["0", "5e-45", "5e-45"]
-    assert "start_error" not in good("scenes", "fig8")
-    path = tmp_path / "one.toml"
-    for given, read in (('"1/3"', Fraction(1, 3)), ("1e-9", Fraction(1, 10**9)), ("0", Fraction(0))):
-        path.write_text(re.sub(r"start_error = .*", f"start_error = {given}", text))
-        assert symosc.load_scene(path).start_error == (read,) * 3
-        copy = tmp_path / "copy.toml"
-        copy.write_text(good("scenes", str(path)))
-        assert symosc.load_scene(copy).start_error == (read,) * 3
-
-
 def test_a_start_from_the_command_line_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
     simulated = symosc.simulate
     seen: list[symosc.Scene] = []
@@ -155,69 +113,7 @@ def test_the_error_of_a_start_is_passed_on(monkeypatch: pytest.MonkeyPatch) -> N
     assert "start_error" not in seen[-1]
 
 
-def test_a_fraction_survives_the_scene_file(tmp_path: Path) -> None:
-    path = tmp_path / "third.toml"
-    path.write_text(good("scenes", "fig5").replace("k = 1", 'k = "1/3"'))
-    copy = tmp_path / "copy.toml"
-    copy.write_text(good("scenes", str(path)))
-    assert symosc.load_scene(copy).parameters == symosc.load_scene("fig5").parameters.replace(k="1/3")
-
-
-def test_codegen_check_prints_the_difference(monkeypatch: pytest.MonkeyPatch) -> None:
-    import symosc.symbolic.codegen as codegen
-
-    monkeypatch.setattr(codegen, "check", lambda: "")
-    assert "is what the formulas print" in good("codegen", "--check")
-    monkeypatch.setattr(codegen, "check", lambda: "-committed\n+generated\n")
-    result = run("codegen", "--check")
-    assert (result.exit_code, result.stdout) == (1, "-committed\n+generated\n\n")
-    assert "accept: symosc codegen --regenerate" in result.stderr
-
-
-def test_codegen_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    import symosc.symbolic.codegen as codegen
-
-    monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
-    monkeypatch.setattr(codegen, "generate", lambda: "pass\n")
-    assert run("codegen").exit_code == 2
-    assert not (tmp_path / "_generated.py").exists()
-    assert good("codegen", "--regenerate") == f"wrote {tmp_path / '_generated.py'}\n"
-    assert (tmp_path / "_generated.py").read_text() == "pass\n"
-
-
-# --- standard output as a file ---
-
-
 def test_csv_to_standard_output_is_the_file(tmp_path: Path) -> None:
     path = tmp_path / "events.csv"
     good("simulate", "fig6", "--csv", str(path))
     assert good("simulate", "fig6", "--csv", "-") == path.read_text()
-
-
-def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
-    path = tmp_path / "fig6.svg"
-    good("figure", "fig6", "-o", str(path), "--panels", "a")
-    assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["orbit", "fig9", "-o"],
-        ["grazing", "fig9", "--map", "P2", "--plot"],
-        ["check", "s.csv", "--scene", "fig6", "-o"],
-    ],
-    ids=lambda arguments: arguments[0],
-)
-def test_the_figures_of_other_commands_go_there_too(
-    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    trajectory = symosc.simulate("fig6", t_end=5)
-    rows = [f"{t},{x!r},{v!r}" for t in (n / 64 for n in range(321)) for x, v in [trajectory(t).tolist()]]
-    Path("s.csv").write_text("\n".join(["t,x,v", *rows]))
-    text = good(*arguments, "-")
-    assert text.startswith("<?xml")
-    assert text.endswith("</svg>\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
