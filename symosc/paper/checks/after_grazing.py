@@ -9,7 +9,7 @@ import numpy as np
 
 from symosc.paper.checks.contacts import lowered, mode_text, motion, number, text, verdict
 from symosc.paper.checks.grazing_figures import HALF_UNIT, LATE, Graze, exact, fig7, fig8, steady_square
-from symosc.paper.checks.stick_figures import ends_above, flight_after, forces_hold, together
+from symosc.paper.checks.stick_figures import flight_after, forces_hold, together
 from symosc.paper.evidence import Evidence
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Trajectory
@@ -136,11 +136,6 @@ def fig8_forces() -> Evidence:
 def fig8_together() -> Evidence:
     """Check that mass and belt 1 move together between the blue and the green point."""
     return together(exact(fig8()), 1)
-
-
-def fig8_end() -> Evidence:
-    """Check through which force the stick vanishes: here (52) is right."""
-    return ends_above(exact(fig8()), 1)
 
 
 def fig8_leaves() -> Evidence:

@@ -143,34 +143,6 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
 # --- how it ends, and what follows ---
 
 
-def fig5_end() -> Evidence:
-    """Check through which force the stick of Fig. 5 vanishes: (52) says F(2)."""
-    return ends_above(load_scene("fig5"), 1)
-
-
-def ends_above(scene: Scene, belt: int) -> Evidence:
-    """Check that the first stick ends as (52), (53) say: by the force of the domain above."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, SIDES[belt]
-    at = forces(scene.parameters, end)
-    all_ends = [s.into for s in sticks(scene) if s.belt == belt and s.end is not None]
-    finding = (
-        f"At the green point, t = {text(end.t, 11)}, {force_name(lo)} = {force_text(at.below)} and {force_name(hi)} = "
-        f"{force_text(at.above)}: the mass slips into {mode_text(stick.into)}."
-    )
-    numbers = {
-        f"{force_name(lo)}, {force_name(hi)} at the green point": f"{force_text(at.below)}, {force_text(at.above)}",
-        "t of the green point": text(end.t, 25),
-    }
-    for force, domain in ((lo, f"Omega{lo}"), (hi, f"Omega{hi}")):
-        numbers[f"sticks until t = {text(scene.t_end)} that end by {force_name(force)} = 0"] = str(
-            all_ends.count(domain)
-        )
-    return Evidence(verdict(is_zero(at.above)), finding, numbers)
-
-
 def fig6_end() -> Evidence:
     """Check F(2) = 0 and F(3) < 0 where the stick of Fig. 6 vanishes."""
     return ends_below(load_scene("fig6"), 2)
