@@ -124,7 +124,7 @@ def search_start(scene: Scene) -> list[Nearest]:
 
 
 def _along(scene: Scene, name: str, half_unit: float) -> tuple[Nearest, list[Companion]]:
-    branch = continue_orbit(scene.parameters, scene.structure, name, _range(scene.parameters, name))
+    branch = continue_orbit(scene.parameters, scene.structure, name, range_of(scene.parameters, name))
     gaps = np.array([_gaps_of(p, branch.parameters(i), scene) for i, p in enumerate(branch.points)])
     best = np.unravel_index(np.abs(gaps).max(axis=2).argmin(), gaps.shape[:2])
     index, point = int(best[0]), int(best[1])
@@ -170,7 +170,8 @@ def _distance(gap: Callable[[float, int], np.ndarray], value: float, near: int) 
         return inf
 
 
-def _range(p: Parameters, name: str) -> tuple[float, float]:
+def range_of(p: Parameters, name: str) -> tuple[float, float]:
+    """Return the values of a parameter that are tried: REACH times its size both ways, as far as the model allows."""
     value = float(getattr(p, name))
     reach = REACH * max(1.0, abs(value))
     low, high = value - reach, value + reach

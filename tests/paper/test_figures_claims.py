@@ -19,6 +19,7 @@ from symosc.paper.checks import (
     after_grazing,
     contacts,
     grazing_figures,
+    grazing_starts,
     orbit_conditions,
     periodic_figures,
     section_6,
@@ -49,9 +50,9 @@ def test_the_verdict_is_the_committed_one(claim: dict[str, Any]) -> None:
 
 
 def test_every_figure_and_every_check_has_a_claim() -> None:
-    assert {figure.partition("-")[0] for claim in CLAIMS for figure in claim["figures"]} == FIGURES
+    assert {figure.partition("-")[0] for claim in CLAIMS for figure in claim.get("figures", ())} == FIGURES
     used = {claim["check"] for claim in CLAIMS}
-    for module in (stick_figures, grazing_figures, after_grazing, periodic_figures):
+    for module in (stick_figures, grazing_figures, grazing_starts, after_grazing, periodic_figures, orbit_conditions):
         name = module.__name__.rpartition(".")[2]
         made = [
             n
@@ -128,8 +129,11 @@ OTHER: list[tuple[str, Callable[[], Evidence], str]] = [
     ("grazes as given", lambda: grazing_figures.reaches_belt(load_scene("fig7-exact"), 1), CONFIRMED),
     ("sticks as given", lambda: grazing_figures.reaches_belt(load_scene("fig7-corrected"), 1), NOT_AS_PRINTED),
     ("swings up to the belt", lambda: grazing_figures.reaches_belt(resonant(), 1), UNDECIDED),
-    ("exact start", lambda: grazing_figures.start_grazes(fig7("fig7-exact")), CONFIRMED),
-    ("start rounded", lambda: grazing_figures.start_grazes(fig8(**ROUNDED8)), CONFIRMED),
+    ("exact start", lambda: grazing_starts.start_grazes(fig7("fig7-exact")), CONFIRMED),
+    ("start rounded", lambda: grazing_starts.start_grazes(fig8(**ROUNDED8)), CONFIRMED),
+    ("start off the curve", lambda: grazing_starts.start_grazes(fig8(x0="5.9")), NOT_AS_PRINTED),
+    ("contact off the curve", lambda: grazing_figures.tangential(fig8(x0="5.9")), CORRECTED),
+    ("grazes already", lambda: grazing_starts.contact_or_misprint(load_scene("fig7-exact"), "P2"), CONFIRMED),
     ("touches as given", lambda: grazing_figures.tangential(fig7("fig7-exact")), CONFIRMED),
     ("touches from above as given", lambda: grazing_figures.tangential(fig8(**EXACT8)), CONFIRMED),
     ("touches once as given", lambda: grazing_figures.touches_once(fig7("fig7-exact")), CONFIRMED),

@@ -8,11 +8,13 @@ import numpy as np
 
 from symosc.mappings.equations import jacobian, residual
 from symosc.paper.checks.contacts import contacts, lowered, motion, number, start_contact, text, verdict
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.periodic_figures import no_orbit, orbit_of
 from symosc.paper.evidence import Evidence
 from symosc.scenes import Scene, load_scene
 
 
+@flown_again
 def conditions_of_orbits() -> Evidence:
     """Check whether the printed equations are conditions of a periodic motion."""
     return closing_conditions(load_scene("fig9"))

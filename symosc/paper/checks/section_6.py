@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from symosc.model import SIDES
 from symosc.paper.checks.contacts import forces, is_zero, sticks, text, verdict
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.friction_model import added_force, vector_field
 from symosc.paper.checks.theorems import exact_contacts
 from symosc.paper.evidence import UNDECIDED, Evidence
@@ -72,6 +73,7 @@ def forces_or_accelerations() -> Evidence:
     return Evidence(verdict(not apart and not wrong, not wrong), finding + ".", numbers)
 
 
+@flown_again
 def products() -> Evidence:
     """Check the sign of the force product at all starting and vanishing points of sticks."""
     return force_products([load_scene(name) for name in FOLLOWED])

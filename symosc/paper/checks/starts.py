@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import cos, sin
 
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.periodic_figures import start_on_orbit
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.paper.misprints import Companion, Nearest, search_parameters, search_start
@@ -92,11 +93,13 @@ def _remark(scene: Scene, start: list[Nearest]) -> str:
     return "".join(f"{text}, but the other number of the start does not agree." for text in found)
 
 
+@flown_again
 def fig9_start() -> Evidence:
     """Check that the printed start of Fig. 9 is on the periodic motion, or is but for one misprinted number."""
     return start(load_scene("fig9"))
 
 
+@flown_again
 def fig10_start() -> Evidence:
     """Check that the printed start of Fig. 10 is on the periodic motion, or is but for one misprinted number."""
     return start(load_scene("fig10"))
