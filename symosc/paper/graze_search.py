@@ -108,16 +108,27 @@ def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
         return float(max(abs(x[0] - float(scene.x0)), abs(v[0] - float(scene.v0))))
 
     period = 2 * np.pi / float(scene.parameters.Omega)
-    times = float(scene.t0) + period * np.arange(1, INSTANTS + 1) / INSTANTS
+    times = float(scene.t0) + period * np.arange(INSTANTS + 1) / INSTANTS
     x, v = starts_that_graze(scene, mapping, times)
-    i = int(np.argmin(np.maximum(np.abs(x - float(scene.x0)), np.abs(v - float(scene.v0)))))
-    around = times[max(i - 1, 0)], times[min(i + 1, INSTANTS - 1)]
-    best = float(minimize_scalar(away, bounds=around, method="bounded", options={"xatol": 1e-13}).x)
+    coarse = np.maximum(np.abs(x - float(scene.x0)), np.abs(v - float(scene.v0)))
+    best, around = np.nan, (np.nan, np.nan)
+    for i in _valleys(coarse):
+        ends = times[i - 1], times[i + 1]
+        t = float(minimize_scalar(away, bounds=ends, method="bounded", options={"xatol": 1e-13}).x)
+        if not away(t) >= away(best):
+            best, around = t, ends
     x, v = starts_that_graze(scene, mapping, np.array([best]))
-    ends = (np.nan, np.nan)
+    box = (np.nan, np.nan)
     if away(best) <= half_unit:
-        ends = tuple(brentq(lambda t: away(t) - half_unit, *sorted((best, end)), xtol=1e-12) for end in around)
-    return NearestGraze(best, float(x[0]) - float(scene.x0), float(v[0]) - float(scene.v0), *ends)
+        box = tuple(brentq(lambda t: away(t) - half_unit, *sorted((best, end)), xtol=1e-12) for end in around)
+    return NearestGraze(best, float(x[0]) - float(scene.x0), float(v[0]) - float(scene.v0), *box)
+
+
+def _valleys(values: np.ndarray) -> list[int]:
+    """Return where values have a local minimum, the lowest first."""
+    inner = values[1:-1]
+    at = np.flatnonzero((inner <= values[:-2]) & (inner <= values[2:])) + 1
+    return [int(i) for i in at[np.argsort(values[at])]] or [1 + int(np.argmin(inner))]
 
 
 def search(

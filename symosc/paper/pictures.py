@@ -136,7 +136,7 @@ _ALL = (
     _computed(
         GRAZING_P2,
         "fig7-corrected",
-        title="with the constant force that fits its start",
+        title="with A0 = 10",
         alt="The velocity rises to belt 1, where an inset shows a very short stick, and stays below it from then on.",
     ),
     _computed(

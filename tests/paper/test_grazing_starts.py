@@ -88,7 +88,7 @@ def test_both_explanations_of_fig7() -> None:
 def test_a_misprint_that_was_put_in_is_found(name: str, printed: str, true: float) -> None:
     right = load_scene("fig7-corrected")
     wrong = replace(right, parameters=right.parameters.replace(**{name: printed}))
-    values = [each for each in search(wrong, "P2", HALF_UNIT, [name])]
+    values = search(wrong, "P2", HALF_UNIT, [name])
     assert any(abs(each.value - true) <= 2 * each.uncertainty for each in values)
     assert any(float(each.shortest) == true and grazing_starts.explains(wrong, each) for each in values)
 

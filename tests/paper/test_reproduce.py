@@ -216,7 +216,7 @@ def test_exit_codes(
     assert reproduce.carry_out(plan, folder, workers=0) == code
     assert said in capsys.readouterr().out
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    assert files == {*report.NAMES} | ({"figures/fig1.svg"} if build is good_picture else set())
+    assert files == {*report.REPORTS} | ({"figures/fig1.svg"} if build is good_picture else set())
 
 
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
