@@ -85,6 +85,7 @@ def _show(results: Results, output: Path) -> None:
     write(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
     errata = Counter(erratum.severity for erratum in results.errata if results.shown_by(erratum))
     severities = ", ".join(f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity])
-    write(f"{errata.total()} distinct errata{': ' if errata else ''}{severities}")
+    if errata:
+        write(f"{errata.total()} distinct errata: {severities}")
     write(f"{drawn} figures, {steps} steps of derivations checked; {results.seconds:.0f} s")
     write(f"report: {click.format_filename(output / 'report.html')}")

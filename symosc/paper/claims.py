@@ -196,7 +196,7 @@ def _records(folder: Path, stem: str, name: str, kind: type[Record]) -> tuple[Re
     path = folder / f"{stem}.toml"
     if not path.exists():
         return ()
-    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    names = [field.name for field in fields(kind)]
     found = []
     for number, table in enumerate(_tables(path, name), 1):
         where = f"{path.name}, {name} {table.get('id', number)}"

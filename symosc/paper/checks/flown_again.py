@@ -30,8 +30,8 @@ class Stretch(NamedTuple):
     """A motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next contact."""
 
     where: int
-    start: tuple[float, float, float]
-    end: tuple[float, float, float]
+    start: tuple[float, ...]
+    end: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -60,9 +60,9 @@ class Opinion:
 def stretches_of(path: Trajectory) -> list[Stretch]:
     """Return the stretches of a motion."""
     found = []
-    start = float(path.t_start), *map(float, path(path.t_start))
+    start: tuple[float, ...] = (float(path.t_start), *map(float, path(path.t_start)))
     for segment, event in zip(path.segments, path.events, strict=False):
-        end = float(event.t), float(event.x), float(event.v)
+        end: tuple[float, ...] = (float(event.t), float(event.x), float(event.v))
         found.append(Stretch(_where(segment.mode), start, end))
         start = end
     if len(path.segments) > len(path.events):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi
+from typing import Any
 
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
@@ -117,7 +118,7 @@ def _exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
     scene, at = figure.scene, place(figure.mapping)
     p = scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
-    start = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
+    start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
     path = motion(replace(scene, **start, start_error=found.start["start_error"]))
     x, v = flow(p, p.A(at.domain), (scene.t0, *start.values()), float(t_m))
     x_m = (float(p.A(at.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)) / float(p.k)

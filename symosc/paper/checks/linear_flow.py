@@ -6,6 +6,7 @@ It is for c > 0 or off resonance, and for k > 0.
 from __future__ import annotations
 
 import cmath
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from symosc.model import Parameters
 APART = 1e-8
 
 
-def flow(p: Parameters, A: Any, start: tuple[Any, Any, Any], t: Any) -> tuple[Any, Any]:
+def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
     """Return x and x' at times t of m x'' + c x' + k x = A + B0 cos(Omega t) from start = (t0, x0, v0)."""
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)

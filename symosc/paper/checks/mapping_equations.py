@@ -246,7 +246,7 @@ def four_grazes() -> Evidence:
     """Before Theorem 7: four cases of grazing, those of P2, P3, P5 and P6."""
     pairs = sorted((domain, boundary) for boundary, sides in SIDES.items() for domain in sides)
     of_maps = sorted((row.domain, row.boundary) for row in PLACES.values())
-    grazes: Counter[str] = Counter()
+    grazes: Counter[tuple[int, int]] = Counter()
     for boundary in SIDES:
         for contact in contacts(boundary, EXITS, seed=60 + boundary):
             grazes.update((alpha, boundary) for alpha in SIDES[boundary] if contact.grazes(alpha))
