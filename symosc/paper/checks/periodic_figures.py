@@ -114,6 +114,9 @@ def start_on_orbit(scene: Scene) -> Evidence:
         "half a unit of the last printed digit": f"{float(HALF_UNIT):g}",
         "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, {near.offset_v:+.7f}",
         f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
+        f"switching points of {lowered(found.word)}: t, x": "; ".join(
+            f"{text(point.t, 9)}, {text(point.x, 9)}" for point in found.points
+        ),
     }
     for i, (before, after) in enumerate(pairwise(states)):
         dx, dv = after - before
