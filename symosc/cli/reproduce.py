@@ -86,6 +86,6 @@ def _show(results: Results, output: Path) -> None:
     errata = Counter(erratum.severity for erratum in results.errata if results.shown_by(erratum))
     severities = ", ".join(f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity])
     if errata:
-        write(f"{errata.total()} distinct errata: {severities}")
-    write(f"{drawn} figures, {steps} steps of derivations checked; {results.seconds:.0f} s")
+        write(f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}")
+    write(f"{drawn} figure{'s' if drawn != 1 else ''}, {steps} steps of derivations checked; {results.seconds:.0f} s")
     write(f"report: {click.format_filename(output / 'report.html')}")
