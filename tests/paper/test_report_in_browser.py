@@ -180,6 +180,16 @@ def test_the_report_is_no_longer_than_half_of_what_it_was(browser: Any, report: 
 
 
 @pytest.mark.slow
+def test_no_claim_about_a_motion_is_judged_by_the_simulator_alone(report: Path) -> None:
+    claims = json.loads((report / "report.json").read_text(encoding="utf-8"))["claims"]
+    told = [each["numbers"].get("flown again in another closed form", "") for each in claims]
+    assert sum("stretches" in each for each in told) > 40
+    assert not [
+        each["id"] for each in claims if each["id"].startswith("fig") and "flown again" not in str(each["numbers"])
+    ]
+
+
+@pytest.mark.slow
 def test_the_coverage_table_has_every_item(report: Path) -> None:
     rows = json.loads((report / "report.json").read_text(encoding="utf-8"))["coverage"]
     assert [row["item"] for row in rows] == [item.label for item in PAPER]

@@ -9,6 +9,8 @@ import numpy as np
 
 from symosc.model import SIDES, Parameters
 from symosc.paper.checks import dop853
+from symosc.paper.checks.contacts import looked_at
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.rational_cases import RationalContact, contacts, friction_on_mass
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
@@ -185,13 +187,14 @@ def mirrored(p: Parameters) -> Parameters:
     return p.replace(A0=-p.A0, B0=-p.B0, v1=-p.v2, v2=-p.v1, mu1=p.mu2, mu2=p.mu1)
 
 
+@flown_again
 def friction_order() -> Evidence:
     """The assumption mu1 >= mu2: is it needed? A mirror turns every motion into one with mu1 and mu2 exchanged."""
     worst, events, other = 0.0, 0, 0
     for name in SCENES:
         scene = load_scene(name)
         p = scene.parameters
-        given = simulate(scene, max_events=12)
+        given = looked_at(simulate(scene, max_events=12))
         seen = simulate(mirrored(p), t0=scene.t0, x0=-scene.x0, v0=-scene.v0, t_end=scene.t_end, max_events=12)
         kinds = [(event.kind, 3 - event.boundary) for event in seen.events]
         other += kinds != [(event.kind, event.boundary) for event in given.events]

@@ -17,6 +17,8 @@ from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import SIDES, Parameters
 from symosc.paper.checks import dop853
+from symosc.paper.checks.contacts import looked_at
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.rational_cases import contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
@@ -273,6 +275,7 @@ def position_bound(p: Parameters) -> float:
     return force / float(p.k) / tanh(pi * damping / (2 * sqrt(1 - damping**2)))
 
 
+@flown_again
 def bounded_motions() -> Evidence:
     """Section 5: three bounded motions in the three unbounded domains; and what becomes of that without a damper."""
     within = total = 0
@@ -280,7 +283,7 @@ def bounded_motions() -> Evidence:
     for name in ("fig5", "fig6", "fig8", "fig9", "fig10"):
         scene = load_scene(name)
         period = 2 * pi / float(scene.parameters.Omega)
-        motion = simulate(scene, t_end=float(scene.t0) + 30 * period, max_events=2000)
+        motion = looked_at(simulate(scene, t_end=float(scene.t0) + 30 * period, max_events=2000))
         late = np.linspace(
             float(motion.t_start) + 0.5 * (float(motion.t_end) - float(motion.t_start)), float(motion.t_end), 400
         )

@@ -12,6 +12,8 @@ from symosc.grazing.window import grazing_window
 from symosc.mappings.equations import jacobian
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
+from symosc.paper.checks.contacts import looked_at
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.printed_cases import RATIOS, contains, printed_window, touching, turn
 from symosc.paper.checks.rational_cases import PHASES, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
@@ -141,6 +143,7 @@ def one_unknown_is_free() -> Evidence:
     return Evidence(CONFIRMED if free else NOT_AS_PRINTED, f"{finding}; each given phase has its start.", numbers)
 
 
+@flown_again
 def mappings_that_graze() -> Evidence:
     """Theorem 7: is the mapping that ends with a graze P2, P3, P5 or P6? Grazes are traced back, and followed again."""
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
@@ -152,7 +155,7 @@ def mappings_that_graze() -> Evidence:
             for theta in filter(window.contains, TRACED_PHASES):
                 start = grazing_start(p, mapping, theta)
                 end = Fraction(float(start.t_m)) + Fraction(1, 1000)
-                motion = simulate(p, **start.start, t_end=end, max_events=1)
+                motion = looked_at(simulate(p, **start.start, t_end=end, max_events=1))
                 label = motion.word[0] if motion.events[0].kind == "graze" else "no graze"
                 counts[mapping][label] += 1
                 if case == "none" and label not in (mapping, "no graze"):
