@@ -58,12 +58,12 @@ class Coverage:
 
 
 def items_of(source: str) -> list[Item]:
-    """Return the items that a source names, in its order.
+    """Return the items that a source names: sections, equations, lemmas, theorems, figures.
 
     Examples
     --------
     >>> [item.label for item in items_of("Theorem 4 (i), eqs. (26), (32) to (34)")]
-    ['Theorem 4', '(26)', '(32)', '(33)', '(34)']
+    ['(26)', '(32)', '(33)', '(34)', 'Theorem 4']
     >>> [item.label for item in items_of("Section 5, before eq. (54)")]
     ['Section 5']
     """

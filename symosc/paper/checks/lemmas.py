@@ -8,15 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-
-import sympy as sp
+from typing import Any
 
 from symosc.model import SIDES
 from symosc.paper.checks.rational_cases import RationalContact, as_text
 from symosc.paper.checks.theorems import exact_contacts, slope_of_field
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence
 
-t = sp.Symbol("t")
 #: Components of the states of a general system; more bring nothing new.
 SIZE = 3
 
@@ -39,8 +37,8 @@ def tangency_condition(normal_away: bool, value: Fraction, slope: Fraction) -> b
     return value == 0 and (slope < 0 if normal_away else slope > 0)
 
 
-def g_functions(n: sp.Matrix, difference: sp.Matrix) -> tuple[sp.Expr, sp.Expr]:
-    """Eqs. (15) and (16), with D for the derivative along both flows."""
+def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
+    """Eqs. (15) and (16), with D for the derivative by t along both flows."""
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
     second = (n.diff(t, 2).T * difference + 2 * n.diff(t).T * difference.diff(t) + n.T * difference.diff(t, 2))[0]
     return first, second
@@ -55,13 +53,17 @@ def along_boundary_flow(contact: RationalContact, alpha: int) -> Fraction:
 # --- definitions and what follows from them ---
 
 
-def _vector(name: str) -> sp.Matrix:
+def _vector(name: str, t: Any) -> Any:
+    import sympy as sp
+
     return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(SIZE)])
 
 
 def general_system() -> Evidence:
     """Eq. (13) is a definition; the oscillator (10) is such a system."""
-    x, v, m, c, k, A, B0, Omega = sp.symbols("x v m c k A B0 Omega")
+    import sympy as sp
+
+    x, v, m, c, k, A, B0, Omega, t = sp.symbols("x v m c k A B0 Omega t")
     field = sp.Matrix([v, (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m])
     linear = field.jacobian([x, v]).diff(x).is_zero_matrix and field.jacobian([x, v]).diff(v).is_zero_matrix
     numbers = {
@@ -74,9 +76,12 @@ def general_system() -> Evidence:
 
 def general_g_functions() -> Evidence:
     """Eqs. (15) and (16) are the first two derivatives of n . (x^(alpha) - x^(0)), by the product rule."""
-    n, difference = _vector("n"), _vector("y")
+    import sympy as sp
+
+    t = sp.Symbol("t")
+    n, difference = _vector("n", t), _vector("y", t)
     product = (n.T * difference)[0]
-    rests = [sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference), 1)]
+    rests = [sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference, t), 1)]
     numbers = {f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": str(rest) for i, rest in enumerate(rests, 1)}
     if any(rests):
         return Evidence(NOT_AS_PRINTED, "They are not these derivatives.", numbers)
@@ -86,6 +91,8 @@ def general_g_functions() -> Evidence:
 
 def normal_vector() -> Evidence:
     """Eqs. (17) and (25): the gradient of phi = x' - v_lambda."""
+    import sympy as sp
+
     x, v, speed = sp.symbols("x v v_lambda")
     normal = tuple(sp.diff(v - speed, variable) for variable in (x, v))
     numbers = {"gradient of φ = ẋ − v_λ by (x, ẋ)": str(normal), "(25)": "(0, 1)"}
@@ -96,10 +103,12 @@ def normal_vector() -> Evidence:
 
 def reduction() -> Evidence:
     """Eqs. (15), (16) -> (18), (19): what remains at a contact with a fixed plane n . x = const."""
-    n, flow, boundary = sp.Matrix(sp.symbols(f"n0:{SIZE}")), _vector("x"), _vector("b")
-    values = g_functions(n, flow - boundary)
+    import sympy as sp
+
+    t, height = sp.symbols("t h")
+    n, flow, boundary = sp.Matrix(sp.symbols(f"n0:{SIZE}")), _vector("x", t), _vector("b", t)
+    values = g_functions(n, flow - boundary, t)
     # The boundary flow stays in the plane, n . b = const: one component of it follows from the others.
-    height = sp.Symbol("h")
     last = (height - sum(n[i] * boundary[i] for i in range(SIZE - 1))) / n[SIZE - 1]
     staying = {boundary[SIZE - 1]: last}
     rests = []
