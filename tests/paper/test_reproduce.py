@@ -37,6 +37,7 @@ def raises(): raise ZeroDivisionError("by nothing")
 def dies(): os._exit(7)
 def no_evidence(): return True
 def hangs(): time.sleep(600)
+def slow(): time.sleep(1); return Evidence(CONFIRMED, "Done.", {"process": str(os.getpid())})
 """
 CLAIM = """
 [[claim]]
@@ -197,6 +198,16 @@ def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("symosc.paper.run.LIMIT", 0.5)
     (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
     assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
+
+
+@pytest.mark.slow
+def test_tasks_share_the_processors(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.paper.run._processors", lambda: 2)
+    claims = read("".join(CLAIM.format(id=f"slow-{i}", check="slow") for i in range(4)))
+    done = run(Plan(claims, {}))
+    processes = {each.numbers["process"] for each in done.judged}
+    assert len(processes) == 2
+    assert str(os.getpid()) not in processes
 
 
 @pytest.mark.parametrize(
