@@ -18,18 +18,6 @@ ROOT = Path(__file__).parents[2]
 CLAIMS = read_claims(PICTURES)
 
 
-def test_every_figure_and_theorem_of_the_paper_has_a_claim() -> None:
-    figures: set[int] = set()
-    theorems: set[int] = set()
-    for claim in CLAIMS:
-        for word, found in (("Fig", figures), ("Theorem", theorems)):
-            for first, joint, last in re.findall(rf"{word}s?\.? (\d+)[^,;]*?(?:( to | and )(\d+))?", claim.source):
-                found |= {int(first)} | ({int(last)} if last else set())
-                found |= set(range(int(first), int(last))) if joint == " to " else set()
-    assert figures >= set(range(1, 11))
-    assert theorems >= {4, 5, 6, 7}
-
-
 def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
     shown = {PICTURES[key].paper_figure for claim in CLAIMS for key in claim.figures}
     assert shown >= set(range(1, 11))
@@ -49,11 +37,13 @@ def test_derivations_that_claims_name_are_scripts() -> None:
         (("id = ", "ident = "), "id is missing"),
         (('verdict = "confirmed"', 'verdict = "true"'), "verdict = 'true': must be one of confirmed, "),
         (('verdict = "confirmed"', 'verdict = "not as printed"'), "correction is missing"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\ncorrection = "no"'), "although it is confirmed"),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\ncorrection = "no"'), "although its verdict is 'confirmed'"),
+        (('verdict = "confirmed"', 'verdict = "by definition"\nerrata = ["a"]'), "erratum = 'a': must be one of"),
+        (('verdict = "confirmed"', 'verdict = "not as printed"\ncorrection = "2"'), "errata are missing"),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = ["fig11"]'), "figure = 'fig11': must be one of"),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = "fig1"'), "must be a list of texts"),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nderivation = "11_none"'), "derivation = '11_none'"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nremark = "x"'), "remark is unknown; known are id, "),
+        (('verdict = "confirmed"', 'verdict = "confirmed"\nnote = "x"'), "note is unknown; known are id, "),
         (("stand_ins.right", "stand_ins.left"), "check = 'stand_ins.left': there is no such function"),
         (("stand_ins.right", "stand_outs.right"), "check = 'stand_outs.right': there is no such function"),
         (("stand_ins.right", "right"), "check = 'right': there is no such function"),

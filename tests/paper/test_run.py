@@ -113,6 +113,16 @@ def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatc
     assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
 
 
+@pytest.mark.slow
+def test_tasks_share_the_processors(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.paper.run._processors", lambda: 2)
+    claims = read("".join(CLAIM.format(id=f"slow-{i}", check="slow") for i in range(4)))
+    done = run(Plan(claims, {}))
+    processes = {each.numbers["process"] for each in done.judged}
+    assert len(processes) == 2
+    assert str(os.getpid()) not in processes
+
+
 @pytest.mark.parametrize(
     ("check", "build", "code", "said"),
     [
@@ -130,7 +140,7 @@ def test_exit_codes(
     assert reproduce.carry_out(plan, folder, workers=0) == code
     assert said in capsys.readouterr().out
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    assert files == {*report.NAMES} | ({"figures/fig1.svg"} if build is good_picture else set())
+    assert files == {*report.REPORTS} | ({"figures/fig1.svg"} if build is good_picture else set())
 
 
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,6 +12,7 @@ def raises(): raise ZeroDivisionError("by nothing")
 def dies(): os._exit(7)
 def no_evidence(): return True
 def hangs(): time.sleep(600)
+def slow(): time.sleep(1); return Evidence(CONFIRMED, "Done.", {"process": str(os.getpid())})
 """
 
 CLAIM = """
