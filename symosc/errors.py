@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from numbers import Number
-from typing import Any
 
 LONGEST_VALUE = 80
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """Return a value as a message shows it: on one line, cut if it is long, numbers without their type."""
     try:
         text = str(value) if isinstance(value, Number) and not isinstance(value, str) else repr(value)
@@ -59,11 +58,11 @@ class ParameterError(SymoscError, ValueError):
     m must be > 0
     """
 
-    def __init__(self, name: str, value: Any, allowed: str) -> None:
+    def __init__(self, name: str, value: object, allowed: str) -> None:
         self.name, self.value, self.allowed = name, value, allowed
         super().__init__(f"{name} = {shown(value)}: {allowed}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.name, self.value, self.allowed)
 
 
@@ -89,7 +88,7 @@ class SceneError(SymoscError, ValueError):
         self.scene, self.reason = scene, reason
         super().__init__(f"scene {brief(scene) or repr(scene)}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.scene, self.reason)
 
 
@@ -114,7 +113,7 @@ class OutputError(SymoscError, OSError):
         self.path, self.reason = path, reason
         super().__init__(f"cannot write {brief(path) or repr(path)}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.path, self.reason)
 
 
@@ -138,5 +137,5 @@ class MissingExtraError(SymoscError, ImportError):
         self.what, self.extra = what, extra
         super().__init__(f"{what} needs an optional package: pip install 'symosc[{extra}]'")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.what, self.extra)

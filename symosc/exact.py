@@ -17,12 +17,14 @@ NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fractio
 
 #: What a decimal or a fraction looks like: ASCII digits only, no underscores, no spaces inside.
 NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE](?P<exponent>[+-]?\d+))?)", re.ASCII)
-#: What an expression looks like, which is no number.
+#: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
     "is an expression, and only fractions are exact: write its value with the digits that you need, such as "
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
+#: Digits that a caller may ask for.
+LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS = 5, 10_000
 MOST_CHARACTERS = 4000  # Python converts no more than 4300 digits to an int
 
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many digits.
@@ -33,7 +35,7 @@ LARGEST = Fraction(10) ** 50
 SMALLEST = 1 / LARGEST
 
 
-def read_exact(name: str, value: Any) -> Fraction:
+def read_exact(name: str, value: object) -> Fraction:
     """Return `value` as an exact Fraction, at most LARGEST in size.
 
     A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
@@ -41,8 +43,8 @@ def read_exact(name: str, value: Any) -> Fraction:
     Raises
     ------
     ParameterError
-        For text that is no number, for NaN, infinities and numbers that are too large, and for types that are not exact
-        numbers.
+        For text that is not a number, for NaN, infinities and numbers that are too large, and for types that are not
+        exact numbers.
     """
     number = _read(name, value)
     if abs(number) > LARGEST:
@@ -99,7 +101,7 @@ def _read_mpf(name: str, value: Any) -> Fraction:
 
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
-    """Return `value` as an int, or raise ParameterError if it is none or out of range."""
+    """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
     try:
         number = operator.index(value)
@@ -110,7 +112,18 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     return number
 
 
-def true_or_false(name: str, value: Any) -> bool:
+def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
+    """Return how many digits are asked for, or None for doubles.
+
+    Raises
+    ------
+    ParameterError
+        Unless it is None or a whole number from LEAST_ASKED_DIGITS to `most`.
+    """
+    return None if digits is None else whole_number("digits", digits, LEAST_ASKED_DIGITS, most)
+
+
+def true_or_false(name: str, value: object) -> bool:
     """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
     if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
         return bool(value)
@@ -141,7 +154,7 @@ def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
 
 # A decimal is written with an exponent if it has more leading or trailing zeros than this, and as a fraction if it has
 # more digits.
-MOST_ZEROS, MOST_DIGITS = 20, 60
+MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 
 def show(value: Fraction) -> str:
@@ -150,7 +163,7 @@ def show(value: Fraction) -> str:
     decimals = max(twos, fives)
     digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
     significant = digits.rstrip("0")
-    if rest != 1 or len(significant) > MOST_DIGITS:
+    if rest != 1 or len(significant) > LONGEST_DECIMAL:
         denominator = "" if value.denominator == 1 else f"/{_digits(value.denominator)}"
         return f"{_digits(value.numerator)}{denominator}"
     sign, leading = "-" if value < 0 else "", decimals - len(digits)

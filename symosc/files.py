@@ -9,7 +9,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from symosc.errors import OutputError, ParameterError
 
@@ -32,7 +31,7 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
     Raises
     ------
     ParameterError
-        If `path` is no file name.
+        If `path` is not a file name.
     OutputError
         If the folder does not exist or cannot be written to.
     """
@@ -63,7 +62,7 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
     return Path(name)
 
 
-def read_path(path: Any) -> str:
+def read_path(path: object) -> str:
     """Return the text of a file name.
 
     Raises
@@ -89,13 +88,13 @@ def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
         else:  # a notebook's has no bytes
             sys.stdout.write(content.decode("utf-8", "replace"))
         sys.stdout.flush()
-    except BrokenPipeError:  # a reader that closed the pipe has had enough
+    except BrokenPipeError:  # the reader has closed the pipe, and wants no more
         drop_stdout()
 
 
 def drop_stdout() -> None:
     """Send what is still to come on standard output nowhere; it would fail once more at exit."""
-    with suppress(OSError):  # what stands in for it, in a notebook or a test, may be no file
+    with suppress(OSError):  # in a notebook or a test it may be something that is not a file
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -4,22 +4,31 @@
 
 A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1) both belts drag
 it forward, between the belts (domain 2) they pull against each other, above v2 (domain 3) both hold it back.
+
+Words that mean one thing in all modules:
+
+- boundary: its number, 1 or 2. Boundary 1 is v = v1, between domains 1 and 2; boundary 2 is v = v2.
+- belt: the machine's part that makes a boundary. ``p.belt(boundary)`` is its speed, ``K.belt1`` its constants.
+- side: where a motion leaves a domain or a stick, -1 downwards and +1 upwards; 0 if it does not leave.
+- mode: what the mass does, a code of MODE_NAMES.
+- word: a sequence of mappings in order of time (`symosc.words`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any
 
+from symosc.aliases import NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import SMALLEST, read_exact, show, whole_number
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
-#: The domains below and above each boundary (belt).
-SIDES = {1: (1, 2), 2: (2, 3)}
+#: The domains below and above each boundary.
+NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
+SIDES = NEIGHBOURS
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -45,7 +54,7 @@ class Parameters:
     Raises
     ------
     ParameterError
-        If a value is no finite number or is out of range; the message names it.
+        If a value is not a finite number or is out of range; the message names it.
 
     Examples
     --------
@@ -68,7 +77,19 @@ class Parameters:
     FN: Fraction
 
     def __init__(
-        self, *, m: Any, c: Any, k: Any, A0: Any, B0: Any, Omega: Any, v1: Any, v2: Any, mu1: Any, mu2: Any, FN: Any
+        self,
+        *,
+        m: NumberLike,
+        c: NumberLike,
+        k: NumberLike,
+        A0: NumberLike,
+        B0: NumberLike,
+        Omega: NumberLike,
+        v1: NumberLike,
+        v2: NumberLike,
+        mu1: NumberLike,
+        mu2: NumberLike,
+        FN: NumberLike,
     ) -> None:
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
@@ -84,11 +105,13 @@ class Parameters:
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
-    def replace(self, **changes: Any) -> Parameters:
+    def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
-                raise ParameterError(name, value, f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+                raise ParameterError(
+                    name, value, f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+                )
         return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
 
     def as_dict(self) -> dict[str, str]:

@@ -1,7 +1,9 @@
-"""Mapping structures such as P32 and P4645, and which map may follow which.
+"""Words: sequences of mappings in order of time, such as P2 and then P3; and which map may follow which.
 
-A word is read like a composition of functions, right to left: P32 = P3∘P2 applies P2 first. A list reads the same way;
-`Word.labels` and `Trajectory.word` are in order of time.
+The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2 first. That text is
+its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text of a `Word`; nothing else converts them.
+A list that a user gives reads like the text. `Trajectory.word` and `Word.labels` are in order of time, a text
+(`Scene.structure`, `PeriodicOrbit.word`) is from right to left.
 """
 
 from __future__ import annotations
@@ -9,11 +11,11 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from symosc.errors import SymoscError, brief, shown
 from symosc.exact import true_or_false
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 
 
 class WordError(SymoscError, ValueError):
@@ -40,18 +42,25 @@ class WordError(SymoscError, ValueError):
         self.word, self.reason, self.step = word, reason, step
         super().__init__(f"mapping structure {brief(word)}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.word, self.reason, self.step)
 
 
 class Plane(NamedTuple):
-    """A switching plane: side 0 is on the belt (sticking), 1 just below its speed, 2 just above it."""
+    """A switching plane of the paper, where the mappings start and end.
 
-    side: int
+    Attributes
+    ----------
+    superscript : int
+        0: on the belt, sticking. 1: just below its speed. 2: just above it.
+    boundary : int
+    """
+
+    superscript: int
     boundary: int
 
     def __str__(self) -> str:
-        return f"Σ{'⁰¹²'[self.side]}({self.boundary})"
+        return f"Σ{'⁰¹²'[self.superscript]}({self.boundary})"
 
 
 class Map(NamedTuple):
@@ -98,12 +107,12 @@ MAPS = {
 
 
 class Word(NamedTuple):
-    """A mapping structure.
+    """A sequence of mappings; ``str`` writes it as the paper does.
 
     Attributes
     ----------
     labels : tuple of str
-        "P1" to "P8" in order of time: the reverse of how the word is written.
+        "P1" to "P8" in order of time: the reverse of the text.
 
     Examples
     --------
@@ -141,13 +150,17 @@ class Word(NamedTuple):
         return "P" + "".join(label[1] for label in reversed(self.labels))
 
 
+#: What `read_word` reads.
+WordLike: TypeAlias = str | Iterable[str] | Word
+
+
 def _exit(stick: Map, after: Map) -> str | None:
     if after.sticks or after.start.boundary != stick.end.boundary:
         return None
-    return "below" if after.domain == SIDES[stick.end.boundary][0] else "above"
+    return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
 
 
-def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing: bool = False) -> Word:
+def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> Word:
     """Read a mapping structure and check that a motion can follow it.
 
     Parameters
@@ -157,7 +170,7 @@ def read_word(word: str | Iterable[str] | Word, *, closed: bool = True, grazing:
     closed : bool
         Whether the first map follows the last one, as on a periodic orbit.
     grazing : bool
-        Whether a flight may come back to the side that it came from, which takes a graze.
+        Whether a flight may come back to the domain that it came from, which takes a graze.
 
     Raises
     ------
@@ -202,7 +215,7 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
     return ""
 
 
-def _read(word: Any) -> tuple[tuple[str, ...], str]:
+def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     if isinstance(word, str):
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]
@@ -216,7 +229,9 @@ def _read(word: Any) -> tuple[tuple[str, ...], str]:
     for part in parts:
         match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
         if match is None:
-            raise WordError(text, f"{shown(part)} is no mapping; they are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']")
+            raise WordError(
+                text, f"{shown(part)} is not a mapping; the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
+            )
         digits += match.group(1)
     if not digits:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")

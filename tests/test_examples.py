@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
+from samples import few
 
 import symosc
 from symosc import plot
@@ -16,10 +17,12 @@ PUBLIC = {name: getattr(symosc, name) for name in symosc.__all__}
 PUBLIC |= {f"plot.{name}": getattr(plot, name) for name in plot.__all__ if callable(getattr(plot, name))}
 #: Examples that need an optional package, and which.
 NEEDED = {"compiled_residual": "numba"}
+#: Examples that take half a second and more.
+LONG = ("Branch", "BranchEnd", "Case", "ConvergenceError", "GrazingReport", "continue_orbit", "plot.branch_figure")
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", few(PUBLIC, *LONG))
 def test_public_name_has_an_example_that_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     subject = PUBLIC[name]
     assert SECTION.search(subject.__doc__ or ""), f"the docstring of {name} has no section Examples with >>>"

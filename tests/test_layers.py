@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import symosc
 ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
-    {"errors"},
+    {"aliases", "errors"},
     {"exact", "files", "drawable"},
     {"model"},
     {"words"},
@@ -39,9 +40,21 @@ def module_name(path: Path) -> str:
 MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
 
 
+@cache
+def nodes(path: Path) -> list[ast.AST]:
+    """Return all nodes of a file, its module first."""
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+def body(path: Path) -> list[ast.stmt]:
+    module = nodes(path)[0]
+    assert isinstance(module, ast.Module)
+    return module.body
+
+
 def imports(path: Path) -> Iterator[str]:
     """Yield what a file imports, wherever in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -85,9 +98,10 @@ def test_no_module_is_in_a_circle() -> None:
 def test_only_symbolic_and_derivations_import_sympy() -> None:
     """At their top; a late import is one that a fast path never comes to."""
     for name, path in MODULES.items():
-        body = ast.parse(path.read_text(encoding="utf-8")).body
-        heads = {alias.name.split(".")[0] for node in body if isinstance(node, ast.Import) for alias in node.names}
-        heads |= {(node.module or "").split(".")[0] for node in body if isinstance(node, ast.ImportFrom)}
+        heads = {
+            alias.name.split(".")[0] for node in body(path) if isinstance(node, ast.Import) for alias in node.names
+        }
+        heads |= {(node.module or "").split(".")[0] for node in body(path) if isinstance(node, ast.ImportFrom)}
         if name.split(".")[0] not in ("symbolic", "derive"):
             assert "sympy" not in heads, name
 
@@ -105,10 +119,10 @@ def test_every_package_says_what_it_is_for() -> None:
 def test_no_text_stands_alone() -> None:
     """A string that is no docstring does nothing: it was meant to be part of the line before."""
     for path in ROOT.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            body = getattr(node, "body", [])
+        for node in nodes(path):
+            inside = getattr(node, "body", [])
             own = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
-            for statement in body[own:] if isinstance(body, list) else []:
+            for statement in inside[own:] if isinstance(inside, list) else []:
                 lone = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
                 assert not (lone and isinstance(statement.value.value, str)), f"{path.name}, line {statement.lineno}"
 
@@ -116,7 +130,79 @@ def test_no_text_stands_alone() -> None:
 def test_no_two_classes_have_one_name() -> None:
     homes: dict[str, list[str]] = {}
     for name, path in MODULES.items():
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in body(path):
             if isinstance(node, ast.ClassDef):
                 homes.setdefault(node.name, []).append(name)
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}
+
+
+#: Constants that every module of a kind has: the solvers of a peer, the title of a chapter.
+OF_EACH = {"SOLVERS", "TITLE"}
+#: Packages that draw and write pages; their names are looked at apart.
+PAGES = {"plot", "derive", "paper"}
+
+
+def constants(path: Path) -> Iterator[str]:
+    """Yield the names in capitals that a module gives a value."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        if isinstance(node, ast.AnnAssign) and node.value is not None:
+            targets = [node.target]
+        for target in targets:
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            yield from (name.id for name in names if isinstance(name, ast.Name) and name.id.isupper())
+
+
+def test_a_constant_is_defined_once() -> None:
+    """So its name says what it bounds, and no two modules mean different numbers by it."""
+    homes: dict[str, set[str]] = {}
+    for name, path in MODULES.items():
+        if name.split(".")[0] not in PAGES:
+            for constant in set(constants(path)) - OF_EACH:
+                homes.setdefault(constant, set()).add(name)
+    assert {name: where for name, where in homes.items() if len(where) > 1} == {}
+
+
+def functions_in(path: Path) -> Iterator[ast.FunctionDef]:
+    """Yield the functions and methods of a file."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            yield node
+
+
+def test_no_function_is_given_more_than_eight_arguments_by_place() -> None:
+    """More than that nobody tells apart: they belong into a tuple with names, such as the engine's `State`."""
+    crowded = []
+    for name, path in MODULES.items():
+        # Printed by sympy; and solvers to compare with, whose arguments are those of their methods.
+        if name == "kernels._generated" or name.startswith("bench."):
+            continue
+        for function in functions_in(path):
+            given = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
+            if len(given) - (given[:1] in (["self"], ["cls"])) > 8:
+                crowded.append(f"{name}.{function.name} takes {len(given)}")
+    assert crowded == []
+
+
+def test_the_engine_has_no_long_function() -> None:
+    """Not more than 60 lines, with its docstring."""
+    long = [
+        f"{name}.{function.name} has {(function.end_lineno or 0) - function.lineno + 1} lines"
+        for name, path in MODULES.items()
+        if name.split(".")[0] in ("engine", "simulation", "mappings", "kernels")
+        for function in functions_in(path)
+        if (function.end_lineno or 0) - function.lineno + 1 > 60
+    ]
+    assert long == []
+
+
+def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:
+    """Theorems 4 and 5 are asked by name in one package: starts elsewhere go through `symosc.engine.start`."""
+    asking = {
+        name.split(".")[0]
+        for name, path in MODULES.items()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if (isinstance(node, ast.Name) and node.id == "resolve")
+        or (isinstance(node, ast.Constant) and node.value == "resolve")
+    }
+    assert asking - {"bench", "derive"} == {"engine"}  # a peer's own one, and names that are resolved in derivations

@@ -1,8 +1,8 @@
 """Events of a solver against those of a reference: errors, missed and invented events.
 
-The two lists are aligned as sequences: an event can be matched with one of the same kind on the same boundary that is
-at most a window of time away, matches keep the order of both lists, and of all such alignments the one with the most
-and nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
+The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
+at most a window of time away. Matches keep the order of both lists. Of all such alignments the one with the most and
+nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
 nearest counts and the others are invented.
 """
 
@@ -12,13 +12,15 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import Any
 
+from symosc.aliases import Number
 from symosc.bench.solvers import FoundEvents
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
+#: Digits of the runs that errors are measured against.
+REFERENCE_DIGITS = 40
 # A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
 FAR_MATCH = 0.6
 SKIP_REFERENCE, SKIP_FOUND, MATCH = range(3)
@@ -108,7 +110,7 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     )
 
 
-def _error(value: float, exact: Any) -> float:
+def _error(value: float, exact: Number) -> float:
     return float(abs(exact - value) / max(1, abs(exact)))
 
 
@@ -117,9 +119,9 @@ def _align(
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment, in order.
 
-    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Row i of the
-    usual table differs from the one before within the window and, by what it ends with there, after it; so only the
-    window is visited, and `best` reaches to the end of the latest window.
+    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Events found
+    outside the window cannot match. So row i of the usual table changes only in the window, and only the window is
+    visited. `best` reaches to the end of the latest window; after that it is constant.
     """
     found_times = [event.t for event in found]
     best = [0.0]

@@ -5,7 +5,7 @@ For each event, with out its time or position and in each parameter and start va
     condition = max over out of  sum over in of |d out/d in| |in| / max(1, |out|),
 
 the amplification of relative errors of the input into errors of the output as the benchmarks measure them. A solver
-that works in doubles rounds every input, so an error of condition * 1e-16 is nobody's fault.
+that works in doubles rounds every input, so no solver can avoid an error of condition * 1e-16.
 
 A number that is 0 has no relative error and does not count. A start on a belt moves with the belt, because off it
 there would be other events. The derivatives are differences of two runs with more digits; where the difference
@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import inf
-from typing import Any
 
+from symosc.aliases import Number
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
@@ -27,7 +27,7 @@ from symosc.simulation.trajectory import Event
 
 # Relative differences, and the digits of the runs that they are made with. A start times (1 + 1/7^n) has no end as a
 # decimal. One with an end and this many digits would be taken for a number that somebody cut off there.
-STEPS = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
+INPUT_CHANGES = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
 
 Events = Callable[[Scene, int], Sequence[Event]]
 
@@ -57,11 +57,11 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
     >>> f"{max(conditions(load_scene('fig5'))):.1f}"
     '11.3'
     """
-    exact = {digits: events(scene, digits) for _, digits in STEPS[:1]}
-    certain = len(exact[STEPS[0][1]])
+    exact = {digits: events(scene, digits) for _, digits in INPUT_CHANGES[:1]}
+    certain = len(exact[INPUT_CHANGES[0][1]])
     totals = [[0.0, 0.0] for _ in range(certain)]
     for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
-        for step, digits in STEPS:
+        for step, digits in INPUT_CHANGES:
             neighbour = shifted(scene, name, step)
             if neighbour == scene:
                 break
@@ -83,7 +83,7 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
     """Return a scene with a parameter or start value (t0, x0, v0) times 1 + step; on a belt the start stays on it."""
     p = scene.parameters
-    on_belt = next((belt for belt in ("v1", "v2") if getattr(p, belt) == scene.v0), "")
+    on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
     if name in ("t0", "x0", "v0"):
         value = getattr(scene, name)
         return scene if name == "v0" and on_belt else replace(scene, **{name: value * (1 + step)})
@@ -93,13 +93,13 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
 
 
 def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
-    """Return how many events two lists begin with that are of the same kind on the same belt."""
+    """Return how many events two lists begin with that are of the same kind at the same boundary."""
     for i, (event, other) in enumerate(zip(events, others, strict=False)):
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i
     return min(len(events), len(others))
 
 
-def distance(value: Any, exact: Any) -> float:
+def distance(value: Number, exact: Number) -> float:
     """Return |value - exact| relative to max(1, |exact|), in the precision of `exact`."""
     return float(abs(exact - value) / max(1, abs(exact)))

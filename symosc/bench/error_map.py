@@ -6,9 +6,10 @@ the size of what it oscillates in:
 
     E0: max(1, |E0|),   E1: |E1| + |E0| tau/(1 + w0 tau),   E2: |E2|,   R2 and I2: |R2| + |I2|
 
-(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio
-zeta = c/(2 m w0) and Omega/w0, w0 = sqrt(k/m), for some w0 tau, twice: for the cheap closed form wherever it can be
-evaluated, and for what symosc does, which is the cheap form on one side of a border and others beyond it.
+(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio zeta = c/(2
+m w0) and over Omega/w0, with w0 = sqrt(k/m), for some w0 tau. There are two maps: one of the cheap closed form,
+wherever it can be evaluated, and one of what symosc does. That is the cheap form up to a border, and other forms beyond
+it.
 """
 
 from __future__ import annotations
@@ -21,16 +22,17 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Record
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
 from symosc.kernels.entire_mp import BasisMP
 from symosc.model import Parameters
 
-DIGITS = 50
+MAP_DIGITS = 50
 TAUS = (1e-6, 1e-2, 1.0, 6.0)
 #: Points per axis of the map, and of the finer grid on which the border is found.
-POINTS, QUICK_POINTS, BORDER_POINTS = 57, 25, 229
+MAP_POINTS, QUICK_MAP_POINTS, BORDER_POINTS = 57, 25, 229
 # Values are spread by their distance from 1, down to this power of ten.
 NEAREST = 10
 #: From 10^low to 10^high.
@@ -79,7 +81,7 @@ def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 
 def run(
     quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
-) -> dict[str, Any]:
+) -> Record:
     """Measure the map and return plain data.
 
     Parameters
@@ -99,7 +101,7 @@ def run(
         symosc evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart"
         (the cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     """
-    points = QUICK_POINTS if quick else POINTS
+    points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))
     cheap, shipped = np.full(shape, nan), np.full(shape, nan)
@@ -129,7 +131,7 @@ def run(
     }
 
 
-def error(values: Sequence[float], exact: Sequence[Any], tau: float) -> float:
+def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
     """Return the largest error of E0, E1, E2, R2, I2 relative to the sizes that the module names (w0 = 1)."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
@@ -156,14 +158,14 @@ def _namer(name: str) -> Callable[..., tuple[str, ...]]:
 # The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
 _naming_basis_at = types.FunctionType(
     entire.basis_at.__code__,
-    vars(entire) | {"series": _namer("series"), "basis_apart": _namer("apart"), "careful": _namer("careful")},
+    vars(entire) | {"series": _namer("series"), "closed_form": _namer("apart"), "careful": _namer("careful")},
 )
 
 
-def _exact(p: Parameters) -> Callable[[float], tuple[Any, ...]]:
-    context = mp_context(DIGITS)
+def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
+    context = mp_context(MAP_DIGITS)
 
-    def number(value: Fraction) -> Any:
+    def number(value: Fraction) -> Number:
         return context.mpf(value.numerator) / value.denominator
 
     K, basis = constants(p, number, context.sqrt, context.atan2, +context.pi), BasisMP(context, p)

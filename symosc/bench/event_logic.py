@@ -13,36 +13,36 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from symosc.bench.solvers import FoundEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
-from symosc.model import MODE_NAMES, SIDES, Parameters
+from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 from symosc.scenes import Scene
 
 State = Sequence[float]
 Scalar = Callable[[float, State], float]
 
-#: So many events within one period (of `Motion`) are no motion of this oscillator.
+#: This oscillator never has so many events within one period (of `Motion`).
 CHATTER = 100
 
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:
 #: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze are in proportion
 #: (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once for ever.
-OFFSET = 1e-14
+INTEGRATOR_OFFSET = 1e-14
 #: Multistep methods: at least this part of rtol. They start with order 1, so that the first steps away from the belt
 #: are wrong by as much as rtol allows; closer to it, the way back is found at the start, and there for ever.
 MULTISTEP_OFFSET = 0.1
 #: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine ones gain nothing.
-STEPS = 8
+STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3
 
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding.
 FORCE_ROUNDING = 1e-15
 # Derivatives that are looked at where a force vanishes.
-ORDERS = 5
+MOST_DERIVATIVES = 5
 
 
 class PeerError(SymoscError, RuntimeError):
@@ -59,7 +59,7 @@ class PeerError(SymoscError, RuntimeError):
         self.reason, self.found = reason, list(found)
         super().__init__(reason)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.reason, self.found)
 
 
@@ -136,12 +136,12 @@ class Motion:
             float(getattr(parameters, name)) for name in ("m", "c", "k", "B0", "Omega")
         )
         self.A = {alpha: float(parameters.A(alpha)) for alpha in (1, 2, 3)}
-        self.belts = {boundary: float(parameters.belt(boundary)) for boundary in SIDES}
+        self.belts = {boundary: float(parameters.belt(boundary)) for boundary in NEIGHBOURS}
         self.speed = max(map(abs, self.belts.values()))
         stiffness, decay = self.k / self.m, self.c / (2 * self.m)
         self.period = 2 * pi / max(self.Omega, sqrt(max(0.0, stiffness - decay * decay)))
         self.phases = {alpha: self._flight(alpha) for alpha in self.A}
-        self.phases |= {3 + boundary: self._stick(boundary) for boundary in SIDES}
+        self.phases |= {3 + boundary: self._stick(boundary) for boundary in NEIGHBOURS}
 
     def force(self, alpha: int) -> Scalar:
         """Return F^(alpha), the acceleration in a domain (eq. (9)), as a function of (t, (x, v))."""
@@ -167,7 +167,7 @@ class Motion:
         return Phase(alpha, rate, tuple(exits), force, ((0.0, 1.0), (-self.k / self.m, -self.c / self.m)))
 
     def _stick(self, boundary: int) -> Phase:
-        below, above = (self.force(alpha) for alpha in SIDES[boundary])
+        below, above = (self.force(alpha) for alpha in NEIGHBOURS[boundary])
         speed = self.belts[boundary]
         pull, swing = -self.k * speed / self.m, self.B0 * self.Omega / self.m
         Omega, theta = self.Omega, self.theta
@@ -187,7 +187,7 @@ class Motion:
         phase, swing, stiffness = self.Omega * t + self.theta, self.B0 / self.m, self.k / self.m
         terms = self.A[alpha] / self.m, swing * cos(phase), -stiffness * x, -self.c / self.m * v
         before, now, size = v, sum(terms), sum(map(abs, terms)) + abs(swing * phase)
-        for order in range(ORDERS):
+        for order in range(MOST_DERIVATIVES):
             if abs(now) > FORCE_ROUNDING * size:
                 return 1 if now > 0 else -1
             # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
@@ -199,7 +199,7 @@ class Motion:
 
     def resolve(self, boundary: int, t: float, x: float) -> int:
         """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick (Theorem 4)."""
-        below, above = SIDES[boundary]
+        below, above = NEIGHBOURS[boundary]
         v = self.belts[boundary]
         if self.sign_of_force(above, t, x, v) > 0:
             return above
@@ -250,7 +250,7 @@ def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> l
         source = mode
         if source > 3:
             boundary = source - 3
-            mode, kind = SIDES[boundary][side > 0], "slip"
+            mode, kind = NEIGHBOURS[boundary][side > 0], "slip"
         else:
             boundary = source - (side < 0)
             mode = motion.resolve(boundary, t, x)

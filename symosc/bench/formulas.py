@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.grazing.sweep import grazing_windows
 from symosc.grazing.window import grazing_window
 from symosc.mappings.compiled import compiled_residual
@@ -16,11 +17,11 @@ from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 
-POINTS = 1_000_000
-QUICK_POINTS = 200_000
+BATCH_POINTS = 1_000_000
+QUICK_BATCH_POINTS = 200_000
 
 
-def best(action: Callable[[], Any], repeats: int) -> float:
+def best(action: Callable[[], object], repeats: int) -> float:
     """Return the shortest time of several calls, in seconds."""
     times = []
     for _ in range(repeats):
@@ -30,7 +31,7 @@ def best(action: Callable[[], Any], repeats: int) -> float:
     return min(times)
 
 
-def run(quick: bool = False) -> dict[str, Any]:
+def run(quick: bool = False) -> Record:
     """Measure residuals against sympy's lambdify of the same expression, a Newton solve and grazing windows.
 
     Parameters
@@ -38,11 +39,11 @@ def run(quick: bool = False) -> dict[str, Any]:
     quick : bool
         Fewer points and repeats.
     """
-    points, repeats = (QUICK_POINTS, 2) if quick else (POINTS, 4)
+    points, repeats = (QUICK_BATCH_POINTS, 2) if quick else (BATCH_POINTS, 4)
     return {**_residuals(points, repeats), **_newton(repeats), **_windows(points, repeats)}
 
 
-def _residuals(points: int, repeats: int) -> dict[str, Any]:
+def _residuals(points: int, repeats: int) -> Record:
     p = load_scene("fig9").parameters
     rng = np.random.default_rng(0)
     x_i, x_j = rng.uniform(-5, 5, (2, points))
@@ -53,7 +54,7 @@ def _residuals(points: int, repeats: int) -> dict[str, Any]:
     plain, shared = _lambdified(p, cse=False), _lambdified(p, cse=True)
     times = {"lambdify": best(lambda: plain(*arguments), repeats)}
     times["lambdify, cse"] = best(lambda: shared(*arguments), repeats)
-    row: dict[str, Any] = {"residuals": points, "numpy_s": generated, **{f"{k}_s": t for k, t in times.items()}}
+    row: Record = {"residuals": points, "numpy_s": generated, **{f"{k}_s": t for k, t in times.items()}}
     row |= {f"numpy_speedup_over_{name}": seconds / generated for name, seconds in times.items()}
     try:
         compiled, slopes = compiled_residual(p, "P3"), compiled_residual(p, "P3", jacobian=True)
@@ -81,7 +82,7 @@ def _error(p: Parameters, compiled: Callable[..., Any], arguments: tuple[Any, ..
     return error / float(max(abs(f).max() for f in found))
 
 
-def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
+def _lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
     """Return sympy's own printing of P3's residual: the closed form of the underdamped regime, with numbers put in."""
     import sympy
 
@@ -101,7 +102,7 @@ def _lambdified(p: Any, cse: bool) -> Callable[..., Any]:
     return lambdified
 
 
-def _newton(repeats: int) -> dict[str, Any]:
+def _newton(repeats: int) -> Record:
     p = load_scene("fig10").parameters
     orbit = find_orbit(p, "P4645")
     guess = [(round(point.t, 1), round(point.x, 1)) for point in orbit.points]
@@ -111,7 +112,7 @@ def _newton(repeats: int) -> dict[str, Any]:
     }
 
 
-def _windows(points: int, repeats: int) -> dict[str, Any]:
+def _windows(points: int, repeats: int) -> Record:
     p = load_scene("fig9").parameters
     speeds = np.random.default_rng(1).uniform(-20, 20, points)
     _exact_window(p)  # loads sympy
@@ -128,7 +129,7 @@ def _exact_window(p: Parameters) -> None:
     _ = window.phases, window.theta_cr, window.intervals
 
 
-def _jacobian_line(result: dict[str, Any]) -> list[str]:
+def _jacobian_line(result: Record) -> list[str]:
     if "compiled_error" not in result:
         return []
     return [
@@ -138,7 +139,7 @@ def _jacobian_line(result: dict[str, Any]) -> list[str]:
     ]
 
 
-def table(result: dict[str, Any]) -> str:
+def table(result: Record) -> str:
     """Return the result of `run` as text."""
     from tabulate import tabulate
 

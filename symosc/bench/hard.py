@@ -12,7 +12,7 @@ its numbers allows.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from queue import Queue
@@ -20,6 +20,7 @@ from threading import Event as Flag
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from symosc.aliases import Record
 from symosc.bench import ours
 from symosc.bench.compare import compare, window_of
 from symosc.bench.condition import conditions, distance
@@ -27,7 +28,7 @@ from symosc.bench.hard_cases import HardCase, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import FoundEvents, Solver
-from symosc.bench.time_limit import HANG, Outcome, Worker
+from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
 from symosc.machine import machine
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -35,9 +36,9 @@ from symosc.simulation.trajectory import Event
 __all__ = ["judge", "legend", "run", "summary", "table"]
 
 WELL = 1e-12
-ROUNDING, FACTOR = 1e-16, 100.0
-#: Seconds for a case, the solver's preparation included; and for the first case, with all that it imports and compiles.
-LIMIT, QUICK_LIMIT, FIRST_LIMIT = 4.0, 2.0, 60.0
+INPUT_ROUNDING, CONDITION_FACTOR = 1e-16, 100.0
+#: Seconds for a case, the solver's preparation included.
+CASE_LIMIT, QUICK_CASE_LIMIT = 4.0, 2.0
 OURS_DIGITS = 20
 PROCESSES = min(2, os.cpu_count() or 1)
 
@@ -46,7 +47,7 @@ MPMATH = ours.SOLVERS[1].name
 
 def bound(condition: float) -> float:
     """Return the error that ours may have at an event with that condition number."""
-    return max(WELL, FACTOR * condition * ROUNDING)
+    return max(WELL, CONDITION_FACTOR * condition * INPUT_ROUNDING)
 
 
 # -- in the worker process ---------------------------------------------------------------------------------------------
@@ -63,7 +64,7 @@ def conditions_of(case: HardCase) -> list[float]:
     return conditions(case.scene, case.reference)
 
 
-def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> dict[str, Any]:
+def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> Record:
     """Return how the events that a solver finds compare with the reference.
 
     Parameters
@@ -115,9 +116,9 @@ def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> dict[str,
 class Job(NamedTuple):
     """A call in a worker, and where its result goes."""
 
-    key: Any
+    key: Hashable
     function: Callable[..., Any]
-    arguments: tuple[Any, ...]
+    arguments: tuple[object, ...]
 
 
 def run(
@@ -125,7 +126,7 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
     cases: Sequence[HardCase] | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """Run all solvers on all cases and return plain data.
 
     Parameters
@@ -146,7 +147,7 @@ def run(
         (the largest of its events, None if there are none) and cells: solver name to what `judge` returns, with failure
         ("" or what went wrong, as `symosc.bench.time_limit.Outcome` says) and seconds (with preparation).
     """
-    limit = QUICK_LIMIT if quick else LIMIT
+    limit = QUICK_CASE_LIMIT if quick else CASE_LIMIT
     chosen = [case for case in hard_cases() if case.quick or not quick] if cases is None else list(cases)
     able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
     chunks = [[Job(i, conditions_of, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]
@@ -232,19 +233,19 @@ def _value(outcome: Outcome) -> Any:
     return outcome.value
 
 
-def _cell(outcome: Outcome) -> dict[str, Any]:
+def _cell(outcome: Outcome) -> Record:
     names = ("error", "missed", "invented", "found", "worst", "undecidable")
     return {"failure": outcome.failure, **(outcome.value or dict.fromkeys(names))}
 
 
-def _row(case: HardCase, known: Sequence[float], cells: dict[str, Any]) -> dict[str, Any]:
+def _row(case: HardCase, known: Sequence[float], cells: Record) -> Record:
     count = len(known) * max(case.periods, 1)
     condition = max(known, default=None)
     return {"group": case.group, "case": case.name, "events": count, "condition": condition, "cells": cells}
 
 
-def violations(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Return where ours missed or invented an event or had too large an error; that it took too long is none."""
+def violations(rows: Sequence[Record]) -> list[str]:
+    """Return where ours missed or invented an event or had too large an error; what took too long is left out."""
     found = []
     for row in rows:
         for solver in ours.SOLVERS:

@@ -1,7 +1,7 @@
 """Cases that are hard for solvers, as data: scenes of exact numbers, what is hard about each, and its reference.
 
-All numbers are decimals of at most 17 digits (but for the periodic orbits of the long runs), so that every solver gets
-the same problem, to the rounding of a decimal to a double. What that rounding alone can do to the events is their
+All numbers are decimals of at most 17 digits, except for the periodic orbits of the long runs. So every solver gets the
+same problem, up to the rounding of a decimal to a double. What that rounding alone can do to the events is their
 condition number (`symosc.bench.condition`).
 """
 
@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
 
+from symosc.aliases import Number, NumberLike
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.engine.arithmetic import mp_context
+from symosc.exact import read_exact
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
@@ -22,9 +24,8 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
-REFERENCE_DIGITS = 40
 DIGITS_OF_A_NUMBER = 17
-PERIODS = 100_000
+LATE_PERIODS = 100_000
 
 
 @dataclass(frozen=True)
@@ -85,9 +86,8 @@ GROUPS = {
 def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion.
 
-    They are those of a period on the orbit, a whole number of periods later. A start that is not exactly on the orbit
-    is forgotten (every period multiplies its distance by the orbit's multipliers, 0.56 and less), so a long run must
-    end with them.
+    They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if its
+    start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and less.
     """
     p, context = scene.parameters, mp_context(digits + 10)
     orbit = find_orbit(p, scene.structure, guess=find_orbit(p, scene.structure), digits=digits + 10)
@@ -116,18 +116,21 @@ def hard_cases() -> tuple[HardCase, ...]:
     return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
 
 
-def short(value: Any) -> str:
+def short(value: Number | Fraction) -> str:
     """Return a number as a decimal with the digits of a double."""
     context = mp_context(60)
     return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
 
 
-def _scene(name: str, base: str, start: tuple[Any, Any, Any], t_end: Any, **changes: Any) -> Scene:
+def _scene(
+    name: str, base: str, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike, **changes: NumberLike
+) -> Scene:
     return _named(name, load_scene(base).parameters.replace(**changes), start, t_end)
 
 
-def _named(name: str, p: Parameters, start: tuple[Any, Any, Any], t_end: Any) -> Scene:
-    return Scene(name, p, *start, t_end)
+def _named(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
+    t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
+    return Scene(name, p, t0, x0, v0, end)
 
 
 # -- peaks beside a belt -----------------------------------------------------------------------------------------------
@@ -161,9 +164,9 @@ def _peaks() -> list[HardCase]:
     cases = []
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
-        for group, side in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
+        for group, sign in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
             for exponent in exponents:
-                start = start_before_a_peak(p, mapping, Fraction(side, 10**exponent), t_m, t0)
+                start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
                 cases.append(HardCase(name, group, _named(name, p, start, t_end), exponent in quick))
     return cases
@@ -196,10 +199,10 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
 
 def _short_contacts() -> list[HardCase]:
     p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
-    for height, word in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
+    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
         start = start_before_a_dip(p, height, "2.5")
         cases.append(
-            HardCase(f"stick: force {height.lstrip('-')} {word} 0", group, _named("dip", p, start, "12"), True)
+            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _named("dip", p, start, "12"), True)
         )
     for force in ("1e-7", "1e-9"):
         start = start_with_force(p, 1, 1, "5", f"-{force}")
@@ -207,10 +210,10 @@ def _short_contacts() -> list[HardCase]:
         start = start_with_force(p, 1, 1, "1", force)
         cases.append(HardCase(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
     weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
-    for t0, side in (("1", "below"), ("4", "above")):
+    for t0, where in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
         cases.append(
-            HardCase(f"forces 2e-8 apart, ends {side}", group, _named("weak", weak, start, "12"), side == "above")
+            HardCase(f"forces 2e-8 apart, ends {where}", group, _named("weak", weak, start, "12"), where == "above")
         )
     cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
     return cases
@@ -281,7 +284,7 @@ def _long_runs() -> list[HardCase]:
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
-        turns = Fraction(2 * PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
+        turns = Fraction(2 * LATE_PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
         t_end = scene.t0 + turns / scene.parameters.Omega
-        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", PERIODS))
+        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", LATE_PERIODS))
     return cases

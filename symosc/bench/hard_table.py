@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from tabulate import tabulate
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import PeerError
 from symosc.bench.hard_cases import GROUPS
 from symosc.bench.time_limit import HANG
@@ -18,7 +18,7 @@ MARKDOWN = ("github", "pipe")
 HEAD_WIDTH = 14
 
 
-def cell_text(cell: dict[str, Any], limit: float, note: Callable[[str], str] = str) -> str:
+def cell_text(cell: Record, limit: float, note: Callable[[str], str] = str) -> str:
     """Return what a solver made of a case, in a few letters.
 
     Parameters
@@ -39,18 +39,18 @@ def cell_text(cell: dict[str, Any], limit: float, note: Callable[[str], str] = s
         return note(failure)
     if cell["undecidable"] is not None:
         return f"undecidable after {cell['undecidable']}"
-    wrong = [f"{word} {cell[word]}" for word in ("missed", "invented") if cell[word]]
+    wrong = [f"{name} {cell[name]}" for name in ("missed", "invented") if cell[name]]
     if wrong:
         return ", ".join(wrong)
     return "right" if cell["error"] is None else f"{cell['error']:.0e}"
 
 
-def all_found(cell: dict[str, Any]) -> bool:
+def all_found(cell: Record) -> bool:
     """Tell whether a solver came to the end with no event missed or invented."""
     return not cell["failure"] and not cell["missed"] and not cell["invented"]
 
 
-def table(result: dict[str, Any], form: str = "simple", raw: bool = False) -> str:
+def table(result: Record, form: str = "simple", raw: bool = False) -> str:
     """Return one row per case, one column per solver.
 
     Parameters
@@ -80,7 +80,7 @@ def table(result: dict[str, Any], form: str = "simple", raw: bool = False) -> st
     return "\n".join([_tabulate(rows, ["case", "events", "condition", *solvers], form), *notes.lines(form)])
 
 
-def summary(result: dict[str, Any], form: str = "simple", raw: bool = False) -> str:
+def summary(result: Record, form: str = "simple", raw: bool = False) -> str:
     """Return one row per group: a solver's largest error, and in how many cases it found all events, if not in all."""
     solvers = columns(result, raw)
     rows = []
@@ -94,7 +94,7 @@ def summary(result: dict[str, Any], form: str = "simple", raw: bool = False) -> 
     return _tabulate(rows, ["group (cases)", "condition", *solvers, "what is hard"], form)
 
 
-def _of_group(cells: Sequence[dict[str, Any]]) -> str:
+def _of_group(cells: Sequence[Record]) -> str:
     good = [cell for cell in cells if all_found(cell)]
     errors = [cell["error"] for cell in good if cell["error"] is not None]
     largest = [f"{max(errors):.0e}"] if errors else []
@@ -103,17 +103,17 @@ def _of_group(cells: Sequence[dict[str, Any]]) -> str:
     return ": ".join([f"{len(good)} of {len(cells)}", *largest])
 
 
-def columns(result: dict[str, Any], raw: bool = False) -> list[str]:
+def columns(result: Record, raw: bool = False) -> list[str]:
     """Return the names of the solvers of a table: ours and the peers at their best, or the peers as they come."""
     return [solver["name"] for solver in result["solvers"] if solver["raw"] == raw]
 
 
-def rows_with(result: dict[str, Any], solvers: Sequence[str]) -> list[dict[str, Any]]:
+def rows_with(result: Record, solvers: Sequence[str]) -> list[Record]:
     """Return the rows that have a cell for each of these solvers; none if there are no solvers."""
     return [row for row in result["rows"] if solvers and all(name in row["cells"] for name in solvers)]
 
 
-def legend(result: dict[str, Any]) -> list[str]:
+def legend(result: Record) -> list[str]:
     """Return what the cells mean, what the solvers were set to, and the verdict on ours."""
     limit = result["limit_s"]
     lines = [
@@ -130,7 +130,7 @@ def legend(result: dict[str, Any]) -> list[str]:
     return [*lines, verdict(result), sentence(result["machine"])]
 
 
-def verdict(result: dict[str, Any]) -> str:
+def verdict(result: Record) -> str:
     """Return whether ours kept its bound, and by how much."""
     promise = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:

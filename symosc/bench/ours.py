@@ -10,7 +10,7 @@ from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate
 
 #: One that doubles keep on all shipped scenes, and the default, for which fig8 is computed again with mpmath.
-TOLERANCES = (1e-9, ACCURACY)
+OUR_ACCURACIES = (1e-9, ACCURACY)
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
@@ -41,6 +41,6 @@ def multiprecision(scene: Scene, tolerance: float) -> Callable[[], Sequence[Foun
 
 
 SOLVERS = (
-    Solver("symosc, compiled", compiled, TOLERANCES, needs="numba"),
+    Solver("symosc, compiled", compiled, OUR_ACCURACIES, needs="numba"),
     Solver("symosc, mpmath", multiprecision, (1e-20,)),
 )

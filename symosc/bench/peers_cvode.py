@@ -1,13 +1,14 @@
 """SUNDIALS CVODE with root finding, through scikit-sundae: at its best (Adams and BDF) and as it comes.
 
 CVODE knows that a root function may be 0 at the start: it looks a little ahead and waits until the function has left 0.
-Flights may start on the belt, but after a near graze its first steps, of order 1, go to the wrong side at coarse
-tolerances, so the best version starts a little off. What CVODE does not see is a function that is out and back within
-one step; and on a belt, where every error estimate is 0, the step grows past the end of the stick. The best version
-bounds the step, and adds the turning points of the exit functions as roots, to go back when one has turned outside.
+Flights may start on the belt. But after a near graze the first steps, of order 1, cross the belt at coarse tolerances.
+So the best version starts a little off. CVODE does not see a function that changes its sign twice within one step. On a
+belt every error estimate is 0, so that the step grows past the end of the stick. The best version bounds the step, and
+adds the turning points of the exit functions as roots, to go back when one has turned outside.
 
-A CVODE object of scikit-sundae (1.2) is good for one solution: it goes on counting events over calls of `solve`, and
-after a terminal event in one the next stops at any event. So each phase gets an object of its own, which takes 0.04 ms.
+A CVODE object of scikit-sundae (1.2) can be used for one solution only. It goes on counting events over calls of
+`solve`, and after a terminal event in one call the next call stops at any event. So each phase gets an object of its
+own, which takes 0.04 ms.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
     MULTISTEP_OFFSET,
-    STEPS,
+    STEPS_PER_PERIOD,
     Exit,
     Leave,
     Motion,
@@ -32,7 +34,7 @@ from symosc.bench.solvers import FoundEvents, Solver
 from symosc.scenes import Scene
 
 
-def _arguments(phase: Phase, careful: bool) -> dict[str, Any]:
+def _arguments(phase: Phase, careful: bool) -> Record:
     """Return what CVODE is constructed with for a phase: its functions write into the arrays that they are given."""
     functions = [function for _, function in phase.exits] + [phase.turn] * careful
 
@@ -52,7 +54,7 @@ def _arguments(phase: Phase, careful: bool) -> dict[str, Any]:
     return arguments | ({"jacfn": jacobian} if careful else {})
 
 
-def _leave(motion: Motion, options: dict[str, Any], careful: bool) -> Leave:
+def _leave(motion: Motion, options: Record, careful: bool) -> Leave:
     from sksundae.cvode import CVODE
 
     arguments = {mode: _arguments(phase, careful) | options for mode, phase in motion.phases.items()}
@@ -89,19 +91,19 @@ def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[
         motion = Motion(scene.parameters)
         return partial(follow, scene, motion, _leave(motion, options, False))
     motion = Motion(scene.parameters, scene.t0)
-    options["max_step"] = motion.period / STEPS
+    options["max_step"] = motion.period / STEPS_PER_PERIOD
     return partial(follow, scene, motion, _leave(motion, options, True), MULTISTEP_OFFSET * tolerance)
 
 
-TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-CARE = (
-    f"Jacobian given, time counted from t0, {STEPS} steps per period or more, turning points are roots too, "
+CVODE_TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+CVODE_NOTE = (
+    f"Jacobian given, time counted from t0, {STEPS_PER_PERIOD} steps per period or more, turning points are roots too, "
     f"flights start off the belt by {MULTISTEP_OFFSET:g} rtol"
 )
-RAW_NOTE = "a stick's step grows past both its exits, and a short flight or stick passes within a step"
+RAW_CVODE = "a stick's step grows past both its exits, and a short flight or stick passes within a step"
 
 SOLVERS = (
-    Solver("CVODE Adams", partial(prepare, "Adams", False), TOLERANCES, "sksundae", note=CARE),
-    Solver("CVODE BDF", partial(prepare, "BDF", False), TOLERANCES, "sksundae", note=CARE),
-    Solver("CVODE BDF, raw", partial(prepare, "BDF", True), TOLERANCES, "sksundae", raw=True, note=RAW_NOTE),
+    Solver("CVODE Adams", partial(prepare, "Adams", False), CVODE_TOLERANCES, "sksundae", note=CVODE_NOTE),
+    Solver("CVODE BDF", partial(prepare, "BDF", False), CVODE_TOLERANCES, "sksundae", note=CVODE_NOTE),
+    Solver("CVODE BDF, raw", partial(prepare, "BDF", True), CVODE_TOLERANCES, "sksundae", raw=True, note=RAW_CVODE),
 )

@@ -1,9 +1,9 @@
 """heyoka: Taylor series of high order, compiled just in time, with events found on the series itself.
 
-At its best, one integrator does everything: flights and sticks differ by its parameters, which the callbacks of its
-two terminal events rewrite, so that Python runs once per event. The drive is two more state variables: that is cheaper
-than a cosine, and keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights
-start off the belt and need no cool-down.
+At its best, one integrator does everything. Flights and sticks differ by its parameters, which the callbacks of its two
+terminal events rewrite; so Python runs once per event. The drive is two more state variables, which is cheaper than a
+cosine. It also keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights start
+off the belt and need no cool-down.
 
 As it comes, there is one integrator for each domain and belt, which is stopped by its terminal events and started
 again on the belt. In a step that starts where an event function is exactly 0, heyoka 7.13 does not see the next root.
@@ -15,10 +15,12 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any
 
+import numpy as np
+
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
-from symosc.bench.scalar_logic import OFFSET
+from symosc.bench.scalar_logic import ONE_STEP_OFFSET
 from symosc.bench.solvers import FoundEvents, Late, Solver
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.
@@ -30,21 +32,15 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
 
     Notes
     -----
-    State: x, v, and B0/m times the cosine and the sine of the drive. Parameters p: v' = p0 (a + p1) with
-    a = (B0 cos - k x - c v)/m, and the event functions p2 v + p3 a + p4 and p5 v + p6 a + p7. In flights these are the
-    distances of v from both belts, in sticks the accelerations on both sides.
+    State: x, v, and B0/m times the cosine and the sine of the drive. Parameters p: v' = p0 (a + p1) with a = (B0 cos -
+    k x - c v)/m. The event functions are p2 v + p3 a + p4 and p5 v + p6 a + p7. In flights these are the distances of v
+    from both belts, in sticks the accelerations on both sides.
     """
     import heyoka as hy
-    import numpy as np
 
     motion = Motion(scene.parameters, scene.t0)
-    A = {alpha: force / motion.m for alpha, force in motion.A.items()}
-    swing, stiffness, damping = motion.B0 / motion.m, motion.k / motion.m, motion.c / motion.m
-    v1, v2 = motion.belts.values()
-    pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
-    pars |= {3 + at: np.array([0.0, 0.0, 0.0, 1.0, A[at], 0.0, 1.0, A[at + 1]]) for at in SIDES}
-    starts = {(at, at): v - OFFSET * motion.speed for at, v in motion.belts.items()}
-    starts |= {(at, at + 1): v + OFFSET * motion.speed for at, v in motion.belts.items()}
+    stiffness, damping = motion.k / motion.m, motion.c / motion.m
+    A, pars, starts = _tables(motion)
     t0 = float(scene.t0)
     # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
     now: int
@@ -81,16 +77,8 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
 
         return act
 
-    x, v, C, S = hy.make_vars("x", "v", "C", "S")
-    p, a = hy.par, C - stiffness * x - damping * v
-    rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
-    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
-    events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
-    integrator = hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
-
-    mode, boundary = motion.start(0.0, float(scene.x0), float(scene.v0))
-    v_start = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
-    start = np.array([float(scene.x0), v_start, swing * cos(motion.theta), swing * sin(motion.theta)])
+    integrator = _integrator(motion, callback, tolerance)
+    mode, start = _start(scene, motion, starts)
     duration = float(scene.t_end - scene.t0)
     most = MOST_HEYOKA_STEPS * (1 + int(duration / motion.period))
 
@@ -110,6 +98,39 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     return run
 
 
+def _tables(motion: Motion) -> tuple[dict[int, float], dict[int, np.ndarray], dict[tuple[int, int], float]]:
+    """Return A_alpha/m, the integrator's parameters by mode, and where flights start by boundary and domain."""
+    A = {alpha: force / motion.m for alpha, force in motion.A.items()}
+    v1, v2 = motion.belts.values()
+    pars = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -v1, 1.0, 0.0, -v2]) for alpha in A}
+    for boundary, (below, above) in NEIGHBOURS.items():
+        pars[3 + boundary] = np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]])
+    offset = ONE_STEP_OFFSET * motion.speed
+    starts = {(boundary, boundary): v - offset for boundary, v in motion.belts.items()}
+    starts |= {(boundary, boundary + 1): v + offset for boundary, v in motion.belts.items()}
+    return A, pars, starts
+
+
+def _integrator(motion: Motion, callback: Callable[[int], Callable[[Any, int], bool]], tolerance: float) -> Any:
+    """Return the integrator of `at_its_best`, whose two events call what `callback` returns for them."""
+    import heyoka as hy
+
+    x, v, C, S = hy.make_vars("x", "v", "C", "S")
+    p, a = hy.par, C - motion.k / motion.m * x - motion.c / motion.m * v
+    rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
+    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
+    events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
+    return hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
+
+
+def _start(scene: Scene, motion: Motion, starts: dict[tuple[int, int], float]) -> tuple[int, np.ndarray]:
+    """Return the mode and the state that the motion starts with."""
+    mode, boundary = motion.start(0.0, float(scene.x0), float(scene.v0))
+    v = starts[boundary, mode] if boundary and mode < 4 else float(scene.v0)
+    swing = motion.B0 / motion.m
+    return mode, np.array([float(scene.x0), v, swing * cos(motion.theta), swing * sin(motion.theta)])
+
+
 def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare an integrator for each mode, to be stopped by terminal events and started again on the belt."""
     import heyoka as hy
@@ -123,7 +144,7 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents
 
     v1, v2 = motion.belts.values()
     exits = {1: [v1 - v], 2: [v - v1, v2 - v], 3: [v - v2]}
-    exits |= {3 + at: [force(below), -force(above)] for at, (below, above) in SIDES.items()}
+    exits |= {3 + i: [force(below), -force(above)] for i, (below, above) in NEIGHBOURS.items()}
     integrators = {}
     for mode, functions in exits.items():
         events = [hy.t_event(f, direction=hy.event_direction.negative) for f in functions]
@@ -145,19 +166,19 @@ def as_it_comes(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents
     return lambda: follow(scene, motion, leave)
 
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16)
+HEYOKA_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16)
 SOLVERS = (
     Solver(
         "heyoka",
         at_its_best,
-        TOLERANCES,
+        HEYOKA_TOLERANCES,
         needs="heyoka",
-        note=f"one integrator for flights and sticks, fast_math; flights start {OFFSET:g} off the belt",
+        note=f"one integrator for flights and sticks, fast_math; flights start {ONE_STEP_OFFSET:g} off the belt",
     ),
     Solver(
         "heyoka, raw",
         as_it_comes,
-        TOLERANCES,
+        HEYOKA_TOLERANCES,
         needs="heyoka",
         raw=True,
         note="started on the belt it misses the next root in the same step; in sticks the step grows past their end",

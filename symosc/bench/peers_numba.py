@@ -1,9 +1,9 @@
 """DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
 
 Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). As it
-comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited, a
-step in which the derivative of a margin vanishes is looked at there too, the event is refined by steps of the method
-itself instead of its interpolant, and flights start off the belt.
+comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited. A
+step in which the derivative of a margin vanishes is looked at there too. The event is refined by steps of the method
+itself, not by its interpolant, and flights start off the belt.
 """
 
 from __future__ import annotations
@@ -12,26 +12,31 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
 
+from symosc.aliases import Record
 from symosc.bench import scalar_logic
-from symosc.bench.event_logic import ATOL, STEPS, Motion
-from symosc.bench.scalar_logic import FAILED, LAST_BIT, OFFSET, force, margins, root, runner, scalars, turn
+from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, Motion
+from symosc.bench.scalar_logic import LAST_BIT, ONE_STEP_OFFSET, UNSOLVED, force, margins, root, runner, scalars, turn
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages
 ALL_STAGES = STAGES + 1 + len(DOP853.C_EXTRA)  # with the derivative at the end, and those of the dense output
-C = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
-A = np.zeros((ALL_STAGES, ALL_STAGES))
-A[:STAGES, :STAGES], A[STAGES, :STAGES], A[STAGES + 1 :] = DOP853.A, DOP853.B, DOP853.A_EXTRA
-E3, E5, D = DOP853.E3, DOP853.E5, DOP853.D
-TERMS = len(D) + 3
-SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
+STAGE_TIMES = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
+STAGE_WEIGHTS = np.zeros((ALL_STAGES, ALL_STAGES))
+STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[STAGES + 1 :] = (
+    DOP853.A,
+    DOP853.B,
+    DOP853.A_EXTRA,
+)
+E3, E5, DENSE_WEIGHTS = DOP853.E3, DOP853.E5, DOP853.D
+DENSE_TERMS = len(DENSE_WEIGHTS) + 3
+STEP_SAFETY, STEP_SHRINK, STEP_GROWTH, STEP_EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
 #: The first step of each flight and stick, as a part of the period.
 FIRST_STEPS = 20
 MOST_DOP853_STEPS = 1_000_000
@@ -63,8 +68,8 @@ class SolverStep(NamedTuple):
 def settings(motion: Motion, tolerance: float, careful: bool) -> Settings:
     """Return the settings for a tolerance."""
     tolerances = (tolerance, ATOL * tolerance if careful else tolerance)
-    steps = (motion.period / STEPS if careful else inf, motion.period / FIRST_STEPS)
-    return Settings(*tolerances, *steps, int(careful), np.zeros((2, ALL_STAGES)), np.zeros((2, TERMS)))
+    steps = (motion.period / STEPS_PER_PERIOD if careful else inf, motion.period / FIRST_STEPS)
+    return Settings(*tolerances, *steps, int(careful), np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS)))
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
@@ -73,10 +78,10 @@ def stages(q, s, mode, t, x, v, h, begin, end):
     for stage in range(begin, end):
         dx = dv = 0.0
         for j in range(stage):
-            dx += A[stage, j] * s.K[0, j]
-            dv += A[stage, j] * s.K[1, j]
+            dx += STAGE_WEIGHTS[stage, j] * s.K[0, j]
+            dv += STAGE_WEIGHTS[stage, j] * s.K[1, j]
         X, V = x + h * dx, v + h * dv
-        s.K[0, stage], s.K[1, stage] = V, force(q, mode, t + h * C[stage], X, V) if mode < 4 else 0.0
+        s.K[0, stage], s.K[1, stage] = V, force(q, mode, t + h * STAGE_TIMES[stage], X, V) if mode < 4 else 0.0
     return X, V
 
 
@@ -110,10 +115,10 @@ def dense(q, s, mode, t, x, v, X, V, h):
         s.F[row, 0] = delta
         s.F[row, 1] = h * s.K[row, 0] - delta
         s.F[row, 2] = 2.0 * delta - h * (s.K[row, STAGES] + s.K[row, 0])
-        for i in range(TERMS - 3):
+        for i in range(DENSE_TERMS - 3):
             total = 0.0
             for j in range(ALL_STAGES):
-                total += D[i, j] * s.K[row, j]
+                total += DENSE_WEIGHTS[i, j] * s.K[row, j]
             s.F[row, 3 + i] = h * total
     return SolverStep(s.F, t, x, v, h)
 
@@ -122,10 +127,10 @@ def state_in(step, tau):
     """Return the dense output after the time tau."""
     part = tau / step.h
     x = v = 0.0
-    for i in range(TERMS):
+    for i in range(DENSE_TERMS):
         factor = part if i % 2 == 0 else 1.0 - part
-        x = (x + step.F[0, TERMS - 1 - i]) * factor
-        v = (v + step.F[1, TERMS - 1 - i]) * factor
+        x = (x + step.F[0, DENSE_TERMS - 1 - i]) * factor
+        v = (v + step.F[1, DENSE_TERMS - 1 - i]) * factor
     return step.x + x, step.v + v
 
 
@@ -177,9 +182,9 @@ def leave(q, s, mode, t, x, v, t_end):
         X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
         error = error_of(s, x, v, X, V, h)
         if error >= 1.0:
-            h *= max(SHRINK, SAFETY * error**EXPONENT)
+            h *= max(STEP_SHRINK, STEP_SAFETY * error**STEP_EXPONENT)
             if t + h == t:
-                return FAILED, t, x
+                return UNSOLVED, t, x
             continue
         slope = turn(q, mode, t + h, X, V)
         below, above = margins(q, mode, t + h, X, V)
@@ -204,39 +209,40 @@ def leave(q, s, mode, t, x, v, t_end):
             return 0, t_end, X
         t, x, v, last_slope = t + h, X, V, slope
         s.K[0, 0], s.K[1, 0] = s.K[0, STAGES], s.K[1, STAGES]
-        h *= GROW if error == 0.0 else min(GROW, SAFETY * error**EXPONENT)
-    return FAILED, t, x
+        h *= STEP_GROWTH if error == 0.0 else min(STEP_GROWTH, STEP_SAFETY * error**STEP_EXPONENT)
+    return UNSOLVED, t, x
 
 
-MODULES = (scalar_logic, sys.modules[__name__])
+DOP853_MODULES = (scalar_logic, sys.modules[__name__])
 
 
 @lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
+def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled(MODULES)
+    return binding.compiled(DOP853_MODULES)
 
 
 def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
     """Prepare DOP853, with or without the precautions."""
     motion = Motion(scene.parameters, scene.t0)
-    offset = OFFSET * motion.speed if careful else 0.0
+    offset = ONE_STEP_OFFSET * motion.speed if careful else 0.0
     return runner(scene, compiled(), scalars(motion), settings(motion, tolerance, careful), offset)
 
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
+DOP853_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 SOLVERS = (
     Solver(
         "numba DOP853",
         partial(prepare, True),
-        TOLERANCES,
+        DOP853_TOLERANCES,
         needs="numba",
-        note=f"at least {STEPS} steps per period; extrema of the margins; flights start {OFFSET:g} off the belt",
+        note=f"at least {STEPS_PER_PERIOD} steps per period; extrema of the margins; "
+        f"flights start {ONE_STEP_OFFSET:g} off the belt",
     ),
     Solver(
         "numba DOP853, raw",
         partial(prepare, False),
-        TOLERANCES,
+        DOP853_TOLERANCES,
         needs="numba",
         raw=True,
         note="sign changes between the ends of a step only; sticks are integrated with steps that grow",

@@ -1,9 +1,9 @@
 """The closed form as a careful user writes it, scanned at a fixed distance for a change of sign.
 
-Particular plus homogeneous solution in sines, cosines and exponentials, one formula for each regime of damping; a
-number of samples per period (of drive or spring, the shorter one), and a root finder between two samples of different
-sign. In Python the samples are taken with NumPy, a period at a time, and the root finder is scipy's brentq; the other
-form is compiled by numba.
+It evaluates the particular plus the homogeneous solution in sines, cosines and exponentials, with one formula for each
+regime of damping. It takes a number of samples per period (of drive or spring, the shorter one), and a root finder
+between two samples of different sign. In Python the samples are taken with NumPy, a period at a time, and the root
+finder is scipy's brentq; the other form is compiled by numba.
 
 What happens between two samples is not seen, and the formulas divide by k and by the distance from resonance.
 """
@@ -14,21 +14,22 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from symosc.aliases import Record
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
-from symosc.bench.scalar_logic import FAILED, margins, root, runner, scalars
+from symosc.bench.scalar_logic import UNSOLVED, Scalars, margins, root, runner, scalars
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.engine import binding
 from symosc.scenes import Scene
 
-POINTS, MANY_POINTS = 20, 200
+SCAN_SAMPLES, MANY_SCAN_SAMPLES = 20, 200
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
 # The first sample of a flight or stick, as a part of the distance of two samples: at its start, the sign of what is
 # looked for is that of the rounding.
 COOL_DOWN = 1e-5
-MOST_SAMPLES = 10_000_000
+MOST_SCAN_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
@@ -133,7 +134,7 @@ def leave(q, s, mode, t, x, v, t_end):
     tau = COOL_DOWN * s.distance
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, t + tau, x, v)
-    for _ in range(MOST_SAMPLES):
+    for _ in range(MOST_SCAN_SAMPLES):
         later = tau + s.distance
         x, v = state_at(q, mode, piece, later)
         next_below, next_above = margins(q, mode, t + later, x, v)
@@ -145,19 +146,19 @@ def leave(q, s, mode, t, x, v, t_end):
         if t + later >= t_end:
             return 0, t_end, x
         tau, below, above = later, next_below, next_above
-    return FAILED, t, x
+    return UNSOLVED, t, x
 
 
 @lru_cache(maxsize=1)
-def interpreted() -> dict[str, Any]:
+def interpreted() -> Record:
     """Return the functions with samples taken by NumPy, and scipy's brentq as the root finder."""
     import numpy as np
     from scipy.optimize import brentq
 
-    arrays = binding.bind(MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
+    arrays = binding.bind(SCAN_MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
     state_at_all, margins_of_all = arrays["state_at"], arrays["margins"]
 
-    def leave(q: Any, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+    def leave(q: Scalars, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         piece = piece_from(q, s, mode, t, x, v)
         taus = s.distance * (np.arange(s.points + 1) + COOL_DOWN)
         while t + taus[0] < t_end:
@@ -173,16 +174,16 @@ def interpreted() -> dict[str, Any]:
             taus += s.points * s.distance
         return 0, t_end, x
 
-    return binding.bind(MODULES, {"leave": leave})
+    return binding.bind(SCAN_MODULES, {"leave": leave})
 
 
-MODULES = (scalar_logic, sys.modules[__name__])
+SCAN_MODULES = (scalar_logic, sys.modules[__name__])
 
 
 @lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
+def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled(MODULES)
+    return binding.compiled(SCAN_MODULES)
 
 
 def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
@@ -192,32 +193,32 @@ def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Ca
     return runner(scene, functions, scalars(motion), scan_of(motion, points, tolerance))
 
 
-TOLERANCES = (1e-4, 1e-7, 1e-10, 1e-13)
+SCAN_TOLERANCES = (1e-4, 1e-7, 1e-10, 1e-13)
 SOLVERS = (
     Solver(
-        f"closed form, scan {POINTS}, numba",
-        partial(prepare, True, POINTS),
-        TOLERANCES,
+        f"closed form, scan {SCAN_SAMPLES}, numba",
+        partial(prepare, True, SCAN_SAMPLES),
+        SCAN_TOLERANCES,
         needs="numba",
-        note=f"{POINTS} samples per period, Chandrupatla's root finder; flights between two samples are not seen",
+        note=f"{SCAN_SAMPLES} samples per period, Chandrupatla's root finder; flights between two samples are not seen",
     ),
     Solver(
-        f"closed form, scan {MANY_POINTS}, numba",
-        partial(prepare, True, MANY_POINTS),
-        TOLERANCES,
+        f"closed form, scan {MANY_SCAN_SAMPLES}, numba",
+        partial(prepare, True, MANY_SCAN_SAMPLES),
+        SCAN_TOLERANCES,
         needs="numba",
-        note=f"{MANY_POINTS} samples per period",
+        note=f"{MANY_SCAN_SAMPLES} samples per period",
     ),
     Solver(
-        f"closed form, scan {POINTS}, brentq",
-        partial(prepare, False, POINTS),
-        TOLERANCES,
+        f"closed form, scan {SCAN_SAMPLES}, brentq",
+        partial(prepare, False, SCAN_SAMPLES),
+        SCAN_TOLERANCES,
         note="samples by NumPy, a period at a time",
     ),
     Solver(
-        f"closed form, scan {MANY_POINTS}, brentq",
-        partial(prepare, False, MANY_POINTS),
-        TOLERANCES,
+        f"closed form, scan {MANY_SCAN_SAMPLES}, brentq",
+        partial(prepare, False, MANY_SCAN_SAMPLES),
+        SCAN_TOLERANCES,
         note="samples by NumPy, a period at a time",
     ),
 )

@@ -23,16 +23,18 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
+    INTEGRATOR_OFFSET,
     MULTISTEP_OFFSET,
-    OFFSET,
-    STEPS,
+    STEPS_PER_PERIOD,
     Exit,
     Leave,
     Motion,
     PeerError,
     Phase,
+    State,
     follow,
     watching,
 )
@@ -43,7 +45,7 @@ from symosc.scenes import Scene
 def _event(function: Callable[..., float], direction: float, terminal: bool) -> Callable[..., float]:
     """Return `function` as an event of solve_ivp, which reads its attributes."""
 
-    def event(t: float, y: Any) -> float:
+    def event(t: float, y: State) -> float:
         return function(t, y)
 
     event.direction, event.terminal = direction, terminal  # type: ignore[attr-defined]
@@ -67,7 +69,7 @@ def _exit(phase: Phase, solution: Any) -> Exit:
     return Exit(0, float(solution.t[-1]), float(solution.y[0, -1]))
 
 
-def _raw(motion: Motion, options: dict[str, Any]) -> Leave:
+def _raw(motion: Motion, options: Record) -> Leave:
     """Return solve_ivp as its documentation shows it: terminal events with a direction, and the tolerances."""
     events = {mode: [_event(f, -1, True) for _, f in phase.exits] for mode, phase in motion.phases.items()}
 
@@ -77,12 +79,14 @@ def _raw(motion: Motion, options: dict[str, Any]) -> Leave:
     return leave
 
 
-def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
+def _careful(motion: Motion, options: Record) -> Leave:
     """Return solve_ivp with bounded steps, the Jacobian, and an eye on the turning points of the exit functions."""
     events, own_options = {}, {}
     for mode, phase in motion.phases.items():
         events[mode] = [*(_event(f, -1, True) for _, f in phase.exits), _event(phase.turn, 0, False)]
-        own_options[mode] = options | {"max_step": motion.period / STEPS} | _jacobian(options["method"], phase)
+        own_options[mode] = (
+            options | {"max_step": motion.period / STEPS_PER_PERIOD} | _jacobian(options["method"], phase)
+        )
 
     def leave(phase: Phase, t: float, x: float, v: float, t_end: float) -> Any:
         solution = _solve(phase, t, x, v, t_end, events[phase.mode], own_options[phase.mode])
@@ -91,7 +95,7 @@ def _careful(motion: Motion, options: dict[str, Any]) -> Leave:
     return watching(leave)
 
 
-def _jacobian(method: str, phase: Phase) -> dict[str, Any]:
+def _jacobian(method: str, phase: Phase) -> Record:
     if method == "Radau":
         return {"jac": phase.jacobian}
     if method == "LSODA":
@@ -107,7 +111,7 @@ def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[
         motion = Motion(scene.parameters)
         return partial(follow, scene, motion, _raw(motion, options))
     motion = Motion(scene.parameters, scene.t0)
-    offset = max(OFFSET, MULTISTEP_OFFSET * tolerance) if method == "LSODA" else OFFSET
+    offset = max(INTEGRATOR_OFFSET, MULTISTEP_OFFSET * tolerance) if method == "LSODA" else INTEGRATOR_OFFSET
     return partial(follow, scene, motion, _careful(motion, options), offset)
 
 
@@ -117,14 +121,19 @@ METHODS = {
     "Radau": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),  # of order 5 and written in Python: 1e-12 takes 0.1 s per event
     "LSODA": (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
 }
-CARE = f"time counted from t0, {STEPS} steps per period or more, turning points watched, flights start off the belt by"
+SCIPY_NOTE = (
+    f"time counted from t0, {STEPS_PER_PERIOD} steps per period or more, turning points watched, "
+    "flights start off the belt by"
+)
 NOTES = {
-    "RK45": f"{CARE} {OFFSET:g}",
-    "DOP853": f"{CARE} {OFFSET:g}",
-    "Radau": f"Jacobian given, {CARE} {OFFSET:g}",
-    "LSODA": f"Jacobian given, {CARE} {MULTISTEP_OFFSET:g} rtol",
+    "RK45": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "DOP853": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "Radau": f"Jacobian given, {SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
+    "LSODA": f"Jacobian given, {SCIPY_NOTE} {MULTISTEP_OFFSET:g} rtol",
 }
-RAW_NOTE = "a stick's step grows past both its exits; a flight that is back within its first step begins again for ever"
+RAW_SCIPY = (
+    "a stick's step grows past both its exits; a flight that is back within its first step begins again for ever"
+)
 
 SOLVERS = (
     *(
@@ -132,7 +141,7 @@ SOLVERS = (
         for method, tolerances in METHODS.items()
     ),
     *(
-        Solver(f"scipy {method}, raw", partial(prepare, method, True), tolerances, raw=True, note=RAW_NOTE)
+        Solver(f"scipy {method}, raw", partial(prepare, method, True), tolerances, raw=True, note=RAW_SCIPY)
         for method, tolerances in METHODS.items()
     ),
 )

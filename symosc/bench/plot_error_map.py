@@ -14,11 +14,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt, label
 
+from symosc.aliases import Record
 from symosc.bench.error_map import NEAREST, place_of
 from symosc.plot.drawing import STYLE
 
 #: Range of the colours, as powers of ten.
-COLOURS = (-17, 0)
+COLOUR_RANGE = (-17, 0)
 UNSEEN = "0.88"
 # Label and place of the marks of both axes: numbers next to 1 are given by their distance from it.
 RATIO_TICKS = (
@@ -41,13 +42,13 @@ ZETA_TICKS = (
     ("100", place_of(100)),
 )
 ROWS = (("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))
-FORMULAS = {"apart": "cheap", "careful": "careful", "series": "series"}
+FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
 # Regions with less than this part of a panel's width around their middle get no name.
 LEAST_NAMED = 0.05
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
 
-def figure(result: dict[str, Any]) -> Figure:
+def figure(result: Record) -> Figure:
     """Draw the errors of the cheap formula and of symosc, with the borders that symosc draws between its formulas.
 
     Parameters
@@ -79,22 +80,22 @@ def figure(result: dict[str, Any]) -> Figure:
         return drawing
 
 
-def _errors(ax: Axes, result: dict[str, Any], key: str, column: int) -> Any:
+def _errors(ax: Axes, result: Record, key: str, column: int) -> Any:
     errors = np.array(result[key][column])
     ax.set_facecolor(UNSEEN)
-    logs = np.log10(np.maximum(errors, 10.0 ** COLOURS[0]))
+    logs = np.log10(np.maximum(errors, 10.0 ** COLOUR_RANGE[0]))
     return ax.pcolormesh(
         result["ratio"],
         result["zeta"],
         logs,
-        norm=Normalize(*COLOURS),
+        norm=Normalize(*COLOUR_RANGE),
         cmap="viridis",
         shading="nearest",
         rasterized=True,
     )
 
 
-def _borders(ax: Axes, result: dict[str, Any], column: int, shipped: bool) -> None:
+def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
     """Draw the border of the cheap formula; for what is shipped all borders, and the names of what is between them."""
     chosen = np.array(result["formulas"][column])
     ratios, zetas = np.array(result["border_ratio"]), np.array(result["border_zeta"])
@@ -103,7 +104,7 @@ def _borders(ax: Axes, result: dict[str, Any], column: int, shipped: bool) -> No
         if np.nanmin(inside) < np.nanmax(inside):
             border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
             border.set_path_effects([*OUTLINE])
-    for formula, name in FORMULAS.items() if shipped else ():
+    for formula, name in FORMULA_LABELS.items() if shipped else ():
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
             _name(ax, ratios, zetas, parts == part, name)
@@ -119,7 +120,7 @@ def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, n
     if depth.max() < LEAST_NAMED * len(ratios):
         return
     i, j = (round(float(np.mean(index))) for index in np.nonzero(depth > depth.max() - 1))
-    look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
+    look: Record = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
     look |= {"color": "white", "path_effects": OUTLINE}
     ax.text(ratios[j], zetas[i], name, **(look | style))
 

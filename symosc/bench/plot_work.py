@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -11,19 +10,20 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
+from symosc.aliases import Record
 from symosc.bench import ours
 from symosc.plot.drawing import STYLE
 
 COLUMNS = 3
 #: A colour per library, a mark per method of it.
 COLOURS = ("#b2182b", "#2166ac", "#e08214", "#1b7837", "#762a83", "#8c510a")
-MARKS = "os^Dv"
+POINT_MARKS = "os^Dv"
 #: What is more exact than this (a double has no more digits) is drawn here, what is worse than the other there.
 BEST, WORST = 1e-17, 1.0
 RAW = ", raw"
 
 
-def figure(result: dict[str, Any]) -> Figure:
+def figure(result: Record) -> Figure:
     """Draw the result of `symosc.bench.work_precision.run`.
 
     A filled mark is a solver with the precautions that its traps ask for, a hollow one the same as it comes. A cross
@@ -59,10 +59,10 @@ def figure(result: dict[str, Any]) -> Figure:
     return drawing
 
 
-def _looks(solvers: Sequence[str]) -> dict[str, dict[str, Any]]:
+def _looks(solvers: Sequence[str]) -> dict[str, Record]:
     """Return colour and mark of each solver; the raw one looks like the other of that name."""
     libraries: dict[str, list[str]] = {}
-    looks: dict[str, dict[str, Any]] = {}
+    looks: dict[str, Record] = {}
     own = [solver.name for solver in ours.SOLVERS]
     for name in dict.fromkeys(solver.removesuffix(RAW) for solver in solvers):
         if name in own:
@@ -70,18 +70,18 @@ def _looks(solvers: Sequence[str]) -> dict[str, dict[str, Any]]:
             continue
         methods = libraries.setdefault(name.split()[0].rstrip(","), [])
         colour = COLOURS[list(libraries).index(name.split()[0].rstrip(",")) % len(COLOURS)]
-        looks[name] = {"color": colour, "marker": MARKS[len(methods) % len(MARKS)], "markersize": 4}
+        looks[name] = {"color": colour, "marker": POINT_MARKS[len(methods) % len(POINT_MARKS)], "markersize": 4}
         methods.append(name)
     return looks
 
 
-def _panel(ax: Axes, scene: str, rows: Sequence[dict[str, Any]], looks: dict[str, dict[str, Any]]) -> None:
+def _panel(ax: Axes, scene: str, rows: Sequence[Record], looks: dict[str, Record]) -> None:
     for solver in dict.fromkeys(row["solver"] for row in rows):
         look = dict(looks[solver.removesuffix(RAW)])
         drawn = [row for row in rows if row["solver"] == solver and row["us_per_event"] is not None]
         if any(row["raw"] for row in drawn):
             look |= {"linestyle": ":", "markerfacecolor": "white"}
-        above: dict[str, Any] = {"zorder": 4} if look["color"] == "black" else {}
+        above: Record = {"zorder": 4} if look["color"] == "black" else {}
         right = [row for row in drawn if not row["missed"] and not row["invented"]]
         wrong = [row for row in drawn if row not in right]
         ax.plot(*_points(right), linewidth=0.7, markeredgewidth=0.6, **look, **above)
@@ -107,14 +107,14 @@ def _panel(ax: Axes, scene: str, rows: Sequence[dict[str, Any]], looks: dict[str
         )
 
 
-def _points(rows: Sequence[dict[str, Any]]) -> tuple[list[float], list[float]]:
+def _points(rows: Sequence[Record]) -> tuple[list[float], list[float]]:
     errors = [WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows]
     return [row["us_per_event"] for row in rows], errors
 
 
-def _legend(ax: Axes, looks: dict[str, dict[str, Any]]) -> None:
+def _legend(ax: Axes, looks: dict[str, Record]) -> None:
     entries = [(Line2D([], [], linewidth=0.7, **look), name) for name, look in looks.items()]
-    plain: dict[str, Any] = {"color": "0.3", "linestyle": "none", "markersize": 4}
+    plain: Record = {"color": "0.3", "linestyle": "none", "markersize": 4}
     entries.append((Line2D([], [], marker="o", markerfacecolor="white", **plain), "hollow: as it comes"))
     entries.append((Line2D([], [], marker="x", **plain | {"color": "black"}), "events missed or invented"))
     handles, labels = zip(*entries, strict=True)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import Any
 
 from symosc import plot
+from symosc.aliases import Record
 from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work, speed, work_precision, work_table
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.errors import OutputError
 from symosc.files import write_text
 from symosc.machine import sentence
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
-FOLDER = Path("docs/results")
+RESULTS_FOLDER = Path("docs/results")
 # A looser accuracy is worth a sentence where it takes no more than this part of the time.
 SAVES = 0.2
 
@@ -52,7 +53,7 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
     return pattern.sub(lambda match: f"{match[1]}{content}{match[2]}", text)
 
 
-def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
+def write(readme: str | Path, result: Record) -> list[Path]:
     """Write the results into the README, pictures and full tables into files beside it.
 
     Parameters
@@ -71,7 +72,7 @@ def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
     OutputError
         If a file cannot be written; see also `check`.
     """
-    text, folder = check(readme), Path(readme).parent / FOLDER
+    text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
     work, cases, command = result["work_precision"], result["hard"], _command(result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -91,15 +92,15 @@ def write(readme: str | Path, result: dict[str, Any]) -> list[Path]:
     return [write_text(readme, text), folder / "README.md", *files]
 
 
-def brief(result: dict[str, Any]) -> str:
+def brief(result: Record) -> str:
     """Return what the README says: our speed and error, and how the best of the others compares."""
     work, cases = result["work_precision"], result["hard"]
-    link = f"[All solvers, all cases, pictures]({FOLDER}/README.md)."
-    words = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
-    return f"{speed.section(result['speed'])}\n{speed.wrapped(words)}\n"
+    link = f"[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md)."
+    text = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
+    return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
 
 
-def overview(result: dict[str, Any]) -> str:
+def overview(result: Record) -> str:
     """Return the page that all results begin with, as Markdown."""
     work, cases = result["work_precision"], result["hard"]
     return f"""\
@@ -110,7 +111,7 @@ One run of `{_command(result)}` ({sentence(work["machine"])}).
 ## Work and precision
 
 Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
-errors are of event times and positions against {work_precision.DIGITS} digits, relative to max(1, |value|).
+errors are of event times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|).
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
 (work_precision.svg)
@@ -134,20 +135,20 @@ in how many it did, and its largest error in those.
 
 ## The kernels
 
-Error of the flow against {error_map.DIGITS} digits over damping ratio and drive: above with the cheap
+Error of the flow against {error_map.MAP_DIGITS} digits over damping ratio and drive: above with the cheap
 formula everywhere, below as symosc evaluates it, with the borders between its formulas drawn in.
 
 ![Maps of the error over damping ratio and drive frequency for four times of flight.](error_map.png)
 """
 
 
-def _over_floor(work: dict[str, Any]) -> str:
+def _over_floor(work: Record) -> str:
     rows = [row for row in work["rows"] if row["solver"] == work_precision.OURS.name and row["over_floor"]]
     finest = {row["scene"]: row["over_floor"] for row in rows}
     return ", ".join(f"{work_table.rounded(multiple, 2)} ({scene})" for scene, multiple in finest.items())
 
 
-def _heyoka(work: dict[str, Any]) -> str:
+def _heyoka(work: Record) -> str:
     """Return a sentence about heyoka, with its precautions and at its finest tolerance; "" if it did not run."""
     finest: dict[str, float] = {}
     for row in work["rows"]:
@@ -157,9 +158,9 @@ def _heyoka(work: dict[str, Any]) -> str:
     return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
 
 
-def looser(work: dict[str, Any]) -> str:
+def looser(work: Record) -> str:
     """Return what a looser accuracy than the default saves us, for the scenes where that is most of the time."""
-    ours: dict[str, list[dict[str, Any]]] = {}
+    ours: dict[str, list[Record]] = {}
     for row in work["rows"]:
         if row["solver"] == work_precision.OURS.name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
@@ -176,16 +177,16 @@ def looser(work: dict[str, Any]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _hard_tables(cases: dict[str, Any]) -> str:
+def _hard_tables(cases: Record) -> str:
     tables = [hard.table(cases, form="github")]
     if any(solver["raw"] for solver in cases["solvers"]):
         tables += ["## The peers as they come", hard.table(cases, form="github", raw=True)]
     return "\n\n".join([*tables, *hard.legend(cases)[:-1]])
 
 
-def _command(result: dict[str, Any]) -> str:
+def _command(result: Record) -> str:
     return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"
 
 
-def _page(title: str, body: str, command: str, result: dict[str, Any]) -> str:
+def _page(title: str, body: str, command: str, result: Record) -> str:
     return f"# {title}\n\nWritten by `{command}` ({sentence(result['machine'])}).\n\n{body}\n"

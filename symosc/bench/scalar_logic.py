@@ -1,35 +1,35 @@
 """The event logic of `event_logic` in scalars only, so that numba can compile it together with a solver.
 
-A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``: it follows one flight or stick and returns
-(side, t, x), the side being -1 or +1 where it was left, 0 where it lasts until t_end and FAILED where the solver gave
-up. The clock that it sees starts anew with each flight and stick, and the phase at t = 0 is in `Scalars`: after many
-periods the rounding of Omega t would be more than a fine tolerance allows, and steps would shrink to nothing.
+A solver gives `follow` a function ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick and returns
+(side, t, x). The side is -1 or +1 where it was left, 0 where it lasts until t_end, and UNSOLVED where the solver gave
+up. Its clock starts anew with each flight and stick, and the phase at t = 0 is in `Scalars`. Otherwise, after many
+periods, the rounding of Omega t would be more than a fine tolerance allows, and steps would shrink to nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, inf, pi, sin
+from math import cos, inf, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
 from symosc.bench.solvers import FoundEvents, Late
+from symosc.engine.next_event import CROSS, GRAZE, SLIP, STICK, TWO_PI
 from symosc.model import MODE_NAMES
 from symosc.scenes import Scene
+from symosc.simulation.run import EVENT_KINDS
 
-FAILED = 2
+UNSOLVED = 2
 CHATTERS, GAVE_UP = 1, 2
-CROSS, STICK, SLIP, GRAZE = range(4)
-KINDS = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
 #: One-step methods start flights from a belt this part of the larger belt speed off it, a few units in the last place:
 #: from the belt itself, some flights come back at once for ever, and errors after a near graze are in proportion.
-OFFSET = 1e-15
+ONE_STEP_OFFSET = 1e-15
 FIRST_ROWS = 64
-# A root is refined until its bracket is within so many parts of its time.
+# A root is refined until its bracket is within this part of its time.
 LAST_BIT = 2.0**-52
-TWO_PI = 2.0 * pi
 
 #: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
 #: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
@@ -136,7 +136,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         t += tau
         if side == 0:
             break
-        if side == FAILED:
+        if side == UNSOLVED:
             return rows, count, GAVE_UP, mode
         source, kind = mode, SLIP
         if source > 3:
@@ -161,7 +161,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 
 def runner(
-    scene: Scene, functions: dict[str, Any], q: Scalars, settings: Any, offset: float = 0.0
+    scene: Scene, functions: Record, q: Scalars, settings: Any, offset: float = 0.0
 ) -> Callable[[], Sequence[FoundEvents]]:
     """Return a function that follows a scene and returns its events.
 
@@ -189,7 +189,7 @@ def runner(
         def events() -> list[FoundEvents]:
             times, positions, kinds, boundaries = rows[:count].T.tolist()
             times = [t0 + t for t in times]
-            return list(map(FoundEvents, times, positions, map(KINDS.__getitem__, kinds), map(int, boundaries)))
+            return list(map(FoundEvents, times, positions, map(EVENT_KINDS.__getitem__, kinds), map(int, boundaries)))
 
         found = Late(events)
         if outcome == 0:

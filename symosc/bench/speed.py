@@ -1,9 +1,9 @@
 """How fast, and how exact: the figures that the README quotes, measured in one run.
 
-The unit is one evaluation of the closed-form flow (one exp, the sine and cosine of two angles, and the arithmetic that
-makes position and velocity of them), timed in the same process right after what it is the unit of: some machines change
-their pace by the second. Times are the best of several repeats, ratios their median; a first call, which compiles or
-loads the compiled code, is reported apart.
+The unit is one evaluation of the closed-form flow: one exp, the sine and cosine of two angles, and the arithmetic that
+makes position and velocity of them. It is timed in the same process, right after what is measured, because some
+machines change their pace every second. Times are the best of several repeats, ratios their median; a first call, which
+compiles or loads the compiled code, is reported apart.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from statistics import median
 from textwrap import fill
 from typing import Any
 
+from symosc.aliases import Number, Record
 from symosc.bench import formulas
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
 from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
@@ -27,13 +29,12 @@ from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import simulate
 
-SCENES = ("fig5", "fig9", "fig10")
-EVENTS = 200_000
-QUICK_EVENTS = 100_000
+TIMED_SCENES = ("fig5", "fig9", "fig10")
+TIMED_EVENTS = 200_000
+QUICK_TIMED_EVENTS = 100_000
 PYTHON_EVENTS = 2_000
 FLOOR_EVALUATIONS = 30_000
 REPEATS = 7
-DIGITS = 40
 
 
 def floor(count, h, w, Om, P, Q, R, S):
@@ -48,7 +49,7 @@ def floor(count, h, w, Om, P, Q, R, S):
     return total
 
 
-def run(quick: bool = False) -> dict[str, Any]:
+def run(quick: bool = False) -> Record:
     """Measure and return a plain dictionary: machine, floor and one row per scene.
 
     Parameters
@@ -63,15 +64,15 @@ def run(quick: bool = False) -> dict[str, Any]:
     digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
     `formulas` is the result of `symosc.bench.formulas.run`.
     """
-    repeats, events = (3, QUICK_EVENTS) if quick else (REPEATS, EVENTS)
-    rows = [_scene(name, events, repeats) for name in SCENES]
+    repeats, events = (3, QUICK_TIMED_EVENTS) if quick else (REPEATS, TIMED_EVENTS)
+    rows = [_scene(name, events, repeats) for name in TIMED_SCENES]
     unit = min(row["floor_ns"] for row in rows)
     result = {"machine": machine(), "floor_ns": unit, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
     return result | {"formulas": formulas.run(quick)}
 
 
 @lru_cache(maxsize=1)
-def compiled_floor() -> Any:
+def compiled_floor() -> Callable[..., float]:
     """Return `floor`, compiled if numba is there, as the event loop is."""
     try:
         import numba
@@ -87,20 +88,20 @@ def floor_s() -> float:
     return best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), 1) / FLOOR_EVALUATIONS
 
 
-def beside_floor(action: Callable[[], Any], repeats: int) -> tuple[list[float], list[float]]:
+def beside_floor(action: Callable[[], object], repeats: int) -> tuple[list[float], list[float]]:
     """Return the seconds of several calls, and after each of them those of one closed-form evaluation."""
     pairs = [(best(action, 1), floor_s()) for _ in range(repeats)]
     return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
 
-def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
+def _scene(name: str, events: int, repeats: int) -> Record:
     scene = load_scene(name)
     start, far = [float(scene.t0), float(scene.x0), float(scene.v0)], float(scene.t0) + 1e7
 
     def many(count: int, use_numba: bool) -> Any:
         return simulate_many(scene.parameters, start, far, max_events=count, use_numba=use_numba)
 
-    row: dict[str, Any] = {"scene": name}
+    row: Record = {"scene": name}
     try:
         compiled()
         begin = time.perf_counter()
@@ -113,7 +114,7 @@ def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
         row |= {"first_call_s": None, "events": 0, "ns_per_event": None, "evaluations_per_event": None}
         row["floor_ns"] = floor_s() * 1e9
     row["python_us_per_event"] = best(lambda: many(PYTHON_EVENTS, False), 2) / PYTHON_EVENTS * 1e6
-    exact, double = simulate(scene, digits=DIGITS), simulate(scene)
+    exact, double = simulate(scene, digits=REFERENCE_DIGITS), simulate(scene)
     pairs = list(zip(double.events, exact.events, strict=True))
     row["max_error"] = max(max(_error(a.t, b.t), _error(a.x, b.x)) for a, b in pairs)
     row["max_error_estimate"] = max(max(a.t_error / max(1, abs(a.t)), a.x_error / max(1, abs(a.x))) for a, _ in pairs)
@@ -121,7 +122,7 @@ def _scene(name: str, events: int, repeats: int) -> dict[str, Any]:
     return row
 
 
-def _error(value: float, exact: Any) -> float:
+def _error(value: float, exact: Number) -> float:
     return float(abs(exact - value) / max(1, abs(exact)))
 
 
@@ -135,7 +136,7 @@ def _cold_start(repeats: int) -> dict[str, float]:
     return {name: best(partial(call, arguments), repeats) for name, arguments in commands.items()}
 
 
-def table(result: dict[str, Any]) -> str:
+def table(result: Record) -> str:
     """Return the result of `run` as text."""
     from tabulate import tabulate
 
@@ -163,7 +164,7 @@ def table(result: dict[str, Any]) -> str:
             tabulate(rows, heads, disable_numparse=True, colalign=("left", *["right"] * 7)),
             "",
             f"one closed-form flow evaluation: {result['floor_ns']:.1f} ns (the unit of the third column)",
-            f"errors: against {DIGITS} digits over the scene, relative to max(1, |value|)",
+            f"errors: against {REFERENCE_DIGITS} digits over the scene, relative to max(1, |value|)",
             f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
             "",
             formulas.table(result["formulas"]),
@@ -178,7 +179,7 @@ def wrapped(text: str) -> str:
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
-def section(result: dict[str, Any]) -> str:
+def section(result: Record) -> str:
     """Return the result of `run` as the README's Markdown."""
     from tabulate import tabulate
 
@@ -215,7 +216,7 @@ def section(result: dict[str, Any]) -> str:
 
 {tabulate(rows, heads, tablefmt="github", disable_numparse=True)}
 
-Errors are of event times and positions against {DIGITS} digits, relative to max(1, |value|). From the shell
+Errors are of event times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|). From the shell
 `symosc simulate fig5` takes {program:.2f} s, `import numpy` alone {numpy:.2f} s. A mapping's residual over
 {other["residuals"]:,} points is {", compiled ".join(gains)} times as fast as sympy's lambdify of the same expression
 (in brackets: with common subexpressions). The orbit P4645 takes {guessed:.2f} ms from a guess, {unguessed:.0f} ms

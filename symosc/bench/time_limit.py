@@ -1,8 +1,8 @@
 """Calls with a time limit, in a process of their own: what hangs or dies there is a result, not the end of the run.
 
-The process is spawned, not forked: compiled peers (numba, heyoka) and the pool itself run threads, and the locks that
-those hold at a fork are never released in the child. It serves all calls until one overruns its limit or kills it, so
-imports and compilation are paid once; after that the next call gets a new process.
+The process is spawned, not forked. Compiled peers (numba, heyoka) and the pool itself run threads, and locks that these
+hold at a fork are never released in the child. It serves all calls until one overruns its limit or kills it, so imports
+and compilation are paid once; after that the next call gets a new process.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from pebble import ProcessExpired, ProcessPool
 HANG, CRASH = "hang", "crash"
 #: How much of an exception's message is kept.
 LONGEST_MESSAGE = 120
+#: Seconds for the first call of a solver, with all that it imports and compiles.
+FIRST_LIMIT = 60.0
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class Worker:
         self._pool.stop()  # a call that is still running belongs to an interrupted caller
         self._pool.join()
 
-    def call(self, limit: float, function: Callable[..., Any], *arguments: Any) -> Outcome:
+    def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
         """Return what became of ``function(*arguments)`` within `limit` seconds.
 
         The function, its arguments and its result must be picklable. The clock includes what the function imports or
@@ -86,7 +88,7 @@ class Worker:
         return outcome
 
 
-def _guarded(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Outcome:
+def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Outcome:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:

@@ -1,8 +1,8 @@
 """Work and precision: time per event and error of every solver, at every tolerance, on the shipped scenes.
 
 All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
-run in 40 digits. There are two spans: a short one for everybody, on which the errors are measured, and a long one, so
-that the fixed cost of a call does not count, for those that finish it in a moment.
+run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
+measured on a long one, so that the fixed cost of a call does not count, if a solver finishes it soon.
 """
 
 from __future__ import annotations
@@ -14,32 +14,32 @@ from math import nan
 from statistics import median
 from typing import Any
 
-from symosc.bench.compare import compare, window_of
+from symosc.aliases import Record
+from symosc.bench.compare import REFERENCE_DIGITS, compare, window_of
 from symosc.bench.peers import OURS, SOLVERS
 from symosc.bench.solvers import FoundEvents, Solver
 from symosc.bench.speed import floor_s
-from symosc.bench.time_limit import Outcome, Worker
+from symosc.bench.time_limit import FIRST_LIMIT, Outcome, Worker
 from symosc.exact import read_exact
 from symosc.machine import machine
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
-DIGITS = 40
 #: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
-#: comes after fig8's first 20 events is no task for doubles: its sticks shrink by 3/8 each half period.
-SCENES = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
-SCENES |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
-QUICK_SCENES = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
-#: Seconds that a solver may take for one span; and for its first preparation, with all that it imports and compiles.
-LIMIT, QUICK_LIMIT, FIRST_LIMIT = 20.0, 6.0, 60.0
+#: comes after fig8's first 20 events is beyond doubles: its sticks shrink by 3/8 each half period.
+SCENE_SPANS = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
+SCENE_SPANS |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
+QUICK_SCENE_SPANS = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
+#: Seconds that a solver may take for one span.
+SPAN_LIMIT, QUICK_SPAN_LIMIT = 20.0, 6.0
 # The long span is for solvers that need no more than this many seconds for it.
 LONG_RUN = 0.3
 # Calls are repeated until they have taken this many seconds ...
 BUDGET, QUICK_BUDGET = 0.2, 0.05
 # ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
 # it takes longer than a part of the limit.
-MOST_REPEATS, REPEATS, MOMENT, PART = 25, 3, 0.3, 0.1
+MOST_REPEATS, LEAST_REPEATS, SHORT_CALL, LONG_CALL_PART = 25, 3, 0.3, 0.1
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit:
     prepared = time.perf_counter()
     found = follow()
     first = time.perf_counter() - prepared
-    least = 0 if first > PART * limit else 1 if first > MOMENT else REPEATS
+    least = 0 if first > LONG_CALL_PART * limit else 1 if first > SHORT_CALL else LEAST_REPEATS
     times: list[float] = []
     floors: list[float] = [floor_s()] if not least else []
     while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
@@ -100,7 +100,7 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
     scenes: dict[str, tuple[int, int, int]] | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """Measure and return plain data.
 
     Parameters
@@ -110,7 +110,7 @@ def run(
     progress : callable
         Gets the sequence of measurements and returns it as an iterable that may show how far it is.
     solvers, scenes : optional
-        In place of all; scenes as in SCENES.
+        In place of all; scenes as in SCENE_SPANS.
 
     Returns
     -------
@@ -128,8 +128,8 @@ def run(
         longest span;
         warnings: what the solver warned of.
     """
-    chosen = scenes or (QUICK_SCENES if quick else SCENES)
-    limit, budget = (QUICK_LIMIT, QUICK_BUDGET) if quick else (LIMIT, BUDGET)
+    chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
+    limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
     spans: dict[str, tuple[Span, Span]] = {}
     able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
     plan = [
@@ -161,7 +161,7 @@ def span(scene: Scene, count: int, compared: int) -> Span:
 
     far = scene.t0 + 10**6
     end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
-    exact = simulate(scene, t_end=far, max_events=compared + 1, digits=DIGITS).events
+    exact = simulate(scene, t_end=far, max_events=compared + 1, digits=REFERENCE_DIGITS).events
     return Span(replace(scene, t_end=read_exact("t_end", end)), count, exact[:compared], until(exact, compared))
 
 
@@ -191,7 +191,7 @@ class Bench:
     def __exit__(self, *error: object) -> None:
         self.worker.__exit__(*error)
 
-    def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> dict[str, Any]:
+    def row(self, solver: Solver, tolerance: float, short: Span, long: Span) -> Record:
         """Return the measured part of a row; see `run`."""
         outcome = self._call(solver, tolerance, short)
         row = _times(outcome, short) | _errors(outcome, short)
@@ -221,7 +221,7 @@ class Bench:
         return outcome
 
 
-def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
+def _times(outcome: Outcome, span: Span) -> Record:
     names = ["prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest"]
     names += ["floor_ns", "over_floor"]
     if outcome.failure:
@@ -235,7 +235,7 @@ def _times(outcome: Outcome, span: Span) -> dict[str, Any]:
     return dict(zip(names, values, strict=True))
 
 
-def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
+def _errors(outcome: Outcome, span: Span) -> Record:
     names = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
     if outcome.failure:
         return {**dict.fromkeys(names), "compared": len(span.reference)}
@@ -243,7 +243,7 @@ def _errors(outcome: Outcome, span: Span) -> dict[str, Any]:
     return {**{name: getattr(comparison, name) for name in names}, "compared": len(span.reference)}
 
 
-def _relate(rows: list[dict[str, Any]]) -> None:
+def _relate(rows: list[Record]) -> None:
     """Put our time on each scene beside the times, both in units of the floor of their moment."""
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS.name}
     for row in rows:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
 
 from tabulate import tabulate
 
+from symosc.aliases import Record
+from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.time_limit import HANG
-from symosc.bench.work_precision import DIGITS
 
 
-def table(result: dict[str, Any], markdown: bool = False) -> str:
+def table(result: Record, markdown: bool = False) -> str:
     """Return the result of `work_precision.run` as text, one table per scene, ratios first."""
     heads = ["solver", "tolerance", "time / ours", "time / floor", "us per event", "range", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
@@ -23,14 +23,14 @@ def table(result: dict[str, Any], markdown: bool = False) -> str:
         parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
     parts.append(
         f"floor: one closed-form flow evaluation, {result['floor_ns']:.1f} ns; errors: of event times and positions, "
-        f"against {DIGITS} digits, relative to max(1, |value|)"
+        f"against {REFERENCE_DIGITS} digits, relative to max(1, |value|)"
     )
     notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
     parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
     return "\n".join(parts)
 
 
-def _cells(row: dict[str, Any], limit: float) -> list[str]:
+def _cells(row: Record, limit: float) -> list[str]:
     times = [row[name] for name in ("over_ours", "over_floor", "us_per_event", "us_fastest", "us_slowest")]
     numbers = ["" if time is None else rounded(time, 3) for time in times]
     numbers[3:] = [f"{numbers[3]} to {numbers[4]}" if numbers[3] else ""]
@@ -46,19 +46,19 @@ def _form(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
 
 
-def best_rows(result: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
+def best_rows(result: Record) -> dict[tuple[str, str], Record]:
     """Return for each solver and scene the row at the tolerance that served it best.
 
     That is the one with the fewest missed and invented events, and of those the one with the smallest error. A solver
     that failed at every tolerance is there with its last row.
     """
 
-    def badness(row: dict[str, Any]) -> tuple[float, ...]:
+    def badness(row: Record) -> tuple[float, ...]:
         if row["missed"] is None:
             return (1, 0, 0)
         return (0, row["missed"] + row["invented"], inf if row["error"] is None else row["error"])
 
-    best: dict[tuple[str, str], dict[str, Any]] = {}
+    best: dict[tuple[str, str], Record] = {}
     for row in result["rows"]:
         key = row["solver"], row["scene"]
         if key not in best or badness(row) <= badness(best[key]):
@@ -66,7 +66,7 @@ def best_rows(result: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
     return best
 
 
-def summary(result: dict[str, Any]) -> str:
+def summary(result: Record) -> str:
     """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and what went wrong."""
     best = best_rows(result)
     solvers, scenes = (list(dict.fromkeys(key[i] for key in best)) for i in (0, 1))
@@ -74,14 +74,14 @@ def summary(result: dict[str, Any]) -> str:
     return tabulate(rows, ["", *scenes], tablefmt="github", disable_numparse=True)
 
 
-def _summed(row: dict[str, Any]) -> str:
+def _summed(row: Record) -> str:
     if row["us_per_event"] is None:
         return _brief(row["failure"])
-    words = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
-    words += [_form(row["error"], ".0e")] if row["error"] is not None else []
-    words += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
-    words += [_brief(row["failure"])] if row["failure"] else []
-    return ", ".join(words)
+    parts = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
+    parts += [_form(row["error"], ".0e")] if row["error"] is not None else []
+    parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
+    parts += [_brief(row["failure"])] if row["failure"] else []
+    return ", ".join(parts)
 
 
 def _brief(failure: str) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json
 from symosc.cli.settings import goes_to_stdout
 
@@ -25,14 +26,14 @@ from symosc.cli.settings import goes_to_stdout
 def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
-    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of
-    one closed-form evaluation. Solvers that are not installed are skipped with a word (extra bench); one that hangs or
-    fails is shown as such. With --hard: what the solvers make of the cases that are hard to get right, and -o draws
-    the error of symosc's kernels over damping ratio and drive instead; the exit code is 1 if symosc itself misses or
-    invents an event, or errs by more than 1e-12 (where a case is ill-conditioned, 100 * condition * 1e-16).
+    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
+    closed-form evaluation. Solvers that are not installed are skipped, and named (extra bench); one that hangs or fails
+    is shown as such. With --hard all solvers get cases that are hard to get right. The exit code is 1 if symosc itself
+    misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition * 1e-16).
+    Then -o draws the error of symosc's kernels over damping ratio and drive.
 
-    --results writes tables, pictures and machine into a README with the lines '<!-- results: begin -->' and
-    '<!-- results: end -->'; pictures and full tables go to docs/results beside it.
+    --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
+    and full tables go to docs/results beside it.
 
     \b
     Examples:
@@ -51,7 +52,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
         plot.check_suffix(output)  # before the work
     if readme is not None:
         results.check(readme)
-    result: dict[str, Any] = {"quick": quick}
+    result: Record = {"quick": quick}
     if readme is not None or not hard_cases:
         result |= _speed(quick)
     if readme is not None or hard_cases:
@@ -71,7 +72,7 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     return code
 
 
-def _speed(quick: bool) -> dict[str, Any]:
+def _speed(quick: bool) -> Record:
     from symosc.bench import speed, work_precision
 
     return {
@@ -80,7 +81,7 @@ def _speed(quick: bool) -> dict[str, Any]:
     }
 
 
-def _hard(quick: bool, with_map: bool) -> dict[str, Any]:
+def _hard(quick: bool, with_map: bool) -> Record:
     from symosc.bench import error_map, hard
 
     result = {"hard": hard.run(quick=quick, progress=partial(_bar, "hard cases"))}
@@ -95,7 +96,7 @@ def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
         yield from shown
 
 
-def _picture(result: dict[str, Any]) -> Any:
+def _picture(result: Record) -> Any:
     from symosc.bench import plot_error_map, plot_work
 
     if "error_map" in result:
@@ -103,7 +104,7 @@ def _picture(result: dict[str, Any]) -> Any:
     return plot_work.figure(result["work_precision"])
 
 
-def _tables(result: dict[str, Any]) -> str:
+def _tables(result: Record) -> str:
     from symosc.bench import hard, speed, work_table
 
     if "hard" not in result:
@@ -114,7 +115,7 @@ def _tables(result: dict[str, Any]) -> str:
     return "\n\n".join([*parts, *hard.legend(result["hard"])])
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return data with None for what JSON has no number for."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.settings import goes_to_stdout
 from symosc.exact import read_exact
 
@@ -47,10 +47,11 @@ def check(
     """Check somebody's solution against the exact motion.
 
     FILE holds samples t, x, v in columns: .csv with a header, .npz or .json. Each step is compared with the exact
-    motion over it (the defect), the whole with the exact motion from the same start, and the switching events of the
-    samples with the exact ones. Says which were missed or invented, and what probably went wrong first. A JSON or npz
-    file may list the events that the solver reported, as "events": pairs of t and kind (cross, stick, slip, graze).
-    Pieces joined at an event may repeat its time. Samples with few digits are judged at their precision.
+    motion over it: the difference is its defect. The whole is compared with the exact motion from the same start, and
+    the switching events of the samples with the exact ones. Says which were missed or invented, and what probably went
+    wrong first. A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind
+    (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at
+    their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 
@@ -67,9 +68,7 @@ def check(
         from symosc import plot
 
         plot.check_suffix(output)  # before the work
-    limits: dict[str, Any] = {
-        "tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))
-    }
+    limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
     if global_tolerance is not None:
         limits["global_tolerance"] = float(read_exact("global_tolerance", global_tolerance))
     samples = read_samples(file, _columns(columns))

@@ -10,8 +10,7 @@ import click
 from click.core import ParameterSource
 
 from symosc.cli.settings import goes_to_stdout
-
-LANGUAGES = ("python", "numpy", "c", "julia")
+from symosc.symbolic.languages import LANGUAGES
 
 
 @click.command()

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.settings import goes_to_stdout
 from symosc.errors import OutputError, SymoscError
 
@@ -74,7 +75,7 @@ def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form:
 
 
 def _check_folder(folder: Path) -> None:
-    """Refuse what is no folder before the work, which may take minutes."""
+    """Refuse what is not a folder before the work, which may take minutes."""
     above = next(each for each in (folder, *folder.absolute().parents) if exists(each))
     if not above.is_dir():
         reason = f"{above} is a file, and --output names a folder"
@@ -106,7 +107,7 @@ def _progress(subject: str, done: int, count: int) -> None:
         click.echo(f"{subject}: {count} steps checked", err=True)
 
 
-def _log(chapters: list[Any], scene: Any, paths: list[Path]) -> dict[str, Any]:
+def _log(chapters: list[Any], scene: Any, paths: list[Path]) -> Record:
     steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
     return {"scene": scene.name if scene else None, "files": [str(path) for path in paths], "steps": steps}
 

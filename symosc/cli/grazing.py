@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from symosc.aliases import Expr, Record
 from symosc.cli import inverse
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings
@@ -16,6 +17,9 @@ from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from symosc.grazing.check import GrazingReport
     from symosc.grazing.window import GrazingWindow
 
 
@@ -51,6 +55,7 @@ if TYPE_CHECKING:
     "--against", metavar="NAME[=LOW:HIGH]", help="With --plot and one --map: the window against Omega, B0, k, v1 or v2."
 )
 def grazing(
+    *,
     scene: str | None,
     settings: tuple[str, ...],
     mappings: tuple[str, ...],
@@ -65,11 +70,11 @@ def grazing(
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
-    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks;
-    gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is no decimal.
+    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks; gamma =
+    k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded to a decimal.
 
-    With --check each window is compared with three independent ways to tell a graze, at random phases and close to its
-    ends: the signs of the G-functions, the exact flow around the contact, and scipy's DOP853. A mismatch gives exit
+    With --check each window is compared with three independent decisions, at random phases and close to its ends: by
+    the signs of the G-functions, by the exact flow around the contact, and by scipy's DOP853. A mismatch gives exit
     code 1.
 
     --solve asks the other way round: for which values of a parameter a phase, or every phase between two, is in the
@@ -119,21 +124,25 @@ def grazing(
     if piped:
         return failed
     if as_json:
-        data: dict[str, Any] = {"scene": name, "parameters": p.as_dict(), "order": order}
+        data: Record = {"scene": name, "parameters": p.as_dict(), "order": order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
         write_json(data | {"windows": [_data(window) for window in windows]})
     elif as_latex:
         for window in windows:
             write(window.latex())
     else:
-        write_table([_row(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
-        for window in windows:
-            if p.k == 0 and window.kind:
-                fixed = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
-                write(f"{window.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}")
-        for report in reports:
-            write("\n" + report.summary())
+        _print(windows, reports)
     return failed
+
+
+def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
+    write_table([_row(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
+    for window in windows:
+        if window.parameters.k == 0 and window.kind:
+            fixed = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
+            write(f"{window.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}")
+    for report in reports:
+        write("\n" + report.summary())
 
 
 def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | None, Parameters]:
@@ -144,7 +153,9 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
         return problem.name, problem.parameters.replace(**changes)
     for name in changes:
         if name not in PARAMETER_NAMES:
-            raise ParameterError(name, changes[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+            raise ParameterError(
+                name, changes[name], f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+            )
     missing = [name for name in PARAMETER_NAMES if name not in changes]
     if missing:
         raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
@@ -157,14 +168,14 @@ def _row(window: GrazingWindow) -> list[str]:
     return [window.mapping, window.case, *numbers, theta_cr, _set_text(window.phases)]
 
 
-def _set_text(phases: Any) -> str:
+def _set_text(phases: Expr) -> str:
     """Return a set in the notation of the paper."""
     from symosc.symbolic.grazing_answers import interval_text
 
     return "empty" if phases.is_empty else interval_text(phases)
 
 
-def _data(window: GrazingWindow) -> dict[str, Any]:
+def _data(window: GrazingWindow) -> Record:
     theta_cr = None
     if window.theta_cr is not None:
         theta_cr = {"exact": str(window.theta_cr), "value": float(window.critical_phase())}
@@ -183,7 +194,7 @@ def _data(window: GrazingWindow) -> dict[str, Any]:
     }
 
 
-def _plane(axes: Any, window: GrazingWindow) -> None:
+def _plane(axes: Axes, window: GrazingWindow) -> None:
     from symosc.grazing.curve import grazing_curve
     from symosc.plot.curve import draw_plane
 

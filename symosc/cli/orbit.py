@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.output import FLOAT_FORMAT, json_option, write, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 from symosc.exact import show
@@ -43,9 +44,9 @@ def orbit(
 ) -> int:
     """Find the periodic orbit with a mapping structure, and say whether it is stable.
 
-    Prints the switching points, the multipliers, and how the scene's start lies to the orbit. With --continue the orbit
-    is followed both ways until it ends or leaves the range; the reason for each end is located and named, with the
-    structure of the orbit behind it. A structure without an orbit at these parameters gives exit code 1.
+    Prints the switching points, the multipliers, and how far the scene's start is from the orbit. With --continue the
+    orbit is followed both ways until it ends or leaves the range. Each end is located, and printed with its reason and
+    with the structure of the orbit beyond it. A structure without an orbit at these parameters gives exit code 1.
 
     \b
     Examples:
@@ -58,13 +59,13 @@ def orbit(
 
     piped = goes_to_stdout(output, "--output", as_json)
     problem = scene_with(scene, settings, {})
-    word = problem.structure if structure is None else structure
-    if word is None:
+    structure = problem.structure if structure is None else structure
+    if structure is None:
         raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
     if output is not None:
         _check_suffix(output)
     try:
-        found = find_orbit(problem.parameters, word, digits=digits, periods=periods)
+        found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)
     except ConvergenceError as error:
         click.echo(f"symosc: {error}", err=True)
         return NOT_FOUND
@@ -112,7 +113,7 @@ def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
     plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
 
 
-def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> dict[str, Any]:
+def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
@@ -155,7 +156,7 @@ def _start(scene: Scene, found: PeriodicOrbit) -> str:
 
 def _end(branch: Branch, i: int) -> str:
     end = branch.ends[i]
-    behind = f"; behind it {end.beyond}" if end.beyond else ""
+    behind = f"; beyond it {end.beyond}" if end.beyond else ""
     return f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{behind}"
 
 

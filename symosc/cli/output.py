@@ -1,10 +1,10 @@
-"""What commands print: text, JSON and tables on stdout, and a word on stderr where a motion could not be decided."""
+"""What commands print: text, JSON and tables on stdout, and a line on stderr where a motion could not be decided."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,14 +18,14 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON i
 
 
 def write(text: str) -> None:
-    """Print to stdout. A reader that closed the pipe has had enough."""
+    """Print to stdout. Nothing is wrong if the reader has closed the pipe."""
     try:
         click.echo(text)
     except BrokenPipeError:
         drop_stdout()
 
 
-def write_json(data: Any) -> None:
+def write_json(data: object) -> None:
     """Print plain data as JSON."""
     write(json.dumps(data, indent=1))
 
@@ -46,6 +46,6 @@ def undecidable(trajectory: Trajectory) -> bool:
     return True
 
 
-def counted(events: Sequence[Any]) -> str:
+def counted(events: Sequence[object]) -> str:
     """Return how many events these are, in words."""
     return f"{len(events)} event{'' if len(events) == 1 else 's'}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 def reproduce(output: str, only: str | None, as_json: bool) -> int:
     """Recompute what the paper states, judge each claim, draw all figures and write a report.
 
-    The folder gets report.html (one file that needs no other), report.md, report.json, figures/ and derivations/. The
+    The folder gets report.html (one file that needs no other), report.md, report.json, a letter to the authors
+    (letter.html, letter.txt), figures/ and derivations/. With --only it gets no letter and no derivations. The
     exit code is 1 if a verdict is not the committed one, or a figure or a derivation fails. Everything is written at
     the end; an interrupt leaves the folder as it was.
 
@@ -33,11 +35,11 @@ def reproduce(output: str, only: str | None, as_json: bool) -> int:
     """
     folder = Path(folder_name(output))
     from symosc.derive.chapters import CHAPTERS
-    from symosc.paper.claims import read_claims
+    from symosc.paper.claims import read_claims, read_errata, read_unjudged
     from symosc.paper.pictures import PICTURES
     from symosc.paper.run import Plan
 
-    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS))
+    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS), read_errata(), read_unjudged())
     return carry_out(plan if only is None else plan.only(only), folder, as_json)
 
 
@@ -62,6 +64,8 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
 
 
 def _show(results: Results, output: Path) -> None:
+    from symosc.paper.claims import SEVERITIES
+
     rows = []
     for each in results.judged:
         mark = f"committed: {each.claim.verdict}" if each.changed else ""
@@ -79,5 +83,9 @@ def _show(results: Results, output: Path) -> None:
     steps = sum(done.value.steps for done in results.chapters.values() if done.value)
     drawn = sum(done.value is not None for done in results.drawn.values())
     write(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
-    write(f"{drawn} figures, {steps} steps of derivations checked; {results.seconds:.0f} s")
+    errata = Counter(erratum.severity for erratum in results.errata if results.shown_by(erratum))
+    severities = ", ".join(f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity])
+    if errata:
+        write(f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}")
+    write(f"{drawn} figure{'s' if drawn != 1 else ''}, {steps} steps of derivations checked; {results.seconds:.0f} s")
     write(f"report: {click.format_filename(output / 'report.html')}")

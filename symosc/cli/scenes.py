@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from itertools import takewhile
-from typing import Any
 
 import click
 
+from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
@@ -48,7 +48,7 @@ def scenes(scene: str | None, as_json: bool) -> None:
     write(f"\nsource: {common}")
 
 
-def _scene_data(scene: Scene) -> dict[str, Any]:
+def _scene_data(scene: Scene) -> Record:
     start = {name: show(getattr(scene, name)) for name in START_NAMES}
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
     error = None if scene.start_error is None else [show(each) for each in scene.start_error]

@@ -41,7 +41,7 @@ def read_settings(settings: tuple[str, ...]) -> dict[str, str]:
         if not equals:
             raise click.BadParameter(f"{setting!r} is not NAME=VALUE, such as k=3", param_hint="--set")
         if name in START_NAMES:
-            raise click.BadParameter(f"{name} is no parameter; use --{name.replace('_', '-')}", param_hint="--set")
+            raise click.BadParameter(f"{name} is not a parameter; use --{name.replace('_', '-')}", param_hint="--set")
         if name in changes:
             raise click.BadParameter(f"{name} is set twice", param_hint="--set")
         changes[name] = value
@@ -74,7 +74,7 @@ def folder_name(output: str, option: str = "--output") -> str:
         If it is empty or standard output.
     """
     if output in ("", STDOUT):
-        raise click.BadParameter(f"{output!r} is no folder; './-' is one named -", param_hint=option)
+        raise click.BadParameter(f"{output!r} is not a folder; './-' is one named -", param_hint=option)
     return output
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 import symosc
+from symosc.aliases import Record
 from symosc.cli.output import FLOAT_FORMAT, counted, json_option, undecidable, write, write_json, write_table
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 from symosc.exact import read_start_error
@@ -54,7 +53,7 @@ def simulate(
     """
     piped = goes_to_stdout(csv_path, "--csv", as_json)
     problem = scene_with(scene, settings, start)
-    known: dict[str, Any] = {}
+    known: Record = {}
     if start_error is not None:
         parts = start_error.split(",")
         known["start_error"] = read_start_error(parts if len(parts) > 1 else start_error)

@@ -8,7 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import Record
 from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
 from symosc.crosschecks.faults import Fault, explain
 from symosc.crosschecks.files import read_samples
@@ -36,15 +38,15 @@ DRIFT = 1e-4
 SAMPLE_JUMP = 1e-4
 # Wrong steps that are looked at one by one.
 MOST_FAULTS = 500
-# The exact motion is followed for so many events.
-LEAST_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
+# The exact motion is followed for this many events.
+FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 
 
 def crosscheck(
     scene: Scene | Parameters | str,
-    t: Any,
-    x: Any = None,
-    v: Any = None,
+    t: object,
+    x: ArrayLike | None = None,
+    v: ArrayLike | None = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
     tolerance: float = STEP_TOLERANCE,
@@ -95,28 +97,33 @@ def crosscheck(
     True
     """
     samples = _read(t, x, v, events)
-    tolerance = _positive("tolerance", tolerance)
-    limit = GLOBAL_FACTOR * tolerance if global_tolerance is None else _positive("global_tolerance", global_tolerance)
-    scene = load_scene(scene) if isinstance(scene, str) else scene
-    if not isinstance(scene, (Scene, Parameters)):
-        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
-    p = scene if isinstance(scene, Parameters) else scene.parameters
-    rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
-    units = rounding.units(len(samples.t))
-    ticks = _loose(p, samples, units)
-    check_joints(samples, max(SAMPLE_JUMP, tolerance), *ticks.T)
-    task = Task(scene, p, samples, tolerance, limit, rounding)
-    result = task.judge(np.zeros_like(units), np.zeros(len(samples.events or ())))
-    if result.ok or not rounding.words:
+    task = _task(scene, samples, tolerance, global_tolerance)
+    units, listed = task.rounding.units(len(samples.t)), task.rounding.of_events(len(samples.events or ()))
+    check_joints(samples, max(SAMPLE_JUMP, task.tolerance), *_loose(task.parameters, samples, units).T)
+    result = task.judge(np.zeros_like(units), np.zeros_like(listed))
+    if result.ok or not task.rounding.texts:
         return result
-    return task.judge(units, rounding.of_events(len(samples.events or ())))
+    return task.judge(units, listed)
 
 
-def _read(t: Any, x: Any, v: Any, events: Any) -> Samples:
+def _read(t: object, x: object, v: object, events: object) -> Samples:
     if x is not None or v is not None:
         return checked(t, x, v, events)
     samples = read_samples(t)
     return samples if events is None else checked(samples.t, samples.x, samples.v, events)
+
+
+def _task(
+    scene: Scene | Parameters | str, samples: Samples, tolerance: object, global_tolerance: object | None
+) -> Task:
+    """Return what is to be judged, the arguments of `crosscheck` read."""
+    allowed = _positive("tolerance", tolerance)
+    limit = GLOBAL_FACTOR * allowed if global_tolerance is None else _positive("global_tolerance", global_tolerance)
+    scene = load_scene(scene) if isinstance(scene, str) else scene
+    if not isinstance(scene, (Scene, Parameters)):
+        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+    p = scene if isinstance(scene, Parameters) else scene.parameters
+    return Task(scene, p, samples, allowed, limit, find_rounding(samples, (float(p.v1), float(p.v2))))
 
 
 @dataclass(frozen=True)
@@ -181,7 +188,7 @@ class Task:
             tolerance=self.tolerance,
             global_tolerance=self.limit,
             scales=(float(scales[0]), float(scales[1])),
-            rounded=self.rounding.words,
+            rounded=self.rounding.texts,
             notes=(*notes, *matching.notes),
             modes=modes,
             t=samples.t,
@@ -191,14 +198,14 @@ class Task:
         )
 
     def _rounding_notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
-        columns = ", ".join(f"{name} to {words}" for name, words in self.rounding.words.items())
+        columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
         judged = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
         return [f"the samples are rounded: {columns}{judged}"] if columns else []
 
     def _match(
         self,
         trajectory: Trajectory,
-        start: dict[str, Any],
+        start: Record,
         found: list[FoundEvent],
         reach: Reach,
         label: np.ndarray,
@@ -214,9 +221,7 @@ class Task:
         exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong).match()
 
-    def _later_events(
-        self, trajectory: Trajectory, start: dict[str, Any], pairs: Sequence[tuple[float, str]]
-    ) -> list[Event]:
+    def _later_events(self, trajectory: Trajectory, start: Record, pairs: Sequence[tuple[float, str]]) -> list[Event]:
         """Return exact events just after the last sample, if the list has events about there."""
         t_end, span = float(trajectory.t_end), WINDOW * 2.0 * np.pi / float(self.parameters.Omega)
         if trajectory.status != "t_end" or not pairs or pairs[-1][0] < t_end - span:
@@ -224,22 +229,20 @@ class Task:
         longer = self._simulate(t_end + span, start)
         return list(longer.events[len(trajectory.events) :])
 
-    def _simulate(self, t_end: float, start: dict[str, Any]) -> Trajectory:
-        # Samples of so many more events than there are samples cannot be meant.
-        most = LEAST_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
+    def _simulate(self, t_end: float, start: Record) -> Trajectory:
+        # So many more events than samples cannot be meant.
+        most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
 
-def _positive(name: str, value: Any) -> float:
+def _positive(name: str, value: object) -> float:
     number = float(read_exact(name, value))
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
     return number
 
 
-def _start(
-    scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]
-) -> dict[str, Any]:
+def _start(scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]) -> Record:
     """Return where the exact motion starts: at the first sample; {} for the scene's own start, if the sample is there.
 
     The scene's may have more digits than the sample.
@@ -307,7 +310,7 @@ def _rounding(steps: ExactSteps, scales: np.ndarray) -> np.ndarray:
     return np.outer(ticks, [scales[1], push]) + 8.0 * np.finfo(float).eps * scales
 
 
-def _push(p: Parameters, x: Any, v: Any) -> Any:
+def _push(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
     """Return a bound of the acceleration at given |x| and |v|."""
     forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
@@ -322,14 +325,14 @@ def _loose(p: Parameters, samples: Samples, units: np.ndarray) -> np.ndarray:
 def _carried(steps: ExactSteps, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """Return how far rounded samples may be from the exact motion over the step, shape (n - 1, 2).
 
-    That is the rounding of the next sample, and what becomes of the rounding of the one before: events in the step
-    amplify it, so the exact motion is followed from the corners of what rounds to the sample.
+    That is the rounding of the next sample, and what the step makes of the rounding of the one before. Events in the
+    step amplify it. So the exact motion is followed from the corners of the box of states that round to the sample.
     """
     if not np.any(loose):
         return np.zeros_like(steps.defects)
     spread = np.zeros_like(steps.defects)
-    for sides in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
-        shift = loose * sides
+    for signs in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        shift = loose * signs
         x, v = (np.column_stack([steps.x, steps.v]) + shift).T
         corner = follow_steps(steps.parameters, steps.t, x, v, near, scales)
         spread = np.fmax(spread, np.abs(corner.defects + shift[1:] - steps.defects))

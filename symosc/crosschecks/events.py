@@ -92,9 +92,9 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
         """Go from there to a domain, which the samples have reached at `sample`."""
         nonlocal now
         if now > 3:
-            side = min((now - 3, now - 2), key=lambda d: abs(d - domain))
-            found.append(_event(steps, "slip", now - 3, now, side, left, left, left))
-            now = side
+            entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
+            found.append(_event(steps, "slip", now - 3, now, entered, left, left, left))
+            now = entered
         if now:
             found.extend(_crossings(steps, now, domain, left, sample))
         now = domain
@@ -115,7 +115,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
                 continue
             # Where the steps are right, the exact motion tells what happens at the contact.
             source, target = int(steps.last[first - 1]), int(steps.first[last])
-            if not now:  # a start on the belt is no event
+            if not now:  # a start on the belt is not an event
                 source = now = target
             if {source, target} == {mode - 3, mode - 2}:
                 go(source, first)
@@ -157,7 +157,14 @@ def _crossings(steps: ExactSteps, source: int, target: int, before: int, after: 
 
 
 def _event(
-    steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, at: int | None
+    steps: ExactSteps,
+    kind: str,
+    boundary: int,
+    source: int,
+    target: int,
+    step: int,
+    last_step: int,
+    sample: int | None,
 ) -> FoundEvent:
     last_step = min(last_step, len(steps.first) - 1)
     rows = steps.events.rows(step, last_step)
@@ -166,8 +173,8 @@ def _event(
     spread = 0.0 if len(times) else float(steps.t[last_step + 1] - steps.t[step])
     if len(times):
         time = float(times[0])
-    elif at is not None:
-        time = float(steps.t[at])
+    elif sample is not None:
+        time = float(steps.t[sample])
     else:
         i, j = step, last_step + 1
         gaps = steps.v[i : j + 1] - (steps.K.belt1.v if boundary == 1 else steps.K.belt2.v)

@@ -114,9 +114,9 @@ def _guess(
 
     fitting = [domain for domain in (1, 2, 3) if misfit(domain, i + 1) <= limit]
     gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
-    belt = int(np.argmin(np.abs(gaps[:, 0]))) + 1
-    here = f"v - v{belt} = {gaps[belt - 1, 0]:.2g} at its start"
-    near_start = abs(gaps[belt - 1, 0]) <= near[i]
+    nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
+    here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
+    near_start = abs(gaps[nearest - 1, 0]) <= near[i]
     if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
         return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
     if fitting and not len(times) and first <= 3:

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.samples import NAMES, Samples, checked, short, shown
+from symosc.aliases import Record
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, short, shown
 from symosc.errors import ParameterError
 
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
 # Column names that a message lists.
-LISTED = 12
+COLUMNS_LISTED = 12
 
 
 def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Samples:
@@ -26,7 +27,7 @@ def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Sampl
     source : path or object
         A path that ends in .csv (with a header), .npz or .json (columns as lists, or a list of rows); an OdeResult of
         scipy (the rows of y are x and v); a pandas DataFrame, an xarray Dataset or a mapping of columns. The index of a
-        DataFrame will do for the time. "events" in JSON, an npz or a mapping are pairs (t, kind).
+        DataFrame can be the time. "events" in JSON, an npz or a mapping are pairs (t, kind).
     columns : mapping, optional
         What the columns t, x and v are called, for example ``{"x": "position"}``.
 
@@ -55,9 +56,9 @@ def read_samples(source: Any, columns: Mapping[str, str] | None = None) -> Sampl
 def _column_names(columns: Mapping[str, str] | None) -> dict[str, str]:
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
-    names = {name: name for name in NAMES} | dict(columns or {})
+    names = {name: name for name in SAMPLE_COLUMNS} | dict(columns or {})
     for name, column in names.items():
-        if name not in NAMES:
+        if name not in SAMPLE_COLUMNS:
             raise ParameterError("columns", name, "only t, x and v are read")
         if not isinstance(column, str):
             raise ParameterError("columns", shown(column), f"must be text: the name of the column that holds {name}")
@@ -91,8 +92,8 @@ def _has(source: Any, column: str) -> bool:
 
 def _listed(source: Any) -> str:
     keys = [short(str(key)) for key in getattr(source, "keys", list)()]
-    more = [f"and {len(keys) - LISTED} more"] if len(keys) > LISTED else []
-    return ", ".join(keys[:LISTED] + more) or "none"
+    more = [f"and {len(keys) - COLUMNS_LISTED} more"] if len(keys) > COLUMNS_LISTED else []
+    return ", ".join(keys[:COLUMNS_LISTED] + more) or "none"
 
 
 def _read_file(path: Path, wanted: set[str]) -> Any:
@@ -106,7 +107,7 @@ def _read_file(path: Path, wanted: set[str]) -> Any:
     except OSError as error:
         raise ParameterError("file", str(path), f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise ParameterError("file", str(path), "cannot be read: it is no text in UTF-8") from None
+        raise ParameterError("file", str(path), "cannot be read: it is not text in UTF-8") from None
     except RecursionError:
         raise ParameterError("file", str(path), "cannot be read: its brackets are nested too deeply") from None
     except MemoryError:
@@ -138,7 +139,7 @@ def _refuse_twice(path: Path, names: Iterable[str], wanted: set[str]) -> None:
         seen.add(name)
 
 
-def _read_npz(path: Path, wanted: set[str]) -> dict[str, Any]:
+def _read_npz(path: Path, wanted: set[str]) -> Record:
     with path.open("rb") as file:
         try:
             with np.load(file) as data:
@@ -146,7 +147,7 @@ def _read_npz(path: Path, wanted: set[str]) -> dict[str, Any]:
         except (ParameterError, MemoryError):
             raise
         except Exception:  # zipfile, zlib and numpy raise a dozen kinds, all for the same reason
-            raise ParameterError("file", str(path), "is no npz file, or is damaged") from None
+            raise ParameterError("file", str(path), "is not an npz file, or it is damaged") from None
 
 
 def _plain(path: Path, data: Any, name: str) -> Any:
@@ -162,7 +163,7 @@ def _read_json(path: Path, wanted: set[str]) -> Any:
     if not text.strip():
         raise ParameterError("file", str(path), f"is empty; it must hold columns, such as {EXAMPLE}")
 
-    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    def table(pairs: list[tuple[str, Any]]) -> Record:
         _refuse_twice(path, (name for name, _ in pairs), wanted)
         return dict(pairs)
 

@@ -11,8 +11,8 @@ from symosc.crosschecks.events import CODES, WINDOW, FoundEvent
 from symosc.crosschecks.reach import Reach
 from symosc.simulation.trajectory import Event, Trajectory
 
-# What a list may say within the tolerance, where events at one belt are too close to be told apart: the kinds by what
-# they come to. A passage to the other side, or back to where the motion came from:
+# What a list may say within the tolerance, where events at one belt are too close to be distinguished: the kinds, by
+# where they lead. A passage to the next domain, or back to where the motion came from:
 PASSES = {("cross",), ("stick", "slip")}
 RETURNS = {(), ("graze",), ("stick", "slip"), ("cross", "cross")}
 # ... and a stick that is left and met again.
@@ -146,14 +146,15 @@ class Matcher:
             self.result.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _start(self) -> None:
-        """Allow one event at a start on a belt: it is none, but solvers list it."""
-        belt = int(self.label[0]) - 3
-        if belt <= 0 or not self.open:
+        """Allow one event at a start on a belt: it is not an event, but solvers list it."""
+        boundary = int(self.label[0]) - 3
+        if boundary <= 0 or not self.open:
             return
         first, t0 = min(self.open), float(self.steps.t[0])
-        if abs(self.found[first].t - t0) <= self.reach.of_start(belt) + self.reach.listed[first]:
+        if abs(self.found[first].t - t0) <= self.reach.of_start(boundary) + self.reach.listed[first]:
             self.open.remove(first)
-            self.result.notes.append(f"the list's event at t = {self.found[first].t:.10g} is the start on belt {belt}")
+            time = f"t = {self.found[first].t:.10g}"
+            self.result.notes.append(f"the list's event at {time} is the start on belt {boundary}")
 
     def _neighbours(self) -> None:
         """Set aside listed events that only the samples' own path has."""
@@ -214,7 +215,7 @@ class Matcher:
         for j in sorted(self.open):
             time = self.found[j].t
             width = self.reach.of_touch(self.trajectory, time)
-            # Next to an exact event it is no other one.
+            # Next to an exact event it is that one.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
             if self._is_wrong(time - width, time + width):

@@ -12,7 +12,7 @@ from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
 from symosc.kernels._generated import acceleration
-from symosc.model import MODE_NAMES, SIDES
+from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.simulation.trajectory import Event, Trajectory
 
 MODES = {name: code for code, name in MODE_NAMES.items()}
@@ -51,16 +51,16 @@ class Reach:
     def of_row(self, row: int) -> float:
         """Return how far from its time an event of `steps.events` may be."""
         events = self.steps.events
-        step, belt = int(events.step[row]), int(events.boundary[row])
+        step, boundary = int(events.step[row]), int(events.boundary[row])
         starts = row == 0 or events.step[row - 1] != step
         source = int(self.steps.first[step] if starts else events.target[row - 1])
-        source = 3 + belt if events.kind[row] == CODES["slip"] else min(source, 3)
-        return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), belt, source)
+        source = 3 + boundary if events.kind[row] == CODES["slip"] else min(source, 3)
+        return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
 
-    def of_start(self, belt: int) -> float:
+    def of_start(self, boundary: int) -> float:
         """Return how far from the first sample a solver may see its start on a belt."""
         t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
-        return max(self._width(t, x, theta, belt, side) for side in SIDES[belt])
+        return max(self._width(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
 
     def of_touch(self, trajectory: Trajectory, time: float) -> float | None:
         """Return how long the exact motion is nearly touching a belt at a time, or None if it is not."""
@@ -94,9 +94,9 @@ class Reach:
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
-    def _width(self, time: float, x: float, theta: float, belt: int, source: int) -> float:
+    def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
         K, (dx, dv) = self.steps.K, self._spread(time)
-        v, s, c = (K.belt1, K.belt2)[belt - 1].v, sin(theta), cos(theta)
+        v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
         if source > 3:  # the force passes 0, with known derivatives
             error = K.w0sq * dx + rate * self.allowed_v

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
 from symosc.drawable import Drawable
 from symosc.simulation.trajectory import Event, Trajectory
 
-LISTED = 5  # events of a kind in a summary
+EVENTS_LISTED = 5  # events of a kind in a summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,32 +127,32 @@ class CrossCheck(Drawable):
             late = max(self.matched, key=lambda match: abs(match.error))
             lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
         for name, events in (("missed", self.missed), ("invented", self.invented)):
-            for event in events[:LISTED]:
+            for event in events[:EVENTS_LISTED]:
                 on = f" on belt {event.boundary}" if event.boundary else ""
                 lines.append(f"{name}: {event.kind}{on} at t = {float(event.t):.10g}")
-            if len(events) > LISTED:
-                lines.append(f"{name}: and {len(events) - LISTED} more")
+            if len(events) > EVENTS_LISTED:
+                lines.append(f"{name}: and {len(events) - EVENTS_LISTED} more")
         if self.first_wrong:
             lines.append(f"first wrong step: {_words(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
             lines.append(f"first wrong step at a belt: {_words(self.first_switching)}")
-        for fault in self.decisions[:LISTED]:
+        for fault in self.decisions[:EVENTS_LISTED]:
             what = f"{fault.found} where {fault.expected} is right"
             lines.append(f"wrong decision: step {fault.step}, t = {fault.t_next:.10g}: {what}")
-        if len(self.decisions) > LISTED:
-            lines.append(f"wrong decision: and {len(self.decisions) - LISTED} more")
+        if len(self.decisions) > EVENTS_LISTED:
+            lines.append(f"wrong decision: and {len(self.decisions) - EVENTS_LISTED} more")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
         exact = ("t", "x", "v", "kind", "boundary", "source", "target")
 
-        def plain(event: Event | FoundEvent) -> dict[str, Any]:
+        def plain(event: Event | FoundEvent) -> Record:
             if isinstance(event, FoundEvent):
                 return asdict(event)
             return {name: getattr(event, name) for name in exact}
 
-        def fault(item: Fault | None) -> dict[str, Any] | None:
+        def fault(item: Fault | None) -> Record | None:
             values = asdict(item) if item else {}
             return {name: None if value != value else value for name, value in values.items()} or None
 

@@ -22,13 +22,13 @@ class Digits:
 
     Attributes
     ----------
-    words : str
+    text : str
         For example "6 decimals", "6 significant digits".
     units : (n,) float array
         One unit of the last digit of each number.
     """
 
-    words: str
+    text: str
     units: np.ndarray
 
 
@@ -56,16 +56,17 @@ class Rounding:
         return np.zeros(count) if self.events is None else self.events.units
 
     @property
-    def words(self) -> dict[str, str]:
+    def texts(self) -> dict[str, str]:
         """What is rounded, and to how many digits."""
         columns = {"t": self.t, "x": self.x, "v": self.v, "events": self.events}
-        return {name: digits.words for name, digits in columns.items() if digits is not None}
+        return {name: digits.text for name, digits in columns.items() if digits is not None}
 
 
 def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
     """Return how samples were rounded.
 
-    Times are taken as rounded only if x or v are and the times are no even grid: a time such as 0.05 is exact as it is.
+    Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
+    exact.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
         t = find_digits(samples.t, samples.t[:1])
         t = None if t is None or _even(samples.t, t.units) else t
     listed = np.array([time for time, _ in samples.events or ()])
-    # A list beside rounded samples is likely to be rounded too: one time shows it.
+    # A list given with rounded samples is likely to be rounded too: one time shows it.
     least = LEAST_SHOWN if x is None and v is None else 1
     return Rounding(t, x, v, find_digits(listed, samples.t[:1], least))
 
@@ -105,8 +106,8 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     floating = 10.0 ** (_exponents(values) + 1 - significant)
     if np.any(floating[values != 0.0] > fixed * 1.5):
         return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
-    words = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
-    return Digits(words, np.full(len(values), fixed))
+    text = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
+    return Digits(text, np.full(len(values), fixed))
 
 
 def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from symosc.errors import ParameterError
+from symosc.simulation.run import EVENT_KINDS
 
-NAMES = ("t", "x", "v")
-LEAST = 2
-KINDS = ("cross", "stick", "slip", "graze")
+SAMPLE_COLUMNS = ("t", "x", "v")
+LEAST_SAMPLES = 2
 # Largest number of a sample: squares of it and its products with rates must not overflow.
 LARGEST_SAMPLE = 1e50
 # Text of a wrong value in a message is cut here.
-LONGEST = 60
+LONGEST_ITEM = 60
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Samples:
     events: tuple[tuple[float, str], ...] | None = None
 
 
-def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
+def checked(t: object, x: object, v: object, events: object = None) -> Samples:
     """Return samples as float arrays.
 
     Raises
@@ -39,12 +39,12 @@ def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
         Unless t, x and v are finite real numbers, one-dimensional, of one length >= 2, and t never decreases; or if
         `events` are no pairs (t, kind).
     """
-    arrays = {name: _array(name, values) for name, values in zip(NAMES, (t, x, v), strict=True)}
+    arrays = {name: _array(name, values) for name, values in zip(SAMPLE_COLUMNS, (t, x, v), strict=True)}
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "t, x and v must have one length")
-    if lengths["t"] < LEAST:
-        raise ParameterError("samples", lengths["t"], f"at least {LEAST} are needed")
+    if lengths["t"] < LEAST_SAMPLES:
+        raise ParameterError("samples", lengths["t"], f"at least {LEAST_SAMPLES} are needed")
     times = arrays["t"]
     late = np.flatnonzero(np.diff(times) < 0.0)
     if len(late):
@@ -56,7 +56,9 @@ def checked(t: Any, x: Any, v: Any, events: Any = None) -> Samples:
     return Samples(**arrays, events=None if events is None else _checked_events(events))
 
 
-def check_joints(samples: Samples, part: float, slack_x: Any = 0.0, slack_v: Any = 0.0) -> None:
+def check_joints(
+    samples: Samples, part: float, slack_x: float | np.ndarray = 0.0, slack_v: float | np.ndarray = 0.0
+) -> None:
     """Raise ParameterError where a time is repeated with a clearly different state.
 
     A time may come twice where two pieces of a solution are joined: the states there are equal, or nearly so.
@@ -98,7 +100,7 @@ def _array(name: str, values: Any) -> np.ndarray:
         if isinstance(error, ParameterError):
             raise
         _refuse_wrong(name, _items(values))
-        raise ParameterError(name, shown(values), "is no column of real numbers") from None
+        raise ParameterError(name, shown(values), "is not a column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
     bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
@@ -109,23 +111,23 @@ def _array(name: str, values: Any) -> np.ndarray:
     return array
 
 
-def _refuse_wrong(name: str, values: Iterable[Any]) -> None:
+def _refuse_wrong(name: str, values: Iterable[object]) -> None:
     """Raise ParameterError for the first entry that is no real number."""
     for i, value in enumerate(values):
         try:
             _number(value)
         except (TypeError, ValueError, OverflowError):
-            raise ParameterError(f"{name}[{i}]", shown(value), "is no number") from None
+            raise ParameterError(f"{name}[{i}]", shown(value), "is not a number") from None
 
 
-def _items(values: Any) -> Iterable[Any]:
+def _items(values: Any) -> Iterable[object]:
     if isinstance(values, np.ndarray):
         return np.ravel(values).tolist()  # Python numbers read better in a message
     return values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
 
 
 def _number(value: Any) -> float:
-    """Return `value` as a float; ValueError for text such as 1_000, which Python reads and nobody writes in a table."""
+    """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)):
         raise TypeError("no real number")
     if isinstance(value, bytes):
@@ -136,23 +138,23 @@ def _number(value: Any) -> float:
 
 
 def short(text: str) -> str:
-    """Return text for a message, not longer than a line can bear."""
+    """Return text for a message, cut if it is too long for a line."""
     text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
-    return text if len(text) <= LONGEST else text[:LONGEST] + "…"
+    return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
 
 
-def shown(value: Any) -> Any:
+def shown(value: object) -> object:
     """Return a wrong value for a message: itself where it is short, else the beginning of its text or its type."""
     if isinstance(value, str):
         return short(value)
     try:
-        fits = len(repr(value)) <= LONGEST
+        fits = len(repr(value)) <= LONGEST_ITEM
     except (RecursionError, ValueError):  # deep brackets, an int of thousands of digits
         fits = False
     return value if fits else type(value).__name__
 
 
-def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
+def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
     if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
         raise ParameterError("events", shown(events), "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []
@@ -162,8 +164,8 @@ def _checked_events(events: Any) -> tuple[tuple[float, str], ...]:
             time, kind = _number(time), str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
-        if kind not in KINDS or not abs(time) <= LARGEST_SAMPLE:
-            what = f"t must be finite, kind one of {', '.join(KINDS)}"
+        if kind not in EVENT_KINDS.values() or not abs(time) <= LARGEST_SAMPLE:
+            what = f"t must be finite, kind one of {', '.join(EVENT_KINDS.values())}"
             raise ParameterError(f"events[{i}]", (time, short(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)

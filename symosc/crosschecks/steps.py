@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from symosc.engine import compiled_loop as compiled_loop_module
 from symosc.engine.arithmetic import Arithmetic, compiled, mp_context
+from symosc.engine.compiled_loop import Batch, batch_of, follow_all, keep_state, room_for, state_of
 from symosc.engine.flow import Constants
-from symosc.engine.next_event import CROSS, END, FAILED, GRAZE, REST, TWO_PI, advance
+from symosc.engine.next_event import TWO_PI, advance
+from symosc.engine.start import belt_rows
+from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
@@ -116,9 +118,9 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
     ahead = np.column_stack([x[1:], v[1:]])
 
-    def follow(steps: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        start_v = np.where(at > 0, belts[at - 1], v[steps])
-        rows = _rows(theta[steps], x[steps], start_v, at, t[steps + 1] - t[steps], K)
+    def follow(steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
+        start_v = np.where(on > 0, belts[on - 1], v[steps])
+        rows = belt_rows(on, theta[steps], x[steps], start_v, t[steps + 1] - t[steps], K)
         first = rows[:, 0].astype(int)
         last, end, events = _follow(rows, t[steps + 1] - t[steps], K)
         defects, origin = end - ahead[steps], steps[events.step]
@@ -129,12 +131,12 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     near = np.broadcast_to(near, len(t))[:-1]
     defects = np.column_stack([x[:-1], v[:-1]]) - ahead
     first, last, size = np.zeros(len(t) - 1, int), np.zeros(len(t) - 1, int), np.zeros(len(t) - 1)
-    at = np.where(beside == 0.0, closest, 0)
-    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, at[moving])
+    on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
+    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, on[moving])
     doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(doubtful):
         others = follow(doubtful, closest[doubtful])
-        # On a belt both agree, but for rounding: then the belt it is.
+        # On a belt both agree up to rounding: then it is on the belt.
         better = ~(others[3] > size[doubtful] * (1.0 + 1e-6) + EPS)
         chosen = doubtful[better]
         defects[chosen], first[chosen], last[chosen] = (values[better] for values in others[:3])
@@ -169,45 +171,28 @@ def _upper_half(value: Any) -> Any:
     return shifted - (shifted - value)
 
 
-def _rows(theta: Any, x: Any, v: Any, at: Any, left: Any, K: Constants) -> np.ndarray:
-    """Return states of the compiled loop from time 0; on a belt (`at`) the forces decide where the motion goes."""
-    mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
-    A = np.array([K.A1, K.A2, K.A3, K.A3])
-    Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
-    above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
-    held = (at > 0) & ~above & ~below
-    mode = np.where(held, 3 + at, mode + above)
-    Fb, Fa = np.where(above, Fa, Fb), np.where(above | held, Fa, Fb)
-    rows = np.zeros((len(x), compiled_loop_module.STATE_WIDTH))
-    rows[:, 0], rows[:, 1], rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6], rows[:, 7] = mode, at, theta, x, v, Fb, Fa
-    rows[:, 8], rows[:, 10] = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
-    rows[:, 13] = left
-    return rows
-
-
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
-    states, count = rows.copy(), len(rows)
-    events_of, codes = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    follow_all, begin = _loop(count), 0
+    batch, count = batch_of(rows.copy()), len(rows)
+    loop, begin = _loop(count), 0
     floats, ints = [], []
     while begin < count:
-        out_float, out_int = np.empty((4 * count + 64, 6)), np.empty((4 * count + 64, 5), np.int32)
-        begin, filled = follow_all(begin, states, events_of, codes, MOST_STEP_EVENTS, inf, out_float, out_int, K)
-        floats.append(out_float[:filled, [0, 1, 3]])
-        ints.append(out_int[:filled])
+        room = room_for(4 * count + 64)
+        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, K)
+        floats.append(room.floats[:filled, [0, 1, 3]])
+        ints.append(room.ints[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)
     t, x, theta = numbers.T
     found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
-    doubtful = np.flatnonzero((codes != END) & (codes != REST))
+    doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(doubtful):
-        singles = [_follow_one(states, rows[i], i, codes, K) for i in doubtful.tolist()]
+        singles = [_follow_one(batch, rows, i, K) for i in doubtful.tolist()]
         columns = np.array([event for single in singles for event in single], dtype=float).reshape(-1, 7).T
         step, kind, boundary, target = (columns[k].astype(int) for k in (0, 4, 5, 6))
         found = _joined(found, StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target), doubtful)
-    modes = states[:, 0].astype(int)
+    modes = batch.states[:, 0].astype(int)
     ends = _ends(rows, modes, left, found, K)
-    ends[codes == FAILED] = np.nan
+    ends[batch.codes == FAILED] = np.nan
     return modes, ends, found
 
 
@@ -222,33 +207,31 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
     a[i] = (events.kind[lasts] == CROSS) * acceleration(x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(left, K)
     dx, dv, _ = motion(v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    held = modes > 3
+    held = modes > ON_BELT
     return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
 
 
 def _loop(count: int) -> Callable[..., Any]:
     if count < COMPILE_FROM:
-        return compiled_loop_module.follow_all
+        return follow_all
     try:
-        compiled_loop: Callable[..., Any] = compiled()["follow_all"]
+        compiled_one: Callable[..., Any] = compiled()["follow_all"]
     except MissingExtraError:
-        return compiled_loop_module.follow_all
-    return compiled_loop
+        return follow_all
+    return compiled_one
 
 
-def _follow_one(states: np.ndarray, row: np.ndarray, i: int, codes: np.ndarray, K: Constants) -> list[Any]:
+def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
     """Follow a row with a contact within rounding: what it is makes no difference beyond rounding, so it is taken."""
-    state: Any = (*(int(value) for value in row[:3]), *(float(value) for value in row[3:13]))
-    end = row[13:15].tolist()
-    events: list[Any] = []
-    code = 0
+    state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
+    events: list[tuple[Any, ...]] = []
+    code = MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
-        # The types of a state's entries are lost in unpacking.
-        code, boundary, _, _, *state = advance(*state, *end, K)  # type: ignore[call-arg]
+        code, boundary, _, _, state = advance(state, t_end, t_end_low, K)
         if code <= GRAZE:
-            events.append((i, state[11], state[4], state[3], code, boundary, state[0]))
-    codes[i] = code if code in (END, REST) else FAILED
-    states[i, :13] = state
+            events.append((i, state.t, state.x, state.theta, code, boundary, state.mode))
+    batch.codes[i] = code if code in (END, REST) else FAILED
+    keep_state(batch.states, i, state)
     return events
 
 

@@ -1,6 +1,6 @@
 """The same scalar source as CPython floats, as compiled code and in any number of digits.
 
-The fast paths (events, sticks, switching, advance, and the kernels) are plain functions on numbers. Here they are
+The fast paths (SOURCES) are plain functions on numbers. Here they are
 bound (`symosc.engine.binding`) to mpmath's sin, cos, sqrt and precision, or to compiled versions of each other.
 """
 
@@ -11,29 +11,35 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from symosc.aliases import Number
 from symosc.engine import (
     binding,
     compiled_loop,
     first_exit,
     flow,
     gap_bounds,
+    march,
     next_event,
     rests,
+    state,
     stick_exit,
     switching,
     touches,
 )
 from symosc.engine.flow import Constants, constants, with_march
+from symosc.engine.state import NextEvent
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
 SOURCES = (
     _generated,
     entire,
+    state,
     flow,
     switching,
     gap_bounds,
     touches,
+    march,
     first_exit,
     rests,
     stick_exit,
@@ -42,7 +48,7 @@ SOURCES = (
 )
 
 
-# What decisions must exceed with mpmath, instead of `events.ROUNDING` and `flow.SIGMAS`.
+# What decisions must exceed with mpmath, instead of `touches.ROUNDING` and `flow.SIGMAS`.
 MP_ROUNDING = 2**16
 MP_SIGMAS = 2**10
 
@@ -78,7 +84,7 @@ class Arithmetic:
     """
 
     K: Constants
-    advance: Callable[..., Any]
+    advance: Callable[..., NextEvent]
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
 
     def __init__(self, parameters: Parameters) -> None:
@@ -87,9 +93,9 @@ class Arithmetic:
         self.namespace: dict[str, Any] = IN_DOUBLES
         self.advance = next_event.advance
 
-    number: Callable[[Fraction], Any] = staticmethod(float)
+    number: Callable[[Fraction], Number] = staticmethod(float)
 
-    def phase(self, t: Fraction) -> tuple[int, Any]:
+    def phase(self, t: Fraction) -> tuple[int, Number]:
         """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
         angle = self.parameters.Omega * t
         if angle == 0:
@@ -99,12 +105,12 @@ class Arithmetic:
         periods = int(context.floor(turns))
         return periods, self.rounded((turns - periods) * 2 * context.pi)
 
-    def time(self, t: Fraction) -> tuple[Any, Any]:
+    def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time as the sum of two such numbers."""
         high = float(t)
         return high, float(t - Fraction(high))
 
-    def rounded(self, value: Any) -> Any:
+    def rounded(self, value: Number) -> Number:
         """Round an mpf to such a number."""
         return float(value)
 
@@ -128,15 +134,15 @@ class MpArithmetic(Arithmetic):
         self.namespace = binding.bind(SOURCES, replaced)
         self.advance = self.namespace["advance"]
 
-    def number(self, value: Fraction) -> Any:
+    def number(self, value: Fraction) -> Number:
         """Round a Fraction to an mpf of this precision."""
         return self.context.mpf(value.numerator) / value.denominator
 
-    def time(self, t: Fraction) -> tuple[Any, Any]:
+    def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time and 0."""
         return self.number(t), self.number(Fraction(0))
 
-    def rounded(self, value: Any) -> Any:
+    def rounded(self, value: Number) -> Number:
         """Round an mpf of any precision to one of this precision."""
         return self.context.mpf(value)
 

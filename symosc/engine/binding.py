@@ -105,7 +105,10 @@ def compiled(
     def wrap(function: Any) -> Any:
         # numba's disk cache looks for changes in the function's own file only. The name of the entry says the rest.
         function.__qualname__ = f"{function.__name__}-{sources}"
-        return numba.njit(cache=True, error_model="numpy", forceinline=function.__name__ in inlined)(function)
+        options: dict[str, Any] = {}
+        if function.__name__ in inlined:  # called by compiled code alone: what Python would call it by is never made
+            options = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(cache=True, error_model="numpy", **options)(function)
 
     return bind(modules, replaced, wrap)
 

@@ -3,16 +3,87 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
-from symosc.engine.next_event import FAILED, GRAZE, MOVED, advance
+import numpy as np
+
+from symosc.aliases import Number
+from symosc.engine.next_event import advance
+from symosc.engine.state import (
+    FAILED,
+    FULL,
+    GRAZE,
+    IN_DOUBT,
+    INEXACT,
+    MOVED,
+    RUNNING,
+    Covariance,
+    State,
+)
 from symosc.kernels.entire import EPS
 
-# Columns of a row of STATE, OUT_FLOAT and OUT_INT.
-# mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0
+# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0.
 STATE_WIDTH = 16
+# Columns of a row of events.
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
-# What a trajectory ended with, beside the codes of `advance`.
-RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
+INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_code")
+
+
+class Batch(NamedTuple):
+    """Trajectories: where they are (rows as `row_of` makes them), their events so far, what each ended with."""
+
+    states: np.ndarray  # (n, STATE_WIDTH)
+    counts: np.ndarray  # (n,)
+    codes: np.ndarray  # (n,)
+
+
+class EventRows(NamedTuple):
+    """Room for events, a row each: FLOAT_COLUMNS and INT_COLUMNS."""
+
+    floats: np.ndarray
+    ints: np.ndarray
+
+
+def batch_of(states: np.ndarray) -> Batch:
+    """Return trajectories that are about to begin."""
+    return Batch(states, np.zeros(len(states), np.int64), np.zeros(len(states), np.int64))
+
+
+def room_for(events: int) -> EventRows:
+    """Return room for so many events."""
+    return EventRows(np.empty((events, len(FLOAT_COLUMNS))), np.empty((events, len(INT_COLUMNS)), np.int32))
+
+
+def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
+    """Return a state, the two parts of the end, and the time as that of the start, as a row of a batch."""
+    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t]
+
+
+def state_of(states, i):
+    """Return the state in row i."""
+    # float() and int(): under CPython numpy's own scalars would be slower.
+    return State(
+        int(states[i, 0]),
+        int(states[i, 1]),
+        int(states[i, 2]),
+        float(states[i, 3]),
+        float(states[i, 4]),
+        float(states[i, 5]),
+        float(states[i, 6]),
+        float(states[i, 7]),
+        Covariance(float(states[i, 8]), float(states[i, 9]), float(states[i, 10])),
+        float(states[i, 11]),
+        float(states[i, 12]),
+    )
+
+
+def keep_state(states, i, state):
+    """Write a state into row i."""
+    states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
+    states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
+    states[i, 6], states[i, 7] = state.Fb, state.Fa
+    states[i, 8], states[i, 9], states[i, 10] = state.S.S11, state.S.S12, state.S.S22
+    states[i, 11], states[i, 12] = state.t, state.t_low
 
 
 def handed_out(t, t_low, t0, x, v, t_error, S11, K):
@@ -26,17 +97,16 @@ def handed_out(t, t_low, t0, x, v, t_error, S11, K):
     return out, t_error, x_error
 
 
-def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int, K):
+def follow_all(begin, batch, most, accuracy, out, K):
     """Follow trajectories from number `begin` on, until all are done or the output is full.
 
     Parameters
     ----------
     begin : first trajectory to follow; it may have been begun before.
-    states : (n, STATE_WIDTH) array, updated.
-    counts, codes : (n,) events so far, and what each trajectory ended with; updated.
+    batch : Batch, updated.
     most : events after which a trajectory is FULL.
     accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
-    out_float, out_int : output rows, (capacity, 6) and (capacity, 5).
+    out : EventRows
     K : Constants
 
     Returns
@@ -45,47 +115,36 @@ def follow_all(begin, states, counts, codes, most, accuracy, out_float, out_int,
         The trajectory to go on with, and the number of rows that were filled.
     """
     rows = 0
+    states, counts, codes = batch
+    floats, ints = out
     for i in range(begin, states.shape[0]):
-        mode, at, n = int(states[i, 0]), int(states[i, 1]), int(states[i, 2])
-        # float() and int(): under CPython numpy's own scalars would be slower.
-        theta, x, v = float(states[i, 3]), float(states[i, 4]), float(states[i, 5])
-        Fb, Fa = float(states[i, 6]), float(states[i, 7])
-        S11, S12, S22 = float(states[i, 8]), float(states[i, 9]), float(states[i, 10])
-        t, t_low, t_end, t_end_low = (
-            float(states[i, 11]),
-            float(states[i, 12]),
-            float(states[i, 13]),
-            float(states[i, 14]),
-        )
-        t0 = float(states[i, 15])
+        state = state_of(states, i)
+        t_end, t_end_low, t0 = float(states[i, 13]), float(states[i, 14]), float(states[i, 15])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
                 code = FULL
                 break
-            if rows >= out_float.shape[0]:
+            if rows >= floats.shape[0]:
                 break
-            source = mode
-            step, boundary, decided, t_error, mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low = advance(
-                mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, K
-            )
+            source = state.mode
+            step, boundary, decided, t_error, state = advance(state, t_end, t_end_low, K)
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                out, t_error, x_error = handed_out(t, t_low, t0, x, v, t_error, S11, K)
-                if t_error > accuracy * max(1.0, abs(out), abs(t0)) or x_error > accuracy * max(1.0, abs(x)):
+                x, v = state.x, state.v
+                t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
+                if t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x)):
                     code = INEXACT
-                out_float[rows, 0], out_float[rows, 1], out_float[rows, 2], out_float[rows, 3] = out, x, v, theta
-                out_float[rows, 4], out_float[rows, 5] = t_error, x_error
-                out_int[rows, 0], out_int[rows, 1], out_int[rows, 2] = i, step, boundary
-                out_int[rows, 3], out_int[rows, 4] = source, mode
+                floats[rows, 0], floats[rows, 1], floats[rows, 2], floats[rows, 3] = t, x, v, state.theta
+                floats[rows, 4], floats[rows, 5] = t_error, x_error
+                ints[rows, 0], ints[rows, 1], ints[rows, 2] = i, step, boundary
+                ints[rows, 3], ints[rows, 4] = source, state.mode
                 rows += 1
                 counts[i] += 1
             elif step != MOVED:
                 code = step
-        states[i, 0], states[i, 1], states[i, 2] = mode, at, n
-        states[i, 3], states[i, 4], states[i, 5], states[i, 6], states[i, 7] = theta, x, v, Fb, Fa
-        states[i, 8], states[i, 9], states[i, 10], states[i, 11], states[i, 12] = S11, S12, S22, t, t_low
+        keep_state(states, i, state)
         codes[i] = code
         if code == RUNNING:
             return i, rows

@@ -44,13 +44,16 @@ from symosc.engine.gap_bounds import (
     ISOLATED,
     NEAR,
     fourth_derivative_bound,
-    gap_polynomial,
+    gap_bound,
+    gap_to,
     is_near,
     positive_on,
     quartic_start,
     safe_step,
 )
-from symosc.engine.touches import HIT, LOST, NOTHING, ROUNDING, STALLED, TANGENCY, closest_approach, hidden
+from symosc.engine.march import march
+from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown
+from symosc.engine.touches import ROUNDING, closest_approach, hidden
 from symosc.kernels.entire import EPS, SIXTH
 
 # Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
@@ -61,257 +64,221 @@ MOST_STALLS = 30
 # Steps to a contact in its bracket (halving alone takes as many as there are bits).
 MOST_HALVINGS = 400
 MOST_NEWTON = 200
-# What a gap must exceed while marching, as a part of its size.
-MARCH_SLACK = 1e-10
-# A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
-PATIENCE = 6e6
 # A gap smaller than this part of the velocities in question is compared with its error.
 THIN = 1e-9
 # An error of the start that is smaller than THIN times the root of this part of the velocities is rounding.
 FAINT = 1e-8
 
 
-def first_exit(tau_max, v0, F0, s0, c0, below, above, has_below, has_above, on_below, on_above, S11, S12, S22, K):
-    """Find the first contact of a flight with a wall.
+def first_exit(tau_max, start, walls, S, K):
+    """Return the first contact of a flight with a wall within tau_max, a `FlightEnd`.
 
-    Parameters
-    ----------
-    tau_max : time to search.
-    v0, F0, s0, c0 : velocity, acceleration, sine and cosine of the phase at the start.
-    below, above : v0 minus the lower wall's velocity, the upper wall's minus v0 (>= 0); exact 0 at a start on a wall.
-    has_below, has_above, on_below, on_above : whether there is such a wall, and whether the start is on it.
-    S11, S12, S22 : covariance of the errors of the start.
-    K : Constants
-
-    Returns
-    -------
-    (code, side, tau, dx, dv, F, G1, s, c, E0, E1, E2)
-        code NOTHING (state at tau_max), HIT, TANGENCY or STALLED; side -1 for the lower wall, +1 for the upper. A
-        contact is returned even if the last correction moved it past tau_max.
+    Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
+    it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
-    zero = 0.0 * tau_max
-    tau, dx, dv, F, s, c = zero, zero, zero, F0, s0, c0
-    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
-    E0, E1, E2 = 1.0 + zero, zero, zero
-    side = -1 if has_below else 1
-    crossing, tau_deep = 0, zero  # the side on which the gap ahead is known to be negative, and where
-    stalled = 0
-    flat = (on_below or on_above) and F0 == 0.0 and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB))
-    if flat:  # after a tangency or the end of a stick; a derivative within rounding of 0 is 0 there, its sign is noise
-        G1 = zero  # near sin(theta) = +-1 that leaves cos(theta), and with it G2, uncertain by about sqrt(EPS)
-        flat = abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om
-    if flat:
-        tau = quartic_start(G3, G2, s0, c0, K)
-        if tau > tau_max:
-            tau = tau_max
-        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
-    M4 = fourth_derivative_bound(G2, G3, s, c, K)
-    speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
-    variance = K.sigmas * K.sigmas * (S22 + K.w0sq * S11)
-    thin = 4.0 * variance + speed * speed
-    # What the error of the start can do to a gap; where that is less than rounding `tolerance` sees to it.
-    margin = sqrt(variance) if variance > FAINT * speed * speed else zero
+    now, flat = search_start(tau_max, start, walls, K)
+    M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    thin, margin = error_margins(start, S, K)
     if K.apart and not flat:
-        tau, dv, F, G1, G2, G3, s, c, M4 = march(
-            tau_max, v0, F0, G1, G2, G3, M4, s0, c0, below, above, has_below, has_above, on_below, on_above, margin, K
-        )
+        now, M4 = march(tau_max, start.v, now, M4, walls, margin, K)
+    code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
+    crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
-        thin_below = has_below and (below + dv) * (below + dv) < thin and (tau > 0.0 or not on_below)
-        thin_above = has_above and (above - dv) * (above - dv) < thin and (tau > 0.0 or not on_above)
-        if thin_below and hidden(tau, -1, v0, F0, s0, c0, below, above, S11, S12, S22, K):
-            side = -1
+        side = hidden_side(now, thin, start, walls, S, K)
+        if side != 0 or now.tau >= tau_max:
+            code = STALLED if side != 0 else NOTHING
             break
-        if thin_above and hidden(tau, 1, v0, F0, s0, c0, below, above, S11, S12, S22, K):
-            side = 1
-            break
-        if tau >= tau_max:
-            return NOTHING, 0, tau, dx, dv, F, G1, s, c, E0, E1, E2
-        cap = tau_max - tau
+        cap = tau_max - now.tau
         if not K.steady and cap * K.Om > 1.0:
             cap = 1.0 / K.Om
-        side = -1 if has_below else 1
-        start_gap = below if side < 0 else above
-        on_wall = tau == 0.0 and (on_below if side < 0 else on_above)
-        gap = below + dv if side < 0 else above - dv
-        gap = held_back(gap, margin)
-        p0, p1, p2, p3, p4, degree = gap_polynomial(gap, -side * F, -side * G1, -side * G2, M4, on_wall)
-        step, root = safe_step(cap, p0, p1, p2, p3, p4)
-        if has_below and has_above:  # the upper wall counts only if the lower one's step is too long for it
-            on_wall = tau == 0.0 and on_above
-            q0, q1, q2, q3, q4, q_degree = gap_polynomial(held_back(above - dv, margin), -F, -G1, -G2, M4, on_wall)
-            if not positive_on(root if root < cap else step, q0, q1, q2, q3, q4):
-                q_step, q_root = safe_step(cap, q0, q1, q2, q3, q4)
-                if q_step < step:
-                    other, side, start_gap = step, 1, above
-                    p0, p1, p2, p3, p4, degree, step, root = q0, q1, q2, q3, q4, q_degree, q_step, q_root
-                    root = cap if other < q_root else root
-                else:
-                    root = cap
-        near, close, clear = False, False, True
+        side, step, root, P = nearest_root(cap, now, M4, margin, walls)
+        known, near, close, clear = crossing == side, False, False, True
         if root < cap:
-            size = start_gap + abs(dv) + abs(F) * root + margin * (4.0 / CLEAR_DEPTH)
-            near, close, clear = is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K)
-        known = crossing == side
+            near, close, clear = is_near(root, P, M4, size_of_gap(side, root, now, margin, walls), K)
         if near and (clear or known):
-            low = tau
-            high = tau_deep if known else tau + 2.0 * (root + ISOLATED * K.moment)
-            if not close:
-                root = sharpened(root, below + dv if side < 0 else dv - above, F, G1, G2, G3, c, K)
-            return polish(tau + root, low, high, side, v0, F0, s0, c0, below, above, K)
+            low, high = now.tau, tau_deep if known else now.tau + 2.0 * (root + ISOLATED * K.moment)
+            code, tau = HIT, now.tau + (root if close else sharpened(root, side, now, walls, K))
+            break
         short = step < cap and step * K.rate < SHORT_STEP
-        near_by = margin > 0.0 and side * F > 0.0 and (below + dv if side < 0 else above - dv) < 2.0 * margin
-        if (short or near_by or not clear) and not known and (start_gap > 0.0 or tau > 0.0):
-            verdict, tau_min = closest_approach(tau, tau, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K)
-            reach = tau_min - tau
-            if has_below and has_above and verdict != STALLED and reach > step:  # the other wall may come before
-                other = above - dv if side < 0 else below + dv
-                on_wall = tau == 0.0 and (on_above if side < 0 else on_below)
-                q0, q1, q2, q3, q4, _ = gap_polynomial(other, side * F, side * G1, side * G2, M4, on_wall)
-                verdict = verdict if positive_on(reach, q0, q1, q2, q3, q4) else STALLED
-            if verdict == TANGENCY:
-                dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau_min, v0, F0, s0, c0, K)
-                return TANGENCY, side, tau_min, dx, dv, F, G1, s, c, E0, E1, E2
-            if verdict == LOST:
+        if (short or not clear or is_beside(side, now, margin, walls)) and not known and may_touch(side, now, walls):
+            verdict, tau = touch_ahead(now, side, step, M4, start, walls, S, K)
+            if verdict in (TANGENCY, LOST):
+                code = TANGENCY if verdict == TANGENCY else STALLED
                 break
             if verdict == HIT:
-                crossing, tau_deep = side, tau_min
+                crossing, tau_deep = side, tau
             elif verdict == NOTHING:
-                step = reach if reach < cap else cap
+                step = tau - now.tau if tau - now.tau < cap else cap
             elif short:
                 stalled = stalled + 1
         if step <= 0.0 or stalled > MOST_STALLS:
             break
-        before = tau
-        tau = tau + step if step < tau_max - tau else tau_max
-        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
-        M4 = fourth_derivative_bound(G2, G3, s, c, K)
-        low_side, high_side = has_below and below + dv <= 0.0, has_above and above - dv <= 0.0
-        if low_side or high_side:
-            # By rounding: P has no root here. So there is a root within rounding, or a touch.
-            side = -1 if low_side else 1
-            if crossing != side:
-                verdict, tau_min = closest_approach(
-                    tau, before, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K
-                )
-                if verdict == TANGENCY:
-                    dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau_min, v0, F0, s0, c0, K)
-                    return TANGENCY, side, tau_min, dx, dv, F, G1, s, c, E0, E1, E2
-                if verdict == LOST:
-                    break
-            return polish(tau, before, tau, side, v0, F0, s0, c0, below, above, K)
-    return STALLED, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
+        low = now.tau
+        now = state_at(low + step if step < tau_max - low else tau_max, start, K)
+        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+        behind = side_behind(now, walls)
+        if behind != 0:
+            side, high = behind, now.tau
+            code, tau = (HIT, high) if crossing == side else overshot(now, low, side, M4, start, walls, S, K)
+            break
+    if code == TANGENCY:
+        return FlightEnd(TANGENCY, side, state_at(tau, start, K))
+    return polish(tau, low, high, side, start, walls, K) if code == HIT else FlightEnd(code, side, now)
 
 
-def held_back(gap, margin):
-    """Return a gap less a margin that is kept for its error; half the gap where it is not much larger than that."""
-    return gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
+def search_start(tau_max, start, walls, K):
+    """Return where the search begins, and whether that is behind a flat start: after a tangency or the end of a stick.
 
-
-def march(tau_max, v0, F, G1, G2, G3, M4, s, c, below, above, has_below, has_above, on_below, on_above, margin, K):
-    """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
-
-    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
-    so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
-    Where the bound allows it, steps are strides.
-
-    Returns
-    -------
-    (tau, dv, F, G1, G2, G3, s, c, M4)
-        A time up to which no wall is met, and velocity gain, derivatives, sine and cosine of the phase and bound there.
+    A derivative within rounding of 0 is 0 there, its sign is noise. Near sin(theta) = +-1 that leaves cos(theta), and
+    with it G2, uncertain by about sqrt(EPS).
     """
-    M, long = K.march, False
-    Om2 = K.Om * K.Om
-    v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
-    v_free, F_free = v0 - v_steady, F - K.Om * u_steady
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
-    # A wall beyond the steady amplitude and what the transient's energy allows need not be looked at.
-    energy = F_free * F_free + K.w0sq * v_free * v_free
-    room_below, room_above = below - v0 - K.V0 - slack, v0 + above - K.V0 - slack
-    has_below = has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below)
-    has_above = has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above)
-    square = K.stride.step * K.stride.step
-    reach = 0.25 * SIXTH * square * square
-    tau = 0.0 * tau_max
-    dv = tau
-    while tau + M.step < tau_max:
-        free = True
-        if has_below:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, F, G1, G2, M4, on_below and tau == 0.0)
-            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
-        if has_above and free:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -F, -G1, -G2, M4, on_above and tau == 0.0)
-            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
-        if not free:
-            if not long:
-                break
-            M, long = K.march, False
-            continue
-        tau = tau + M.step
-        v_free, F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
-        s, c = M.c * s + M.s * c, M.c * c - M.s * s
-        v_steady, u_steady = K.Ss * s + K.Sc * c, K.Ss * c - K.Sc * s
-        G1_free = -K.cm * F_free - K.w0sq * v_free
-        G2_free = -K.cm * G1_free - K.w0sq * F_free
-        G3_free = -K.cm * G2_free - K.w0sq * G1_free
-        M4 = K.V0 * Om2 * Om2 + sqrt(G3_free * G3_free + K.w0sq * G2_free * G2_free)
-        dv = v_free + v_steady - v0
-        F, G1, G2 = F_free + K.Om * u_steady, G1_free - Om2 * v_steady, G2_free - Om2 * K.Om * u_steady
-        G3 = G3_free + Om2 * Om2 * v_steady
-        least = reach * M4
-        if K.patient:  # with the free motion gone, steps of their own length go farther
-            room = PATIENCE * least
-            if (not has_below or below + dv > room) and (not has_above or above - dv > room):
-                break
-        long = (
-            (not has_below or below + dv + min(F, 0.0) * K.stride.step > least)
-            and (not has_above or above - dv - max(F, 0.0) * K.stride.step > least)
-            and tau + K.stride.step < tau_max
-        )
-        M = K.stride if long else K.march
-    return tau, dv, F, G1, G2, G3, s, c, M4
+    v0, F0, s0, c0 = start
+    zero = 0.0 * tau_max
+    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
+    at_rest = (walls.on_below or walls.on_above) and F0 == 0.0
+    if at_rest and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
+        G1 = zero
+        if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
+            tau = quartic_start(G3, G2, s0, c0, K)
+            return state_at(tau if tau < tau_max else tau_max, start, K), True
+    return Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero), False
 
 
-def sharpened(root, over, F, G1, G2, G3, c, K):
+def error_margins(start, S, K):
+    """Return (thin, margin): a gap whose square is below `thin` is compared with its error; `margin` is held back.
+
+    The margin is what the error of the start can do to a gap; where that is less than rounding `tolerance` sees to it.
+    """
+    speed = THIN * (abs(start.v) + (abs(start.F) + abs(K.f0)) * K.moment)
+    variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
+    return 4.0 * variance + speed * speed, sqrt(variance) if variance > FAINT * speed * speed else 0.0 * variance
+
+
+def hidden_side(now, thin, start, walls, S, K):
+    """Return the side of a wall whose gap is 0 as far as this precision tells, and stays so for a while; else 0."""
+    for side in (-1, 1):
+        below = side < 0
+        there, beside = (walls.has_below, walls.on_below) if below else (walls.has_above, walls.on_above)
+        if there and (now.tau > 0.0 or not beside):
+            gap = gap_to(side, now, walls)
+            if gap * gap < thin and hidden(now.tau, side, start, walls, S, K):
+                return side
+    return 0
+
+
+def nearest_root(cap, now, M4, margin, walls):
+    """Return (side, step, root, P): the wall that allows the shorter safe step, and what `safe_step` says of it."""
+    side = -1 if walls.has_below else 1
+    P = gap_bound(side, now, M4, margin, walls)
+    p0, p1, p2, p3, p4, _ = P
+    step, root = safe_step(cap, p0, p1, p2, p3, p4)
+    if walls.has_below and walls.has_above:  # the upper wall counts only if the lower one's step is too long for it
+        Q = gap_bound(1, now, M4, margin, walls)
+        p0, p1, p2, p3, p4, _ = Q
+        if not positive_on(root if root < cap else step, p0, p1, p2, p3, p4):
+            other, other_root = safe_step(cap, p0, p1, p2, p3, p4)
+            if other < step:
+                return 1, other, (cap if step < other_root else other_root), Q
+            root = cap
+    return side, step, root, P
+
+
+def size_of_gap(side, root, now, margin, walls):
+    """Return the size of the gap to a wall on the way to a root of its bound, and of what may be wrong with it."""
+    start_gap = walls.below if side < 0 else walls.above
+    return start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / CLEAR_DEPTH)
+
+
+def is_beside(side, now, margin, walls):
+    """Return whether a gap that shrinks is hardly larger than what the error of the start can do to it."""
+    return margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
+
+
+def may_touch(side, now, walls):
+    """Return whether the gap to a wall may have a minimum ahead: not at a start on that wall."""
+    return now.tau > 0.0 or (walls.below if side < 0 else walls.above) > 0.0
+
+
+def touch_ahead(now, side, step, M4, start, walls, S, K):
+    """Return what `closest_approach` says; STALLED where the other wall may come before."""
+    verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
+    reach = tau_min - now.tau
+    if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
+        p0, p1, p2, p3, p4, _ = gap_bound(-side, now, M4, 0.0 * step, walls)
+        verdict = verdict if positive_on(reach, p0, p1, p2, p3, p4) else STALLED
+    return verdict, tau_min
+
+
+def side_behind(now, walls):
+    """Return the side of a wall that is not ahead any more; else 0."""
+    if walls.has_below and walls.below + now.dv <= 0.0:
+        return -1
+    return 1 if walls.has_above and walls.above - now.dv <= 0.0 else 0
+
+
+def overshot(now, before, side, M4, start, walls, S, K):
+    """Return (code, tau) of the contact that a safe step has met: a root within rounding, or a touch.
+
+    By rounding: the bound has no root there.
+    """
+    verdict, tau_min = closest_approach(now.tau, before, side, M4, start, walls, S, K)
+    if verdict == TANGENCY:
+        return TANGENCY, tau_min
+    return (STALLED if verdict == LOST else HIT), now.tau
+
+
+def over_wall(side, now, walls):
+    """Return the velocity minus that of the wall on a side."""
+    return walls.below + now.dv if side < 0 else now.dv - walls.above
+
+
+def sharpened(root, side, now, walls, K):
     """Return a root that a lower bound has placed, by one step of Halley's method on a polynomial of degree five.
 
-    So one evaluation of the flow is enough to make it exact. All arguments belong to the time that it is counted from.
+    So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     """
-    half, third, fourth = 0.5 * G1, SIXTH * G2, 0.25 * SIXTH * G3
-    fifth = 0.05 * SIXTH * fifth_derivative(G3, G2, c, K)
-    value = over + (F + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
-    slope = F + (G1 + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
+    half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
+    fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
+    over = over_wall(side, now, walls)
+    value = over + (now.F + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
+    slope = now.F + (now.G1 + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
     half_bend = half + (3.0 * third + (6.0 * fourth + 10.0 * fifth * root) * root) * root
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
     return root - shift if abs(shift) < 0.5 * root else root
 
 
-def polish(tau, low, high, side, v0, F0, s0, c0, below, above, K):
+def polish(tau, low, high, side, start, walls, K):
     """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
 
     The gap is positive at `low`; a step that leaves the bracket, which narrows, is replaced by halving it.
     """
     slack = 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
-        dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = state_at(tau, v0, F0, s0, c0, K)
-        over = below + dv if side < 0 else dv - above
+        now = state_at(tau, start, K)
+        over = over_wall(side, now, walls)
         if side * over < 0.0:
             low = tau if tau > low else low
         elif tau < high:
             high = tau
-        shift = local_root(over, F, G1, G2, G3, EPS * tau)
+        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
         if abs(shift) * K.rate < NEAR and (inside or high - low <= slack):
-            dx = dx + (v0 + dv + (0.5 * F + SIXTH * (G1 + 0.25 * G2 * shift) * shift) * shift) * shift
-            fifth = fifth_derivative(G3, G2, c, K)
-            F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
-            s, c = turned(s, c, K.Om * shift)
-            tau = tau + shift
-            return HIT, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
+            return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
         tau = tau + shift
-    return STALLED, side, tau, dx, dv, F, G1, s, c, E0, E1, E2
+    return FlightEnd(STALLED, side, now)
+
+
+def shifted(now, shift, v0, K):
+    """Return a point of a flight moved by so short a time that Taylor's formula has full precision."""
+    _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
+    dx = dx + (v0 + dv + (0.5 * F + SIXTH * (G1 + 0.25 * G2 * shift) * shift) * shift) * shift
+    fifth = fifth_derivative(G3, G2, c, K)
+    F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
+    s, c = turned(s, c, K.Om * shift)
+    return Flown(now.tau + shift, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
 
 
 def local_root(over, F, G1, G2, G3, resolution):

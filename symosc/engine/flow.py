@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import atan2, exp, pi, sqrt
+from math import atan2, exp, inf, pi, sqrt
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number
+from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import basis
 from symosc.model import Parameters
@@ -38,27 +40,27 @@ STRIDE = 4.0
 class BeltConstants(NamedTuple):
     """What a stick on one belt needs; along it m dF/dt = -(k v + B0 Omega sin(theta)) for both forces."""
 
-    v: Any  # speed of the belt
-    J: Any  # F^(below) - F^(above) = 2 mu FN/m
-    drift: Any  # -(k/m) v, the mean slope of both forces
+    v: Number  # speed of the belt
+    J: Number  # F^(below) - F^(above) = 2 mu FN/m
+    drift: Number  # -(k/m) v, the mean slope of both forces
     turns: bool  # whether the slope changes sign, at sin(theta) = s_cr
-    s_cr: Any
-    c_cr: Any  # +sqrt(1 - s_cr^2)
-    angle: Any  # asin(s_cr) in (-pi/2, pi/2)
-    limit_below: Any  # F^(below) and F^(above) on the belt without spring and drive: (A_alpha - c v)/m
-    limit_above: Any
+    s_cr: Number
+    c_cr: Number  # +sqrt(1 - s_cr^2)
+    angle: Number  # asin(s_cr) in (-pi/2, pi/2)
+    limit_below: Number  # F^(below) and F^(above) on the belt without spring and drive: (A_alpha - c v)/m
+    limit_above: Number
 
 
 class MarchConstants(NamedTuple):
     """Motion over one fixed step: how transient and steady state turn into what they are a step later."""
 
-    step: Any
-    C: Any  # transient velocity from transient velocity: 1 - (k/m) E2
-    E1: Any  # transient velocity from transient acceleration
-    D: Any  # transient acceleration from transient velocity: -(k/m) E1
-    E0: Any  # transient acceleration from transient acceleration
-    s: Any  # sine and cosine of Omega step
-    c: Any
+    step: Number
+    C: Number  # transient velocity from transient velocity: 1 - (k/m) E2
+    E1: Number  # transient velocity from transient acceleration
+    D: Number  # transient acceleration from transient velocity: -(k/m) E1
+    E0: Number  # transient acceleration from transient acceleration
+    s: Number  # sine and cosine of Omega step
+    c: Number
 
 
 class Constants(NamedTuple):
@@ -67,23 +69,23 @@ class Constants(NamedTuple):
     Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
     """
 
-    cm: Any  # c/m
-    w0sq: Any  # k/m
-    f0: Any  # B0/m
-    Om: Any  # Omega
-    fB: Any  # B0 Omega/m
-    h: Any  # c/(2m)
-    omega_d: Any  # sqrt(|k/m - h^2|), the damped frequency
-    w0: Any  # sqrt(k/m)
-    p: Any  # k/m - Omega^2
-    q: Any  # 2 h Omega
-    detuning: Any  # imaginary part of l1 - i Omega
-    l1: Any  # slow root, when not underdamped
-    l2: Any  # fast root, when not underdamped
-    rate0: Any  # larger |root|
-    rate: Any  # max(rate0, Omega)
-    moment: Any  # 1/rate
-    swing: Any  # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
+    cm: Number  # c/m
+    w0sq: Number  # k/m
+    f0: Number  # B0/m
+    Om: Number  # Omega
+    fB: Number  # B0 Omega/m
+    h: Number  # c/(2m)
+    omega_d: Number  # sqrt(|k/m - h^2|), the damped frequency
+    w0: Number  # sqrt(k/m)
+    p: Number  # k/m - Omega^2
+    q: Number  # 2 h Omega
+    detuning: Number  # imaginary part of l1 - i Omega
+    l1: Number  # slow root, when not underdamped
+    l2: Number  # fast root, when not underdamped
+    rate0: Number  # larger |root|
+    rate: Number  # max(rate0, Omega)
+    moment: Number  # 1/rate
+    swing: Number  # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
@@ -91,18 +93,18 @@ class Constants(NamedTuple):
     patient: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
-    A1: Any  # A_alpha/m
-    A2: Any
-    A3: Any
-    V0: Any  # amplitude of the steady velocity, when `steady`
-    Ss: Any  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
-    Sc: Any
-    period: Any  # 2 pi/Omega
-    Om_inverse: Any
-    Om_gain: Any  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small
-    period_low: Any  # what the rounding of 2 pi/Om took from `period`
-    chunk: Any  # longest time that is evaluated from one starting point
-    sigmas: Any  # how many standard errors of the state a decision must exceed
+    A1: Number  # A_alpha/m
+    A2: Number
+    A3: Number
+    V0: Number  # amplitude of the steady velocity, when `steady`
+    Ss: Number  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
+    Sc: Number
+    period: Number  # 2 pi/Omega
+    Om_inverse: Number
+    Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small
+    period_low: Number  # what the rounding of 2 pi/Om took from `period`
+    chunk: Number  # longest time that is evaluated from one starting point
+    sigmas: Number  # how many standard errors of the state a decision must exceed
     belt1: BeltConstants
     belt2: BeltConstants
     march: MarchConstants
@@ -111,10 +113,10 @@ class Constants(NamedTuple):
 
 def constants(
     parameters: Parameters,
-    number: Callable[[Fraction], Any] = float,
-    root: Callable[[Any], Any] = sqrt,
-    angle: Callable[[Any, Any], Any] = atan2,
-    pi: Any = pi,
+    number: Callable[[Fraction], Number] = float,
+    root: Callable[[Number], Number] = sqrt,
+    angle: Callable[[Number, Number], Number] = atan2,
+    pi: Number = pi,
 ) -> Constants:
     """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
 
@@ -128,65 +130,86 @@ def constants(
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
-    square = w0sq - h * h
-    p, q = w0sq - Om * Om, 2 * h * Om
-    omega_d = root(number(abs(square)))
-    under = square > 0
-    steady = p * p + q * q >= (APART * max(w0sq, Om * Om)) ** 2
-    response = number(p * p + q * q) if steady else number(Fraction(1))
-    slow, fast = number(Fraction(0)), -(number(h) + omega_d)
-    if fast != 0:
-        slow = number(w0sq) / fast
-    w0 = root(number(w0sq))
-    rate0 = w0 if under else -fast
-    rate = max(rate0, number(Om))
     period = 2 * pi / number(Om)
-    belts = [_belt_constants(parameters, boundary, number, root, angle) for boundary in (1, 2)]
+    free = _free_motion(h, w0sq, Om, number, root)
+    under, rate, rate0, w0 = free["under"], free["rate"], free["rate0"], free["w0"]
+    steady = _steady_motion(f0 * Om, w0sq - Om * Om, 2 * h * Om, APART * max(w0sq, Om * Om), number, root)
     return Constants(
+        **free,
+        **steady,
         cm=number(2 * h),
         w0sq=number(w0sq),
         f0=number(f0),
         Om=number(Om),
         fB=number(f0 * Om),
         h=number(h),
-        omega_d=omega_d,
-        w0=w0,
-        p=number(p),
-        q=number(q),
-        detuning=number(square - Om * Om) / (omega_d + number(Om)) if under else -number(Om),
-        l1=slow,
-        l2=fast,
-        rate0=rate0,
-        rate=rate,
         moment=1 / rate,
         swing=1 / w0 if w0sq else LONGEST_SWING / rate,
-        under=under,
-        apart=under and steady,
+        apart=under and steady["steady"],
         creeps=not under and parameters.B0 == 0,
         lasting=LASTING * h * h < w0sq if under else w0sq == 0,
         patient=SLOW_DRIVE * number(Om) < rate0,
-        stiff=steady and not under and -fast > STIFF * max(-slow, number(Om)),
-        steady=steady,
+        stiff=steady["steady"] and not under and -free["l2"] > STIFF * max(-free["l1"], number(Om)),
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
         A3=number(parameters.A(3) / m),
-        V0=abs(number(f0 * Om)) / root(response) if steady else number(Fraction(0)),
-        Ss=number(-f0 * Om * p) / response,
-        Sc=number(f0 * Om * q) / response,
         period=period,
         Om_inverse=1 / number(Om),
         Om_gain=number(Fraction(float(Om)) / Om - 1 if number is float else Fraction(0)),
         period_low=number(_period_rest(period, float(Om)) if number is float else Fraction(0)),
         chunk=_chunk(parameters, period, number(h), w0, rate0),
         sigmas=number(SIGMAS),
-        belt1=belts[0],
-        belt2=belts[1],
+        belt1=_belt_constants(parameters, 1, number, root, angle),
+        belt2=_belt_constants(parameters, 2, number, root, angle),
         march=MarchConstants(*[number(Fraction(0))] * 7),
         stride=MarchConstants(*[number(Fraction(0))] * 7),
     )
 
 
-def _chunk(p: Parameters, period: Any, h: Any, w0: Any, rate0: Any) -> Any:
+def _free_motion(
+    h: Fraction, w0sq: Fraction, Om: Fraction, number: Callable[[Fraction], Number], root: Callable[[Number], Number]
+) -> dict[str, Any]:
+    """Return the constants of the free motion: its roots, frequencies and rates."""
+    square = w0sq - h * h
+    under, omega_d, w0 = square > 0, root(number(abs(square))), root(number(w0sq))
+    slow, fast = number(Fraction(0)), -(number(h) + omega_d)
+    if fast != 0:
+        slow = number(w0sq) / fast
+    rate0 = w0 if under else -fast
+    return {
+        "omega_d": omega_d,
+        "w0": w0,
+        "detuning": number(square - Om * Om) / (omega_d + number(Om)) if under else -number(Om),
+        "l1": slow,
+        "l2": fast,
+        "rate0": rate0,
+        "rate": max(rate0, number(Om)),
+        "under": under,
+    }
+
+
+def _steady_motion(
+    drive: Fraction,
+    p: Fraction,
+    q: Fraction,
+    apart: Fraction,
+    number: Callable[[Fraction], Number],
+    root: Callable[[Number], Number],
+) -> dict[str, Any]:
+    """Return the constants of the steady motion, which is of use if p^2 + q^2 >= `apart`^2."""
+    steady = p * p + q * q >= apart**2
+    response = number(p * p + q * q) if steady else number(Fraction(1))
+    return {
+        "p": number(p),
+        "q": number(q),
+        "steady": steady,
+        "V0": abs(number(drive)) / root(response) if steady else number(Fraction(0)),
+        "Ss": number(-drive * p) / response,
+        "Sc": number(drive * q) / response,
+    }
+
+
+def _chunk(p: Parameters, period: Number, h: Number, w0: Number, rate0: Number) -> Number:
     """Return the longest time to evaluate from one starting point: a forcing period, with two exceptions.
 
     The phase of a free oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation
@@ -198,10 +221,10 @@ def _chunk(p: Parameters, period: Any, h: Any, w0: Any, rate0: Any) -> Any:
     return max(period, LONGEST_PHASE / rate0) if p.B0 == 0 and rate0 > 0 else period
 
 
-def with_march(K: Constants, basis: Callable[[Any, Constants], Any]) -> Constants:
+def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
     """Return K with the constants for marching, from the entire functions at one step and at one stride."""
 
-    def constants_of(step: Any) -> MarchConstants:
+    def constants_of(step: Number) -> MarchConstants:
         E0, E1, E2, _, _, s, c = basis(step, K)
         return MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c)
 
@@ -217,9 +240,9 @@ def _period_rest(period: float, Om: float) -> Fraction:
 def _belt_constants(
     parameters: Parameters,
     boundary: int,
-    number: Callable[..., Any],
-    root: Callable[..., Any],
-    angle: Callable[..., Any],
+    number: Callable[..., Number],
+    root: Callable[..., Number],
+    angle: Callable[..., Number],
 ) -> BeltConstants:
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
     limits = [number((parameters.A(domain) - parameters.c * v) / parameters.m) for domain in (boundary, boundary + 1)]
@@ -240,19 +263,29 @@ def _belt_constants(
     )
 
 
-def state_at(tau, v0, F0, s0, c0, K):
-    """Return dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 at `tau` after a start.
+def constant_force(domain, K):
+    """Return A_alpha/m of a domain."""
+    return K.A1 if domain == 1 else K.A2 if domain == 2 else K.A3
 
-    dx and dv are increments, F to G3 the derivatives of v, s and c the sine and cosine of the phase.
-    """
+
+def speeds_around(domain, K):
+    """Return the speeds of the belts below and above a domain, -inf and inf where there is none."""
+    if domain == 2:
+        return K.belt1.v, K.belt2.v
+    return (-inf, K.belt1.v) if domain == 1 else (K.belt2.v, inf)
+
+
+def state_at(tau, start, K):
+    """Return the flight (`Flown`) at `tau` after its launch `start`."""
+    v0, F0, s0, c0 = start
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
     if K.stiff:
-        G1, G2, G3 = stiff_derivatives(tau, v0, F0, s0, c0, s, c, K)
+        G1, G2, G3 = stiff_derivatives(tau, start, s, c, K)
     else:
         G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
-    return dx, dv, F, G1, G2, G3, s, c, E0, E1, E2
+    return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
 
 
 def derivatives(v, F, s, c, K):
@@ -263,11 +296,12 @@ def derivatives(v, F, s, c, K):
     return G1, G2, G3
 
 
-def stiff_derivatives(tau, v0, F0, s0, c0, s, c, K):
+def stiff_derivatives(tau, start, s, c, K):
     """Return the second to fourth derivative of v from the shares of both roots and of the steady motion.
 
     `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
     """
+    v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om
     v_free = v0 - (K.Ss * s0 + K.Sc * c0)  # with k = 0 the mean velocity is a part of it: its root is 0
     F_free = F0 - K.Om * (K.Ss * c0 - K.Sc * s0)

@@ -90,12 +90,30 @@ def gap_polynomial(g, g1, g2, g3, M4, on_wall):
     return SIXTH * g3, top, zero, zero, zero, 1
 
 
-def is_near(root, p0, p1, p2, p3, p4, degree, M4, size, K):
+def gap_to(side, now, walls):
+    """Return the gap to the wall on a side (-1 below, 1 above) at the point `now` of a flight."""
+    return walls.below + now.dv if side < 0 else walls.above - now.dv
+
+
+def held_back(gap, margin):
+    """Return a gap less a margin that is kept for its error; half the gap where it is not much larger than that."""
+    return gap - margin if gap > 2.0 * margin else 0.5 * gap if margin > 0.0 else gap
+
+
+def gap_bound(side, now, M4, margin, walls):
+    """Return the bound P (`gap_polynomial`) of the gap to the wall on a side, from the point `now` of a flight on."""
+    on_wall = now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above)
+    gap = held_back(gap_to(side, now, walls), margin)
+    return gap_polynomial(gap, -side * now.F, -side * now.G1, -side * now.G2, M4, on_wall)
+
+
+def is_near(root, P, M4, size, K):
     """Return (near, close, clear): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     on what the safe step leaves open and on what makes up for `missing` (Kantorovich).
     """
+    p0, p1, p2, p3, p4, degree = P
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
     missing = 0.5 * SIXTH * M4

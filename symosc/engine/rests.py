@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.engine.first_exit import MARCH_SLACK
+from symosc.engine.flow import constant_force
+from symosc.engine.march import MARCH_SLACK
 from symosc.engine.touches import ROUNDING
 from symosc.kernels.entire import EPS
 
@@ -24,13 +25,23 @@ from symosc.kernels.entire import EPS
 BESIDE = 1e-6
 
 
-def never_leaves(v, F, s, c, S11, S22, lower, upper, has_below, has_above, mode, K):
-    """Return whether v stays between the walls for ever, from the steady amplitude and the transient's size."""
+def never_leaves(start, S, lower, upper, domain, K):
+    """Return whether v stays between two speeds for ever, from the steady amplitude and the transient's size.
+
+    Parameters
+    ----------
+    start : Launch
+    S : Covariance of its errors.
+    lower, upper : speeds of the belts around the domain; -inf and inf where there is none.
+    domain : 1, 2 or 3.
+    K : Constants
+    """
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
         return False
+    v, F, s, c = start
     free = v - (K.Ss * s + K.Sc * c)
     if K.w0 == 0.0:
-        mean = (K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3) / K.cm
+        mean = constant_force(domain, K) / K.cm
         free = free - mean
         highest, lowest = mean + K.V0 + (free if free > 0.0 else 0.0), mean - K.V0 + (free if free < 0.0 else 0.0)
     else:
@@ -38,21 +49,23 @@ def never_leaves(v, F, s, c, S11, S22, lower, upper, has_below, has_above, mode,
         highest = K.V0 + sqrt(F_free * F_free + K.w0sq * free * free) / K.w0
         lowest = -highest
     # A swing that just touches a belt is an event.
-    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S22 + K.w0sq * S11)
-    return not (has_below and lowest - slack <= lower) and not (has_above and highest + slack >= upper)
+    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S.S22 + K.w0sq * S.S11)
+    return lowest - slack > lower and highest + slack < upper
 
 
-def creeps_for_ever(v, F, x, S11, S22, lower, upper, has_below, has_above, mode, K):
+def creeps_for_ever(state, K):
     """Return whether a flight without drive and oscillation (K.creeps) never reaches a wall; see the module."""
-    A = K.A1 if mode == 1 else K.A2 if mode == 2 else K.A3
-    terms = abs(A) + abs(K.w0sq * x) + (K.cm - K.l2) * abs(v)
-    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S11) + (K.cm - K.l2) * sqrt(S22))
-    if has_below:
+    mode, v, F, S = state.mode, state.v, state.Fb, state.S
+    terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
+    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
+    if mode > 1:
+        lower = K.belt1 if mode == 2 else K.belt2
         kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else F - K.l2 * (v - lower.v) > noise
         kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
         if not kept or lower.drift < 0.0:
             return False
-    if has_above:
+    if mode < 3:
+        upper = K.belt1 if mode == 1 else K.belt2
         kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -F - K.l2 * (upper.v - v) > noise
         kept = kept or (v == upper.v and F == 0.0 and upper.drift < 0.0)
         if not kept or upper.drift > 0.0:
@@ -60,7 +73,6 @@ def creeps_for_ever(v, F, x, S11, S22, lower, upper, has_below, has_above, mode,
     return True
 
 
-def beside_a_wall(v, size, lower, upper, has_below, has_above):
+def beside_a_wall(v, size, lower, upper):
     """Return whether v is so near a wall, compared with the velocities of `size`, that a touch may be here."""
-    near = BESIDE * size
-    return (has_below and v - lower <= near) or (has_above and upper - v <= near)
+    return v - lower <= BESIDE * size or upper - v <= BESIDE * size

@@ -1,17 +1,29 @@
-"""How a motion starts: an exact initial value problem, and its first state in any arithmetic."""
+"""How a motion starts: an exact initial value problem, and its first state in any arithmetic.
+
+What a motion does from a point of a belt is decided here for all who ask: single motions, batches, maps, orbits and
+crosschecks.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log10
-from typing import Any
+from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
+from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
-from symosc.engine.switching import BELT, DOMAIN_ABOVE
+from symosc.engine.flow import Constants, constant_force
+from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import acceleration
+from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
+
+#: Sine and cosine of a phase.
+Phase: TypeAlias = tuple[Number, Number]
 
 # A force on a belt at the start that is smaller than this part of its terms is looked at with more digits.
 CLEAR_FORCE = 1e-9
@@ -48,81 +60,141 @@ class Start:
         return max(0, *(ceil(-log10(value)) for value in small))
 
 
-@dataclass
-class State:
-    """The arguments of `symosc.engine.next_event.advance` between events, in its order."""
+class BeltStart(NamedTuple):
+    """What a motion does from a point of a belt (Theorems 4 and 5).
 
+    Attributes
+    ----------
+    boundary, mode : int
+        The belt, and the mode that it goes on in.
+    below, above : number
+        The accelerations F^(below) and F^(above) there.
+    """
+
+    boundary: int
     mode: int
-    at: int
-    n: int
-    theta: Any
-    x: Any
-    v: Any
-    Fb: Any
-    Fa: Any
-    S11: Any
-    S12: Any
-    S22: Any
-    t: Any
-    t_low: Any
+    below: Number
+    above: Number
 
-    def as_tuple(self) -> tuple[Any, ...]:
-        """Return the entries in order."""
-        return tuple(self.__dict__.values())
+    @property
+    def forces(self) -> tuple[Number, Number]:
+        """The accelerations that the state begins with: both on the belt, twice that of its domain beside it."""
+        if self.mode > ON_BELT:
+            return self.below, self.above
+        force = self.above if self.mode > self.boundary else self.below
+        return force, force
+
+
+def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
+    """Return what a motion does from a point of a belt, in the given arithmetic: the one rule for all who ask.
+
+    Parameters
+    ----------
+    boundary, x : the belt and the position.
+    phase : sine and cosine of the phase.
+    arithmetic : Arithmetic
+    allowed : number
+        A force that is not larger than this is 0: then its first G-function that does not vanish decides.
+    """
+    K = arithmetic.K
+    v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
+    below, above = (
+        acceleration(x, v, c, constant_force(domain, K), K.cm, K.w0sq, K.f0) for domain in (boundary, boundary + 1)
+    )
+    below, above = (0 * force if abs(force) <= allowed else force for force in (below, above))
+    where = arithmetic.namespace["resolve"](v, below, above, s, c, K)
+    mode = ON_BELT + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
+    return BeltStart(boundary, mode, below, above)
+
+
+def belt_state(start: BeltStart, clock: tuple[int, Number], x: Number, S: Covariance, K: Constants) -> State:
+    """Return the state at the time 0 for a start on a belt; `clock` is the number of periods and the phase."""
+    v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
+    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero)
+
+
+def belt_rows(
+    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, left: np.ndarray, K: Constants
+) -> np.ndarray:
+    """Return rows of the compiled loop from time 0 on for many starts, some of them on a belt (`at` > 0).
+
+    The rule is that of `belt_start`. A force that is exactly 0 is left to the loop: a stick that is to end at once
+    ends with an event.
+    """
+    mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
+    A = np.array([K.A1, K.A2, K.A3, K.A3])
+    Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
+    above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
+    held = (at > 0) & ~above & ~below
+    mode = np.where(held, ON_BELT + at, mode + above)
+    Fb, Fa = np.where(above, Fa, Fb), np.where(above | held, Fa, Fb)
+    zero = np.zeros(len(x))
+    S11, S22 = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
+    state = [mode, at, zero, theta, x, v, Fb, Fa, S11, zero, S22, zero, zero]
+    return np.column_stack([*state, left, zero, zero])
+
+
+def force_terms(boundary: int, x: Number, K: Constants) -> Number:
+    """Return the size of the terms of the forces on a belt: what their rounding errors are measured by."""
+    v = (K.belt1 if boundary == 1 else K.belt2).v
+    A = max(abs(constant_force(boundary, K)), abs(constant_force(boundary + 1, K)))
+    return A + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
     """Return the state at t0, with periods counted from there.
 
-    On a belt the forces decide where it goes (Theorems 4 and 5). Where one of them may be 0 that is decided with more
+    On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
     digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
     force that the error of the start can make 0 is 0.
     """
     p, K, number = start.parameters, arithmetic.K, arithmetic.number
-    eps, cosine = arithmetic.namespace["EPS"], arithmetic.namespace["cos"]
+    eps = arithmetic.namespace["EPS"]
     _, theta = arithmetic.phase(start.t0)
-    x, v, c = number(start.x0), number(start.v0), cosine(theta)
-    dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
-    A = {1: K.A1, 2: K.A2, 3: K.A3}
+    x, v, phase = number(start.x0), number(start.v0), sine_and_cosine(theta, arithmetic)
     at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
-    mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
-    forces = [acceleration(x, v, c, A[domain], K.cm, K.w0sq, K.f0) for domain in ((at, at + 1) if at else (mode, mode))]
     if at:
-        reach = K.w0sq * (dx + abs(v) * dt) + K.cm * dv + abs(K.fB) * dt
-        size = max(abs(A[at]), abs(A[at + 1])) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
-        if min(abs(force) for force in forces) <= CLEAR_FORCE * size + reach:
-            where, exact = _decided(start)
-            forces = [arithmetic.rounded(force) for force in exact]
-        else:
-            where = DOMAIN_ABOVE if forces[1] > 0 else BELT if forces[0] > 0 else -DOMAIN_ABOVE
-        mode = 3 + at if where == BELT else at + 1 if where == DOMAIN_ABOVE else at
-        if where != BELT:
-            forces = [forces[1] if where == DOMAIN_ABOVE else forces[0]] * 2
+        begun = belt_start(at, x, phase, arithmetic)
+        clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
+        if min(abs(begun.below), abs(begun.above)) <= clear:
+            exact = _decided(start, at)
+            below, above = arithmetic.rounded(exact.below), arithmetic.rounded(exact.above)
+            begun = exact._replace(below=below, above=above)
+        mode, (Fb, Fa) = begun.mode, begun.forces
+    else:
+        mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
+        Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
+    dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     rounding_x, rounding_v = eps * abs(x), eps * abs(v) * (0 if at else 1)
     # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
     S11 = rounding_x**2 + 3 * (dx**2 + (v * dt) ** 2)
-    S22 = rounding_v**2 + 3 * (dv**2 + (forces[0] * dt) ** 2)
-    S12 = 3 * v * forces[0] * dt**2
-    return State(mode, at, 0, theta, x, v, forces[0], forces[1], S11, S12, S22, *arithmetic.time(start.t0))
+    S22 = rounding_v**2 + 3 * (dv**2 + (Fb * dt) ** 2)
+    S12 = 3 * v * Fb * dt**2
+    return State(mode, at, 0, theta, x, v, Fb, Fa, Covariance(S11, S12, S22), *arithmetic.time(start.t0))
 
 
-def _decided(start: Start) -> tuple[int, list[Any]]:
-    """Return where a start on a belt goes (as `symosc.engine.switching.resolve`), and both forces."""
+def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
+    """Return sine and cosine of a phase."""
+    return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
+
+
+def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
+    """Return how far the error of a start on a belt can move the forces there."""
+    K, number = arithmetic.K, arithmetic.number
+    dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
+    return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
+
+
+def _decided(start: Start, boundary: int) -> BeltStart:
+    """Return what a motion does from a start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
     arithmetic = MpArithmetic(p, digits)
-    K, number, context = arithmetic.K, arithmetic.number, arithmetic.context
-    dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
-    _, theta = arithmetic.phase(start.t0)
-    x, v, c, s = number(start.x0), number(start.v0), context.cos(theta), context.sin(theta)
-    at, A = (1 if start.v0 == p.v1 else 2), (K.A1, K.A2, K.A3)
-    forces = [acceleration(x, v, c, A[domain - 1], K.cm, K.w0sq, K.f0) for domain in (at, at + 1)]
-    size = max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
-    allowed = ROUNDING * arithmetic.namespace["EPS"] * size
-    allowed += K.w0sq * (dx + abs(v) * dt) + K.cm * dv + abs(K.fB) * dt
-    forces = [0 * force if abs(force) <= allowed else force for force in forces]
-    return arithmetic.namespace["resolve"](v, *forces, s, c, K), forces
+    x = arithmetic.number(start.x0)
+    rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
+    phase = sine_and_cosine(arithmetic.phase(start.t0)[1], arithmetic)
+    return belt_start(boundary, x, phase, arithmetic, rounding + reach_of_error(start, arithmetic))
 
 
 def is_steady(start: Start) -> bool:
@@ -165,6 +237,6 @@ def rounded(state: State) -> State:
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
     eps, t_low = 2.0**-53, float(state.t - t + state.t_low)
     v_error = 0.0 if state.at else eps * v
-    S11, S12, S22 = (float(value) for value in (state.S11, state.S12, state.S22))
-    S11, S22 = S11 + (eps * x) ** 2, S22 + v_error**2
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low)
+    S11, S12, S22 = (float(value) for value in state.S)
+    S = Covariance(S11 + (eps * x) ** 2, S12, S22 + v_error**2)
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low)

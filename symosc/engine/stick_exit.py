@@ -16,12 +16,13 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.engine.first_exit import MOST_STEPS
-from symosc.engine.touches import HIT, NOTHING, ROUNDING, STALLED, TANGENCY
+from symosc.engine.state import HIT, NOTHING, STALLED, TANGENCY, StickEnd, Stretch
+from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import stick_acceleration
 from symosc.kernels.entire import EPS, SIXTH
 
 PI = acos(-1.0)
+MOST_STICK_STEPS = 20000
 # Phases closer than this times EPS are one.
 SAME_PHASE = 64.0
 
@@ -51,33 +52,27 @@ def ahead(angle):
     return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
 
 
-def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
+def belt_exit(tau_max, hold, S11, belt, K):
     """Find the end of a stick within `tau_max` <= one forcing period.
 
     Parameters
     ----------
     tau_max : time to search.
-    F_below, F_above : accelerations F^(below) >= 0 >= F^(above) at the start.
-    theta, s0, c0 : phase at the start in [0, 2 pi), its sine and cosine.
+    hold : Hold
+        Its accelerations are F^(below) >= 0 >= F^(above), its phase is in [0, 2 pi).
     S11 : variance of the error of the position.
     belt, K : BeltConstants, Constants
 
     Returns
     -------
-    (code, side, tau, Delta, slope, bend)
+    StickEnd
         NOTHING: the stick lasts (Delta at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1),
         where Delta has `slope` and `bend`. TANGENCY: a force touches 0 at tau as far as this precision tells.
     """
     zero = 0.0 * tau_max
-    tau, Delta, s, c, c_end = zero, zero, s0, c0, c0
-    first, second, turns_at_period = tau_max, tau_max, False
-    if belt.turns:
-        first = ahead(belt.angle - theta) / K.Om
-        second = ahead(PI - belt.angle - theta) / K.Om
-        turns_at_period = first == 0.0 or second == 0.0
-    c_first = belt.c_cr
-    if second < first:
-        first, second, c_first = second, first, -belt.c_cr
+    tau, Delta, s, c, c_end = zero, zero, hold.s, hold.c, hold.c
+    first, second, c_first = turns_of(tau_max, hold.theta, belt, K)
+    turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
     for piece in range(3):
         end = first if piece == 0 else second if piece == 1 else tau_max
         if end > tau_max:
@@ -86,25 +81,32 @@ def belt_exit(tau_max, F_below, F_above, theta, s0, c0, S11, belt, K):
             continue
         if belt.turns and end < tau_max:
             c_end = c_first if piece == 0 else -c_first
-            Delta_end = stick_acceleration(zero, belt.v, end, c_end - c0, K.w0sq, K.f0)
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - hold.c, K.w0sq, K.f0)
         elif end == K.period:
             Delta_end = belt.drift * end
         else:
-            Delta_end, _, _ = gain(end, s0, c0, belt, K)
+            Delta_end, _, _ = gain(end, hold.s, hold.c, belt, K)
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
         rising = Delta_end > Delta
-        force, side = (F_above, 1) if rising else (F_below, -1)
+        force, side = (hold.Fa, 1) if rising else (hold.Fb, -1)
         over = force + Delta_end if rising else -force - Delta_end
-        noise = force_noise(F_below, end, S11, belt, K)
         turning = end < tau_max or (turns_at_period and end == K.period)
-        if turning and abs(over) <= noise:
-            return TANGENCY, side, end, Delta_end, zero, zero
+        if turning and abs(over) <= force_noise(hold.Fb, end, S11, belt, K):
+            return StickEnd(TANGENCY, side, end, Delta_end, zero, zero)
         if over >= 0.0:
-            return exit_root(force, side, tau, end, Delta, s, c, theta, s0, c0, belt, K)
+            return exit_root(force, side, Stretch(tau, end, Delta, s, c), hold, belt, K)
         tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
-    return NOTHING, 0, tau_max, Delta, zero, zero
+    return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero)
+
+
+def turns_of(tau_max, theta, belt, K):
+    """Return the next two times at which Delta turns, and the cosine of the phase at the first; tau_max for none."""
+    if not belt.turns:
+        return tau_max, tau_max, belt.c_cr
+    first, second = ahead(belt.angle - theta) / K.Om, ahead(PI - belt.angle - theta) / K.Om
+    return (second, first, -belt.c_cr) if second < first else (first, second, belt.c_cr)
 
 
 def force_noise(F_below, tau, S11, belt, K):
@@ -113,29 +115,17 @@ def force_noise(F_below, tau, S11, belt, K):
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
-def exit_root(force, side, low, high, Delta, s, c, theta, s0, c0, belt, K):
-    """Return the only root of force + Delta in [low, high], on which Delta is monotone, as `belt_exit` does.
+def exit_root(force, side, stretch, hold, belt, K):
+    """Return the only root of force + Delta on a stretch, on which Delta is monotone, as `belt_exit` does.
 
-    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative;
-    the first from `low` or from the inflection of Delta (cos(theta) = 0), where it is steepest, whichever is nearer to
-    the root: there sine and cosine of the phase are known (s and c at `low`). Halving when a step leaves the bracket
-    or the steps do not shrink.
+    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative.
+    Halving when a step leaves the bracket or the steps do not shrink.
     """
-    sine = 1.0 if side * K.fB < 0.0 else -1.0
-    inflection = wrapped(0.5 * sine * PI - theta) / K.Om
-    tau, over = low, force + Delta
-    if low < inflection < high:
-        there = stick_acceleration(force, belt.v, inflection, -c0, K.w0sq, K.f0)
-        if abs(there) < abs(over):
-            tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
-        if side * there > 0.0:
-            high = inflection
-        else:
-            low = inflection
+    tau, over, low, high, s, c = first_guess(force, side, stretch, hold, belt, K)
     slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
     Om2 = K.Om * K.Om
     fourth, step_before, exact = abs(K.fB) * K.Om * Om2, 2.0 * (high - low), False
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_STICK_STEPS):
         third = Om2 * (belt.drift - slope)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
@@ -148,21 +138,39 @@ def exit_root(force, side, low, high, Delta, s, c, theta, s0, c0, belt, K):
         size = abs(step)
         if exact:  # the first point is a guess, for which digits may have been lost
             if over == 0.0:
-                return HIT, side, tau, -force, slope, bend
+                return StickEnd(HIT, side, tau, -force, slope, bend)
             if useful:
                 missing = fourth * size * size * size * size + change * change * (abs(bend) + abs(third) * size)
                 if missing <= EPS * tau * abs(incline) or tau + step == tau:
-                    return HIT, side, tau + step, -force, incline, bend + third * step
+                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step)
         if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
             step = 0.5 * (low + high) - tau
         step_before = abs(step) if exact else step_before
         if tau + step == tau:  # the bracket is as narrow as it gets
-            return HIT, side, tau, -force, slope, bend
+            return StickEnd(HIT, side, tau, -force, slope, bend)
         tau, exact = tau + step, True
-        Delta, slope, bend = gain(tau, s0, c0, belt, K)
+        Delta, slope, bend = gain(tau, hold.s, hold.c, belt, K)
         over = force + Delta
         if side * over > 0.0:
             high = tau
         else:
             low = tau
-    return STALLED, side, tau, -force, slope, bend
+    return StickEnd(STALLED, side, tau, -force, slope, bend)
+
+
+def first_guess(force, side, stretch, hold, belt, K):
+    """Return where the search for the end of a stick begins: (tau, over, low, high, s, c), `over` being the force.
+
+    From the beginning of the stretch or from the inflection of Delta (cos(theta) = 0), where it is steepest, whichever
+    is nearer to the root: there sine and cosine of the phase, s and c, are known.
+    """
+    low, high, Delta, s, c = stretch
+    sine = 1.0 if side * K.fB < 0.0 else -1.0
+    inflection = wrapped(0.5 * sine * PI - hold.theta) / K.Om
+    over = force + Delta
+    if not low < inflection < high:
+        return low, over, low, high, s, c
+    there = stick_acceleration(force, belt.v, inflection, -hold.c, K.w0sq, K.f0)
+    nearer = abs(there) < abs(over)
+    tau, over, s, c = (inflection, there, sine + 0.0 * c, 0.0 * c) if nearer else (low, over, s, c)
+    return (tau, over, low, inflection, s, c) if side * there > 0.0 else (tau, over, inflection, high, s, c)

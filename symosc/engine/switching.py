@@ -13,10 +13,10 @@ positive one.
 
 from __future__ import annotations
 
+from symosc.engine.state import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, Covariance
 from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import EPS
 
-DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
 # Orders that are looked at before a force is taken to vanish for ever. The recurrence of the G-functions has four
 # terms of history (position in the plane and two of the drive), so more than five zeros in a row mean all.
 HIGHEST_ORDER = 6
@@ -70,14 +70,16 @@ def resolve(v, F_below, F_above, s, c, K):
     return BELT
 
 
-def carried_error(S11, S12, S22, E0, E1, E2, position_noise, velocity_noise, K):
-    """Return the covariance of (x, v) at a fixed time, tau after a start with covariance S.
+def carried_error(S, now, x_noise, v_noise, K):
+    """Return the covariance of (x, v) at the time of `now` (`Flown`), after a launch with covariance S.
 
     Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv,
     dv gains -(k/m) E1 dx. The rounding errors of the step are added.
     """
-    C, D = 1.0 - K.w0sq * E2, -K.w0sq * E1
-    new11 = C * C * S11 + 2.0 * C * E1 * S12 + E1 * E1 * S22 + position_noise * position_noise
-    new12 = C * D * S11 + (C * E0 + E1 * D) * S12 + E1 * E0 * S22
-    new22 = D * D * S11 + 2.0 * D * E0 * S12 + E0 * E0 * S22 + velocity_noise * velocity_noise
-    return new11, new12, new22
+    E0, E1, S11, S12, S22 = now.E0, now.E1, S.S11, S.S12, S.S22
+    C, D = 1.0 - K.w0sq * now.E2, -K.w0sq * E1
+    return Covariance(
+        C * C * S11 + 2.0 * C * E1 * S12 + E1 * E1 * S22 + x_noise * x_noise,
+        C * D * S11 + (C * E0 + E1 * D) * S12 + E1 * E0 * S22,
+        D * D * S11 + 2.0 * D * E0 * S12 + E0 * E0 * S22 + v_noise * v_noise,
+    )

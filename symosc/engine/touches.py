@@ -11,13 +11,9 @@ from __future__ import annotations
 from math import sqrt
 
 from symosc.engine.flow import state_at, velocity_scale
-from symosc.engine.gap_bounds import positive_on
+from symosc.engine.gap_bounds import gap_to, positive_on
+from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY
 from symosc.kernels.entire import EPS, SIXTH
-
-# What a search ends with.
-NOTHING, HIT, TANGENCY, STALLED = 0, 1, 2, 3
-# A gap that is 0 as far as this precision tells, and stays so.
-LOST = 4
 
 # What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
 ROUNDING = 64.0
@@ -28,14 +24,15 @@ SOON = 1e-2
 FAR = 1e300
 
 
-def tolerance(tau, E0, E1, start_gap, v0, F0, S11, S12, S22, K):
-    """Return how far a gap may be wrong `tau` after a start: rounding, and what the errors of the start have become."""
-    pull = -K.w0sq * E1
-    variance = pull * pull * S11 + 2.0 * pull * E0 * S12 + E0 * E0 * S22
-    return ROUNDING * EPS * (velocity_scale(tau, v0, F0, K) + start_gap) + K.sigmas * sqrt(abs(variance))
+def tolerance(now, start_gap, start, S, K):
+    """Return how far a gap may be wrong on a flight: rounding, and what the errors `S` of its launch have become."""
+    pull = -K.w0sq * now.E1
+    variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
+    rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
+    return rounding + K.sigmas * sqrt(abs(variance))
 
 
-def closest_approach(tau, earliest, side, M4, v0, F0, s0, c0, below, above, S11, S12, S22, K):
+def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     """Look for a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
 
     Returns
@@ -45,12 +42,13 @@ def closest_approach(tau, earliest, side, M4, v0, F0, s0, c0, below, above, S11,
         as this precision tells, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way
         to it is not proven free.
     """
-    start, sign = tau, -side
+    begin, sign = tau, -side
+    start_gap = walls.below if side < 0 else walls.above
     last, depth_known = FAR, False
     for _ in range(MOST_DESCENTS):
-        _, dv, F, G1, G2, _, _, _, E0, E1, _ = state_at(tau, v0, F0, s0, c0, K)
-        gap, slope, bend = (below + dv if side < 0 else above - dv), sign * F, sign * G1
-        allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, F0, S11, S12, S22, K)
+        now = state_at(tau, start, K)
+        gap, slope, bend = gap_to(side, now, walls), sign * now.F, sign * now.G1
+        allowed = tolerance(now, start_gap, start, S, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
         shift = -slope / bend if bend > 0.0 else 0.0 * slope
@@ -60,36 +58,32 @@ def closest_approach(tau, earliest, side, M4, v0, F0, s0, c0, below, above, S11,
             if gap < -allowed:
                 return HIT, tau
             if gap > allowed:
-                back = tau - start
-                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, -sign * SIXTH * G2, -0.25 * SIXTH * M4)
+                back, third = tau - begin, -sign * SIXTH * now.G2
+                free = positive_on(back, gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4)
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                parts = parts_again(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K)
-                return (TANGENCY if parts else LOST), tau
+                return (TANGENCY if parts_again(tau, side, start, walls, S, K) else LOST), tau
         last = abs(shift)
         tau = tau + shift
         if tau < earliest:
-            return STALLED, start
+            return STALLED, begin
     return LOST, tau
 
 
-def hidden(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K):
+def hidden(tau, side, start, walls, S, K):
     """Return whether a gap is 0 as far as this precision tells, and was or will be so for a while around `tau`."""
-    _, dv, F, _, _, _, _, _, E0, E1, _ = state_at(tau, v0, F0, s0, c0, K)
-    allowed = tolerance(tau, E0, E1, below if side < 0 else above, v0, F0, S11, S12, S22, K)
-    return (below + dv if side < 0 else above - dv) <= allowed and abs(F) <= allowed * K.rate / SOON
+    now = state_at(tau, start, K)
+    allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
+    return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
-def parts_again(tau, side, v0, F0, s0, c0, below, above, S11, S12, S22, K):
+def parts_again(tau, side, start, walls, S, K):
     """Return whether a gap that is 0 as far as this precision tells is clearly not 0 soon after `tau`.
 
     A gap that shrinks without end is no touch, however small it gets.
     """
     for rate in (K.rate, K.Om):
-        later = tau + 0.5 / rate
-        _, dv, _, _, _, _, _, _, E0, E1, _ = state_at(later, v0, F0, s0, c0, K)
-        start_gap = below if side < 0 else above
-        gap = below + dv if side < 0 else above - dv
-        if abs(gap) > 4.0 * tolerance(later, E0, E1, start_gap, v0, F0, S11, S12, S22, K):
+        now = state_at(tau + 0.5 / rate, start, K)
+        if abs(gap_to(side, now, walls)) > 4.0 * tolerance(now, walls.below if side < 0 else walls.above, start, S, K):
             return True
     return False

@@ -13,7 +13,7 @@ hence over a step H, with y = v^(n) and y' = v^(n+1) taken at its beginning,
     |v^(n+1)| <= exp(c H/m) (sqrt(E) + H (|B0| Omega/m) Omega^n),
 
 which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the largest rate), so
-the remainder is below the rounding error. On each step the gap to a wall is that polynomial, known within `noise`:
+the remainder is below the rounding error. On each step the gap to a boundary is that polynomial, known within `noise`:
 remainder, rounding, and the errors of all steps before, which grow like the energy. `symosc.grazing.roots` finds its
 first root. At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in
 real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
@@ -21,36 +21,37 @@ real arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
 A contact that the noise leaves open is a touch as far as this precision tells. A search in double precision hands such
 a step to one with more digits (`look`), and goes on from there as if it had just begun.
 
-A flight that never met a wall is recognised where that can happen at all, in an over- or critically damped system: by
-a transient that runs away from the only wall for ever (`never_came`). An underdamped transient that grows comes back.
+A flight may never have met a boundary. That can happen in an over- or critically damped system only, and is recognised
+by a transient that runs away from the only boundary for ever (`_never_came`). An underdamped transient comes back.
 
-BackwardSteps run on floats and on mpmath numbers (`BackwardSteps`); searches over many steps on floats (`Search`).
+`BackwardSteps` run on floats and on mpmath numbers; a `Search` over many steps runs on floats.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Context, Number
 from symosc.engine.flow import Constants
 from symosc.grazing.roots import bernstein, first_root
 from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import EPS
 
 # What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
-# met a wall; velocities beyond HUGE; all steps used up.
+# met a boundary; velocities beyond HUGE; all steps used up.
 CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 
 # Length of a step, times the largest rate of the system.
 STEP = 1.0
 # Rounding error of a Taylor polynomial in units of eps times the size of its terms.
 BACKWARD_ROUNDING = 8
-# What a flight must stay away from a wall to be said never to have met it, as a part of the velocity's size.
+# What a flight must stay away from a boundary to be said never to have met it, as a part of the velocity's size.
 CLEAR_GAP = 1e-9
-# Velocities that are no longer followed: nothing can be simulated from there.
+# Larger velocities are not followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_BACKWARD_STEPS = 20_000
@@ -60,57 +61,57 @@ class Arrival(NamedTuple):
     """Where a backward flight ends: `tau` before the tangency, displaced by dx, with velocity v and acceleration a."""
 
     kind: str
-    boundary: int  # of the wall that was met, else 0
-    tau: Any
-    dx: Any
-    v: Any
-    a: Any
-    v_error: Any  # bound of the error of v at that time
-    x_error: Any
+    boundary: int  # the number of the one that was met, else 0
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    v_error: Number  # bound of the error of v at that time
+    x_error: Number
 
 
-class Wall(NamedTuple):
-    """A wall of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
+class Boundary(NamedTuple):
+    """A boundary of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
 
-    boundary: int
-    v: Any
+    number: int
+    v: Number
     inward: int
 
 
 class BackwardState(NamedTuple):
     """A flight `tau` before the tangency, with the bounds of its errors."""
 
-    tau: Any
-    dx: Any
-    v: Any
-    a: Any
-    energy_error: Any
-    v_error: Any
-    x_error: Any
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    energy_error: Number
+    v_error: Number
+    x_error: Number
 
 
 class BackwardHit(NamedTuple):
-    """A contact on a step: at its part `sigma`, with which wall, and whether it is open (a touch)."""
+    """A contact on a step: at its part `sigma`, with which boundary, and whether it is open (a touch)."""
 
     touch: bool
-    sigma: Any
-    wall: Wall
+    sigma: Number
+    boundary: Boundary
 
 
-def walls_of(domain: int, K: Constants) -> list[Wall]:
-    """Return the walls of domain 1, 2 or 3."""
-    walls = [Wall(domain - 1, K.belt1.v if domain == 2 else K.belt2.v, 1)] if domain > 1 else []
-    return walls + ([Wall(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
+def boundaries_of(domain: int, K: Constants) -> list[Boundary]:
+    """Return the boundaries of domain 1, 2 or 3, the lower one first."""
+    found = [Boundary(domain - 1, K.belt1.v if domain == 2 else K.belt2.v, 1)] if domain > 1 else []
+    return found + ([Boundary(domain, K.belt1.v if domain == 1 else K.belt2.v, -1)] if domain < 3 else [])
 
 
 class BackwardStep(NamedTuple):
     """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
 
-    T: list[Any]
-    remainder: Any
-    low: Any
-    high: Any
-    end: tuple[Any, Any, Any]
+    T: list[Number]
+    remainder: Number
+    low: Number
+    high: Number
+    end: tuple[Number, Number, Number]
 
 
 class BackwardSteps:
@@ -127,10 +128,10 @@ class BackwardSteps:
         Length of a step times K.rate.
     """
 
-    def __init__(self, K: Constants, boundary: int, domain: int, functions: Any, eps: Any, step: float) -> None:
-        self.K, self.boundary, self.functions, self.eps = K, boundary, functions, eps
-        self.domain, self.walls = domain, walls_of(domain, K)
-        self.v = next(wall.v for wall in self.walls if wall.boundary == boundary)
+    def __init__(self, K: Constants, boundary: int, domain: int, functions: Context, eps: Number, step: float) -> None:
+        self.K, self.functions, self.eps = K, functions, eps
+        self.domain, self.boundaries = domain, boundaries_of(domain, K)
+        self.touched = next(each for each in self.boundaries if each.number == boundary)
         self.n, self.H = _degree(eps, step), step / K.rate
         self.growth = functions.exp(K.cm * self.H)
         # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
@@ -142,12 +143,12 @@ class BackwardSteps:
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
 
-    def begin(self, zero: Any) -> BackwardState:
+    def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency."""
-        return BackwardState(zero, zero, self.v + zero, zero, zero, zero, zero)
+        return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def over(
-        self, theta: Any, order: int, state: BackwardState
+        self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
         """Return the first contact on the step from a state, the step, and the state with the errors at its end.
 
@@ -167,26 +168,26 @@ class BackwardSteps:
             v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
         energy_error = max(energy_error, K.w0 * rounding)
         found = None
-        for wall in self.walls:
-            at_start = tau == 0 and wall.boundary == self.boundary
+        for boundary in self.boundaries:
+            at_start = tau == 0 and boundary is self.touched
             noise = step.remainder + (rounding if at_start else v_error)
-            if not at_start and (step.low - wall.v if wall.inward > 0 else wall.v - step.high) > noise:
+            if not at_start and (step.low - boundary.v if boundary.inward > 0 else boundary.v - step.high) > noise:
                 continue
             if at_start:
-                p = [wall.inward * term for term in step.T[order + 1 :]]
+                p = [boundary.inward * term for term in step.T[order + 1 :]]
             else:
-                p = [wall.inward * (v - wall.v), *(wall.inward * term for term in step.T[1:])]
+                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found.sigma):
-                found = BackwardHit(touch, sigma, wall)
+                found = BackwardHit(touch, sigma, boundary)
         return found, step, BackwardState(tau, state.dx, v, a, energy_error, v_error, state.x_error)
 
-    def wave(self, theta: Any, tau: Any) -> tuple[Any, Any]:
+    def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the phase tau before theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: BackwardState, step: BackwardStep, sigma: Any) -> BackwardState:
+    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
         """Return the state at the part `sigma` of a step, whose errors are those at its end."""
         dv, slope, area = at(step.T, sigma)
         return self._at(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
@@ -195,14 +196,15 @@ class BackwardSteps:
         """Return the contact found on a step from a state."""
         here = self.moved(state, step, found.sigma)
         kind = TOUCH if found.touch else CONTACT
-        return Arrival(kind, found.wall.boundary, here.tau, here.dx, found.wall.v, here.a, here.v_error, here.x_error)
+        number, v, _ = found.boundary
+        return Arrival(kind, number, here.tau, here.dx, v, here.a, here.v_error, here.x_error)
 
-    def _at(self, state: BackwardState, tau: Any, dv: Any, a: Any, dx: Any) -> BackwardState:
+    def _at(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.energy_error, state.v_error, x_error)
 
-    def _taylor(self, v: Any, a: Any, s: Any, c: Any) -> list[Any]:
+    def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
         """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
@@ -210,11 +212,11 @@ class BackwardSteps:
             T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
         return T
 
-    def _remainder(self, behind: Any, last: Any) -> Any:
+    def _remainder(self, behind: Number, last: Number) -> Number:
         """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
         return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (self.n + 1) + self.drive_remainder)
 
-    def _step(self, v: Any, a: Any, s: Any, c: Any) -> BackwardStep:
+    def _step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
         *T, behind = self._taylor(v, a, s, c)
         spread = sum(map(abs, T[1:]))
         return BackwardStep(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())  # type: ignore[arg-type]
@@ -223,7 +225,7 @@ class BackwardSteps:
 class Search(BackwardSteps):
     """Searches of one system in double precision.
 
-    A step is linear in v, a and the sine and cosine of the phase: one product with a matrix gives its Taylor
+    A step is linear in v, a and the sine and cosine of the phase. So one product with a matrix gives its Taylor
     coefficients, its Bernstein coefficients (less v) and the state at its end.
     """
 
@@ -261,8 +263,8 @@ class Search(BackwardSteps):
         tau_max : float
             Time to search.
         look : callable, optional
-            Judges with more digits what is open on the step that begins at a given time: returns the arrival there, or
-            None and the state behind. Without it what is open is a touch.
+            Decides with more digits what is open on the step that begins at a given time. It returns the arrival there,
+            or None and the state after the step. Without it what is open is a touch.
         most_steps : int
         """
         state = self.begin(0.0)
@@ -295,7 +297,7 @@ class Search(BackwardSteps):
         return _ended(REACHED, self.moved(state, step, (tau_max - state.tau) / self.H))
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether, going on backward from a state, no wall is met."""
+        """Return whether, going on backward from a state, no boundary is met."""
         K = self.K
         if K.under or self.domain == 2:
             return False
@@ -303,10 +305,10 @@ class Search(BackwardSteps):
         u = state.v - (K.Ss * s + K.Sc * c)
         u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
         # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
-        sign = self.walls[0].inward
+        sign = self.boundaries[0].inward
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
         clear = K.V0 + state.v_error + CLEAR_GAP * (abs(state.v) + K.V0)
-        return bool(away and sign * (u - self.walls[0].v) > clear)
+        return bool(away and sign * (u - self.boundaries[0].v) > clear)
 
 
 def _ended(kind: str, state: BackwardState) -> Arrival:
@@ -314,7 +316,7 @@ def _ended(kind: str, state: BackwardState) -> Arrival:
     return Arrival(kind, 0, state.tau, state.dx, state.v, state.a, state.v_error, state.x_error)
 
 
-def at(T: list[Any], sigma: Any) -> tuple[Any, Any, Any]:
+def at(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
     """Return the change of a polynomial from 0 to sigma, its slope at sigma and its integral."""
     change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
@@ -324,7 +326,7 @@ def at(T: list[Any], sigma: Any) -> tuple[Any, Any, Any]:
     return change, slope, sigma * area
 
 
-def _degree(eps: Any, step: float) -> int:
+def _degree(eps: Number, step: float) -> int:
     n, term = 0, 1.0 / eps
     while term > 0.1:
         n += 1

@@ -1,11 +1,11 @@
 """Theorem 7 against numerics: does a contact at a phase graze? Decided in three ways and compared with the window.
 
-A contact is built at each phase (x_m from F = 0), and whether the flow of the domain turns back there is decided by the
+A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided by the
 signs of the G-functions, by the exact flow a short time before and after, and by scipy's DOP853
 (`symosc.grazing.deciders`).
 
-The phases are random ones, in double precision, and adversarial ones, exact: the ends of the window, the points of
-equality and the quarters of the circle themselves, and 1e-3 to 1e-14 beside them on both sides.
+Some phases are random, in double precision. The others are adversarial, and exact: the ends of the window, the points
+of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and after each of them.
 """
 
 from __future__ import annotations
@@ -15,17 +15,19 @@ from collections import Counter
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import inf, pi
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Expr, Number, Record
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, OPEN, YES, Ways
+from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, NOT_DECIDED, YES, Ways
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.model import Parameters
 
-PHASES, MOST_PHASES = 10_000, 1_000_000
+CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
 DECADES = range(3, 15)
 #: The three ways, and why they leave a phase open.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
@@ -96,7 +98,7 @@ class GrazingReport:
         """Whether nothing contradicts the window, and the first two ways decided every phase."""
         return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Record:
         """Return everything as plain data."""
         return {"ok": self.ok, **{name: getattr(self, name) for name in self.__dataclass_fields__}}
 
@@ -117,7 +119,7 @@ class GrazingReport:
         return "\n".join(lines)
 
 
-def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -> GrazingReport:
+def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 
     Parameters
@@ -142,7 +144,7 @@ def check_grazing(p: Parameters, mapping: str, n: int = PHASES, seed: int = 0) -
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
-    n, seed = whole_number("n", n, 1, MOST_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
+    n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
     if p.k == 0:
@@ -190,7 +192,7 @@ class _Check:
         inside = self.window.contains(theta)
         self._check_contacts(theta, inside)
         signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
-        unclear = (signs == OPEN) | (flow == OPEN)
+        unclear = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
         self.orders[1] += int((~unclear).sum())
         for i in np.nonzero(unclear)[0]:
             exact = ways.fine.context.mpf(float(theta[i]))
@@ -219,16 +221,16 @@ class _Check:
                 signs.append(verdicts[0])
                 flow.append(verdicts[1])
                 floats.append(float(value))
-                if base in zeros and offset and OPEN not in verdicts:
+                if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
         solver = ways.solver(np.array(floats))
         self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
         self.n_adversarial = len(phases)
 
-    def _special(self, sympy: Any) -> tuple[set[Any], list[Any]]:
+    def _special(self, sympy: ModuleType) -> tuple[set[Expr], list[Expr]]:
         """Return the phases where G^(1) = 0 exactly, and all special phases."""
         quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
-        zeros: set[Any] = set()
+        zeros: set[Expr] = set()
         if self.window.amplitude != 0:
             sine = -self.window.gamma / self.window.amplitude
             if abs(sine) <= 1:
@@ -236,11 +238,11 @@ class _Check:
                 zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
         return zeros, sorted(zeros | quarters, key=float)
 
-    def _fine(self, theta: Any, zero: bool) -> tuple[int, int]:
+    def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
         self.finely += 1
         verdict, order = self.ways.fine_signs(theta, zero)
-        self.orders[order] += verdict != OPEN
+        self.orders[order] += verdict != NOT_DECIDED
         return verdict, self.ways.fine_flow(theta)
 
     def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
@@ -260,7 +262,7 @@ class _Check:
         """Compare what the ways say with the window."""
         self.n_grazing += int(inside.sum())
         for way, verdict in zip(WHY_OPEN, verdicts, strict=True):
-            decided = verdict != OPEN
+            decided = verdict != NOT_DECIDED
             right = decided & ((verdict == YES) == inside)
             self.agreements[way] += int(right.sum())
             self.undecided[way] += int((~decided).sum())
@@ -270,9 +272,9 @@ class _Check:
                 self.mismatches.append(_mismatch(phases[i], way, _word(inside[i]), _word(verdict[i] == YES)))
 
 
-def _mismatch(theta: Any, way: str, expected: str, found: str) -> dict[str, str]:
+def _mismatch(theta: object, way: str, expected: str, found: str) -> dict[str, str]:
     return {"theta": str(theta), "way": way, "window": expected, "found": found}
 
 
-def _word(grazing: Any) -> str:
+def _word(grazing: bool) -> str:
     return "grazes" if grazing else "does not graze"

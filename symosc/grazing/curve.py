@@ -1,16 +1,16 @@
 """The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
 
-Theorem 7's window gives the phases theta_m of the tangencies, the flow back from each gives the start
-(`symosc.grazing.backward_flow`, in double precision with error bounds, with more digits where these leave a contact
-open). The curve ends where the window ends, or where the flow begins to come from elsewhere: it touches the other belt
-or its own on the way, or has met none.
+Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the start
+(`symosc.grazing.backward_flow`). That is done in double precision with error bounds, and with more digits where these
+leave a contact open. The curve ends where the window ends, or where the flow no longer comes from the mapping's belt:
+it touches the other belt or its own on the way, or it has met no belt.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import pi
-from typing import Any
 
 import numpy as np
 
@@ -22,16 +22,16 @@ from symosc.grazing.window import grazing_window
 from symosc.mappings.latex import number, point, table, words
 from symosc.model import Parameters
 
-POINTS = 400
-LEAST_POINTS, MOST_POINTS = 8, 20_000
+CURVE_POINTS = 400
+LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
 PIECE_POINTS = 33
 # Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
 CURVE_HALVINGS = 50
-# ... but not where the search ends in one of them: that is no end of the curve.
+# ... but not where the search ends in one of them: that is not an end of the curve.
 ROUGH_HALVINGS = 8
 # Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
 CURVE_STRIDE = 0.2
-# ... unless the slopes explain it, but for this part of it ...
+# ... unless the slopes explain it up to this part of it ...
 CURVE_AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
 CURVE_JUMP = 1e-3
@@ -166,7 +166,7 @@ class GrazingCurve(Drawable):
         return self._source.origins
 
 
-def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
+def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> GrazingCurve:
     """Return the curve of the starts from which a mapping grazes, with its ends located.
 
     Parameters
@@ -191,7 +191,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     ['3.9229', '11.0820']
     """
     window = grazing_window(p, mapping)
-    n = whole_number("n", n, LEAST_POINTS, MOST_POINTS)
+    n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer = Tracer(p, mapping)
     arcs = _arcs(window.intervals)
     runs: list[PhaseRun] = []
@@ -202,7 +202,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = POINTS) -> GrazingCurve:
     return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
 
 
-def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
+def _arcs(intervals: Sequence[tuple[float, float, bool, bool]]) -> list[tuple[float, float, bool]]:
     """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
     arcs = [(low, high) for low, high, _, _ in intervals]
     if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
@@ -212,7 +212,7 @@ def _arcs(intervals: Any) -> list[tuple[float, float, bool]]:
     return [(low, high, False) for low, high in arcs]
 
 
-def _phases(low: float, high: float, closed: bool, n: int) -> Any:
+def _phases(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
     inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
@@ -348,7 +348,7 @@ def _piece(run: PhaseRun) -> CurvePiece:
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
     ends = [
-        CurveEnd(at, sample.x, sample.theta, reason)
-        for at, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
+        CurveEnd(theta_m, sample.x, sample.theta, reason)
+        for theta_m, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
     ]
     return CurvePiece(**columns, low=ends[0], high=ends[1])

@@ -1,8 +1,8 @@
 """The flight that ends in a tangency, in closed form and in any number of digits: polishing what a search has found.
 
 A search back in time (`symosc.grazing.backward_flow`) tells in double precision which contact comes first, and where
-about. Here the same flight is evaluated by the kernel `motion` at the time -tau, Newton's method makes the contact
-right to as many digits as wanted, and the steps that double precision leaves open are judged.
+about. Here the same flight is evaluated by the kernel `motion` at the time -tau. Newton's method makes the contact
+right to as many digits as wanted, and the steps that double precision leaves open are decided.
 
 Between a tangency at the phase theta_m and a point tau earlier, a shift of theta_m along the contacts moves the
 state at fixed tau by
@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import derivatives
 from symosc.grazing.backward_flow import (
@@ -35,7 +36,7 @@ from symosc.kernels._generated import motion
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
-# A step that is open is looked at again, with another length: it is no accident of where steps and intervals end.
+# A step that is open is looked at again with other lengths, so that it does not depend on where steps end.
 LOOK_STEPS = (1.21, 1.37)
 # Rounding error of the closed form, in units of eps times the size of its terms.
 DIGITS_ROUNDING = 2**10
@@ -47,15 +48,15 @@ NEAR_TOUCH = 1e-3
 class Instant(NamedTuple):
     """A flight at the time tau before its tangency."""
 
-    dx: Any  # displacement from the tangency
-    v: Any
-    a: Any
-    b: Any  # dv''
-    w: Any  # dv'''
-    v_theta: Any  # derivatives by theta_m at fixed tau
-    x_theta: Any
-    v_error: Any
-    x_error: Any
+    dx: Number  # displacement from the tangency
+    v: Number
+    a: Number
+    b: Number  # dv''
+    w: Number  # dv'''
+    v_theta: Number  # derivatives by theta_m at fixed tau
+    x_theta: Number
+    v_error: Number
+    x_error: Number
 
 
 class Flights:
@@ -73,24 +74,24 @@ class Flights:
         self.p, self.place, self.digits = p, place(mapping), digits
         self.arithmetic = MpArithmetic(p, digits)
         self.context, self.K = self.arithmetic.context, self.arithmetic.K
-        self.belt = self.number(p.belt(self.place.boundary))
+        self.v = self.number(p.belt(self.place.boundary))  # of the belt that is touched
         self._basis = self.arithmetic.namespace["basis"]
         self._steps: dict[float, BackwardSteps] = {}
 
-    def number(self, value: Any) -> Any:
+    def number(self, value: Any) -> Number:
         """Return a Fraction, a float or a sympy constant as a number of this precision."""
         if hasattr(value, "evalf"):
             return self.context.mpf(str(value.evalf(self.digits + 5)))
         return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
 
-    def contact(self, theta: Any) -> Any:
+    def contact(self, theta: Number) -> Number:
         """Return x_m(theta)."""
         rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
-    def instant(self, theta: Any, tau: Any) -> Instant:
+    def instant(self, theta: Number, tau: Number) -> Instant:
         """Return the flight tau before the tangency at the phase theta."""
-        K, v0 = self.K, self.belt
+        K, v0 = self.K, self.v
         s, c = self.context.sin(theta), self.context.cos(theta)
         E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
         dx, dv, a = motion(v0, 0 * v0, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -107,30 +108,30 @@ class Flights:
 
     # -- polishing ---------------------------------------------------------------------------------------------------
 
-    def polished(self, theta: Any, found: Arrival, tau_max: Any) -> Arrival | None:
+    def polished(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
         """Return an arrival in double precision with all digits; None if Newton's method leads elsewhere."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
-        wall = self.number(self.p.belt(found.boundary)) if found.boundary else None
-        if wall is not None:
+        speed = self.number(self.p.belt(found.boundary)) if found.boundary else None
+        if speed is not None:
             begin, reach = (
                 tau,
                 NEAR_TOUCH * STEP / float(self.K.rate) + abs(float(found.v_error) / (float(found.a) or 1.0)),
             )
-            tau = self._root(theta, tau, wall, found.kind == TOUCH)
+            tau = self._root(theta, tau, speed, found.kind == TOUCH)
             if tau is None or abs(tau - begin) > reach:
                 return None
         now = self.instant(theta, tau)
-        v = now.v if wall is None else wall
+        v = now.v if speed is None else speed
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
-    def _root(self, theta: Any, tau: Any, wall: Any, touch: bool) -> Any:
-        """Return where v is `wall` by Newton's method, or where it is nearest to it, for a touch."""
+    def _root(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
+        """Return where v is `speed` by Newton's method, or where it is nearest to it, for a touch."""
         before = None
         for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
-            top, slope = (now.v - wall, now.a) if not touch else (now.a, now.b)
+            top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
                 top, slope = now.b, now.w  # a touch of fourth order
             if slope == 0:
@@ -146,7 +147,7 @@ class Flights:
 
     # -- judging -----------------------------------------------------------------------------------------------------
 
-    def look(self, theta: Any, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
+    def look(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
         """Judge a step of a search in double precision that begins at tau; see `backward_flow.Search.run`."""
         steps = self._steps_of(step)
         back = (step - STEP) / 2 / self.K.rate
@@ -156,7 +157,7 @@ class Flights:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.arrival(after, taken, found), rounded(state)
 
-    def state(self, theta: Any, tau: Any) -> BackwardState:
+    def state(self, theta: Number, tau: Number) -> BackwardState:
         """Return the flight as the state of a search."""
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error * self.K.rate, now.v_error, now.x_error)
@@ -168,7 +169,7 @@ class Flights:
         return self._steps[step]
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
-        """Return how many digits behind the point a polished arrival lacks."""
+        """Return how many digits after the decimal point a polished arrival lacks."""
         if arrival.kind not in (CONTACT, REACHED):
             return 0
         t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a

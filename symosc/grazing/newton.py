@@ -9,18 +9,19 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Number
 from symosc.exact import read_exact
 from symosc.grazing.backward_flow import TOUCH
 from symosc.grazing.curve import CurveEnd, CurvePiece, GrazingCurve
 from symosc.grazing.flight import Flights
-from symosc.grazing.origin import PERIODS
+from symosc.grazing.origin import SEARCH_PERIODS
 from symosc.grazing.tracer import OWN, UNKNOWN, Sample
 
-# Digits beyond the ones wanted: slopes of a curve that doubles can tell from a jump reach 1e15.
+# Digits beyond the ones wanted: slopes up to 1e15 can be distinguished from a jump in doubles.
 CURVE_SPARE_DIGITS = 40
 MOST_CURVE_NEWTON = 20
 NEWTON_HALVINGS = 60
@@ -29,7 +30,7 @@ ENDLESS = 1e-4
 # The reason of an end where the search ended (`symosc.grazing.curve`).
 SEARCH_ENDS = "(within the search)"
 # Solutions nearer to each other than this are one.
-SAME_PHASE = 1e-15
+SAME_ROOT = 1e-15
 
 
 class Point(NamedTuple):
@@ -52,13 +53,13 @@ class Candidates:
         What had to be left out.
     """
 
-    def __init__(self, curve: GrazingCurve, name: str, value: Any, digits: int) -> None:
+    def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
         self.curve, self.name, self.K = curve, name, curve._source.K
         self.flights: Flights = curve.origins.flights(digits + CURVE_SPARE_DIGITS)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
-        self._solutions: list[tuple[Any, Any]] = []
+        self._solutions: list[tuple[Number, Number]] = []
         for piece in curve.pieces:
             self._on_piece(piece)
         for low, high, origin in curve.gaps:
@@ -132,7 +133,7 @@ class Candidates:
         for end, point in ((piece.low, points[0]), (piece.high, points[-1])):
             self._note_endless(end, point, piece)
 
-    def _targets(self, low: float, high: float, piece: CurvePiece) -> list[Any]:
+    def _targets(self, low: float, high: float, piece: CurvePiece) -> list[Number]:
         """Return the values to look for: for theta_i those that differ by whole turns."""
         if self.name == "x_i":
             return [self.target]
@@ -166,7 +167,7 @@ class Candidates:
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
-    def _between(self, first: Point, last: Point, target: Any) -> None:
+    def _between(self, first: Point, last: Point, target: Number) -> None:
         """Look up the solution between two points on both sides of the target."""
         wanted = float(target)
         for _ in range(NEWTON_HALVINGS):
@@ -192,14 +193,14 @@ class Candidates:
         self._broken.add(first)
         self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
 
-    def _touching(self, first: Point, turn: Point, last: Point, target: Any) -> None:
+    def _touching(self, first: Point, turn: Point, last: Point, target: Number) -> None:
         """Look up a solution at an extremum that comes to the target as near as doubles tell."""
         if abs(turn.value - float(target)) <= 1e-12 * max(1.0, abs(turn.value)):
             solution = self._newton(turn.theta_m, turn.tau, target)
             if solution is not None and self._lies_between(solution, first, last):
                 self._add(*solution)
 
-    def _at_end(self, end: CurveEnd, point: Point, target: Any) -> None:
+    def _at_end(self, end: CurveEnd, point: Point, target: Number) -> None:
         """Look up a solution between the last sample and the end of the curve."""
         gap = abs(end.theta_m - point.theta_m)
         reach = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
@@ -209,14 +210,14 @@ class Candidates:
         if solution is not None and self._lies_between(solution, point, point, gap):
             self._add(*solution)
 
-    def _newton(self, theta_m: float, tau: float, target: Any) -> tuple[Any, Any] | None:
+    def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
         """Return theta_m and tau where the flight has the value, from a guess."""
         context, Om = self.flights.context, self.flights.K.Om
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
-            gap = now.v - self.flights.belt
+            gap = now.v - self.flights.v
             if self.name == "x_i":
                 rest, by_theta, by_tau = self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
             else:
@@ -235,11 +236,11 @@ class Candidates:
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
         return None
 
-    def _among_touches(self, theta_m: float, target: Any) -> tuple[Any, Any] | None:
+    def _among_touches(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
         """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
         flights, origins = self.flights, self.curve.origins
         phase = Fraction(theta_m)
-        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * PERIODS, flights.digits)
+        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
             return None
         theta, tau = flights.number(phase), flights.number(arrival.tau)
@@ -256,7 +257,7 @@ class Candidates:
                 return theta, tau
         return None
 
-    def _lies_between(self, solution: tuple[Any, Any], first: Point, last: Point, more: float = 0.0) -> bool:
+    def _lies_between(self, solution: tuple[Number, Number], first: Point, last: Point, more: float = 0.0) -> bool:
         """Return whether theta_m and tau of a solution lie between those of two points, with some room."""
         theta, tau = map(float, solution)
         room = 1e-14 * max(1.0, abs(theta)) + more
@@ -264,13 +265,13 @@ class Candidates:
         beside = 1e-9 * max(high, 1e-3 / self.K.rate) + 0.1 * (high - low) + (1e-3 / self.K.rate if more else 0.0)
         return first.theta_m - room <= theta <= last.theta_m + room and low - beside <= tau <= high + beside
 
-    def _add(self, theta: Any, tau: Any) -> None:
+    def _add(self, theta: Number, tau: Number) -> None:
         context = self.flights.context
         turn = 2 * context.pi
         theta -= turn * context.floor(theta / turn)
         for other, time in self._solutions:
             apart = abs(other - theta)
-            if min(apart, turn - apart) < SAME_PHASE * SAME_PHASE and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+            if min(apart, turn - apart) < SAME_ROOT * SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
                 return
         self._solutions.append((theta, tau))
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
+from symosc.aliases import Angle, Number
 from symosc.engine.flow import constants
 from symosc.errors import ParameterError
 from symosc.grazing.backward_flow import CONTACT, LONG, MOST_BACKWARD_STEPS, REACHED, Arrival, BackwardState, Search
@@ -13,13 +13,13 @@ from symosc.mappings.theorem7_cases import check_parameters, place
 from symosc.model import Parameters
 
 # How far back a start is looked for, in periods of the excitation.
-PERIODS = 100
+SEARCH_PERIODS = 100
 # Digits of the first look at a step that is open; the second look has twice as many.
 LOOK_DIGITS, MOST_LOOK_DIGITS = 60, 200
-# How many open steps of one flight are looked at: a flight that keeps to a wall for longer stays open.
+# How many open steps of one flight are looked at: a flight that keeps to a boundary for longer stays open.
 MOST_LOOKS = 40
 #: A kind of arrival besides those of `symosc.grazing.backward_flow`: no number of digits tried has decided.
-OPEN = "open"
+OPEN_ORIGIN = "open"
 
 
 class Origins:
@@ -45,18 +45,18 @@ class Origins:
         self._search = Search(self.K, where.boundary, where.domain)
         self._flights: dict[int, Flights] = {}
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.p, self.mapping)
 
     def flights(self, digits: int) -> Flights:
-        """Return flights with so many digits, made once."""
+        """Return flights with that many digits, made once."""
         if digits not in self._flights:
             self._flights[digits] = Flights(self.p, self.mapping, digits)
         return self._flights[digits]
 
     def arrival(
         self,
-        angle: Any,
+        angle: Angle | float,
         order: int = 1,
         far: float | None = None,
         careful: bool = True,
@@ -74,7 +74,7 @@ class Origins:
         order : int
             Order of the first G-function that does not vanish there.
         far : float, optional
-            Time to search; default PERIODS periods.
+            Time to search; default SEARCH_PERIODS periods.
         careful : bool
             Whether to look with more digits at what is open; otherwise it is a touch.
         digits : int
@@ -82,12 +82,12 @@ class Origins:
         looks : int
         most_steps : int
         """
-        far = PERIODS * self.K.period if far is None else far
+        far = SEARCH_PERIODS * self.K.period if far is None else far
         look = self._look(angle, order, digits, looks) if careful else None
         return self._search.run(float(angle), order, far, look, most_steps)
 
     def _look(
-        self, angle: Any, order: int, digits: int, looks: int
+        self, angle: Angle | float, order: int, digits: int, looks: int
     ) -> Callable[[float], tuple[Arrival | None, BackwardState]]:
         left = MOST_LOOKS
 
@@ -114,8 +114,10 @@ class Origins:
 
         return look
 
-    def exact(self, angle: Any, order: int, far: Callable[[Flights], Any], wanted: int) -> tuple[Arrival, Flights]:
-        """Return where the flow came from with `wanted` digits behind the point, and the flights that it is one of.
+    def exact(
+        self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
+    ) -> tuple[Arrival, Flights]:
+        """Return where the flow came from with `wanted` digits after the point, and the flights that it is one of.
 
         Parameters
         ----------
@@ -131,7 +133,7 @@ class Origins:
             theta = flights.number(angle)
             arrival = flights.polished(theta, found, far(flights))
             if arrival is None:
-                return found._replace(kind=OPEN), flights
+                return found._replace(kind=OPEN_ORIGIN), flights
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
                 found = found._replace(kind=REACHED, boundary=0)
                 continue

@@ -2,9 +2,9 @@
 
 If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls from
 above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly once, from
-falling to rising, the value at the bottom tells: above the noise no root, below it two, of which the first one counts,
-within it a touch as far as the noise tells. Otherwise the interval is divided; what is still open at the smallest width
-is a touch too.
+falling to rising, the value at the bottom decides. Above the noise there is no root, below it there are two, of which
+the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still open at the
+smallest width is a touch too.
 
 The functions are scalar and run on floats and on mpmath numbers.
 """
@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import comb
-from typing import Any
+
+from symosc.aliases import Number
 
 # Where an interval is divided: not a fraction at which roots like to be.
 CUT = 0.4831
@@ -23,7 +24,7 @@ NARROWEST = 2.0**-60
 MOST_ROOT_STEPS = 20_000
 
 
-def first_root(p: list[Any], noise: Any, eps: Any) -> tuple[bool, Any]:
+def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
     """Return (touch, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
 
     `touch` says that the polynomial comes to 0 within the noise, and whether it passes is open.
@@ -56,7 +57,7 @@ def first_root(p: list[Any], noise: Any, eps: Any) -> tuple[bool, Any]:
     return False, None
 
 
-def bernstein(p: list[Any]) -> list[Any]:
+def bernstein(p: list[Number]) -> list[Number]:
     """Return the Bernstein coefficients on [0, 1] of a polynomial in powers."""
     n = len(p) - 1
     row = [term / comb(n, j) for j, term in enumerate(p)]
@@ -67,7 +68,7 @@ def bernstein(p: list[Any]) -> list[Any]:
     return coefficients
 
 
-def _divided(b: list[Any]) -> tuple[list[Any], list[Any]]:
+def _divided(b: list[Number]) -> tuple[list[Number], list[Number]]:
     left, right, row = [b[0]], [b[-1]], b
     while len(row) > 1:
         row = [first + CUT * (second - first) for first, second in pairwise(row)]
@@ -76,29 +77,29 @@ def _divided(b: list[Any]) -> tuple[list[Any], list[Any]]:
     return left, right[::-1]
 
 
-def _changes(b: list[Any], level: Any) -> int:
+def _changes(b: list[Number], level: Number) -> int:
     signs = [value > level for value in b]
     return sum(first != second for first, second in pairwise(signs))
 
 
-def _has_one_bottom(b: list[Any]) -> bool:
+def _has_one_bottom(b: list[Number]) -> bool:
     """Return whether the slope changes sign once, from falling to rising."""
     rising = [second > first for first, second in pairwise(b)]
     return len(rising) > 1 and not rising[0] and rising[-1] and sum(a != c for a, c in pairwise(rising)) == 1
 
 
-def _value(p: list[Any], sigma: Any) -> Any:
+def _value(p: list[Number], sigma: Number) -> Number:
     value = 0 * sigma
     for term in reversed(p):
         value = value * sigma + term
     return value
 
 
-def _newton(p: list[Any], slope: list[Any], low: Any, high: Any, eps: Any) -> Any:
+def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
     """Return the root of p, positive at `low` and negative at `high`, by Newton's method kept inside the bracket.
 
-    Only steps of Newton's method tell that it has converged: one that leaves the bracket is replaced by a halving,
-    whose length says nothing.
+    Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
+    halving, whose length says nothing.
     """
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75

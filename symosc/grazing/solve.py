@@ -2,22 +2,24 @@
 
 Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
 which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the grazing curve
-shows between which of its samples the value lies; there Newton's method solves for the phase of the tangency and the
-time of the flight (`symosc.grazing.newton`), and the solution is flown back from anew.
+shows between which of its samples the value lies. There Newton's method solves for the phase of the tangency and the
+time of the flight (`symosc.grazing.newton`). Then the flow back from that tangency is computed anew.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
+from symosc.aliases import Angle, NumberLike
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, whole_number
+from symosc.exact import read_digits, read_exact, whole_number
 from symosc.grazing.angles import number_of, phase_of, read_phase, times
-from symosc.grazing.curve import LEAST_POINTS, MOST_POINTS, POINTS, grazing_curve
+from symosc.grazing.curve import CURVE_POINTS, LEAST_CURVE_POINTS, MOST_CURVE_POINTS, grazing_curve
 from symosc.grazing.newton import Candidates
-from symosc.grazing.start import DEFAULT_DIGITS, GrazingStart, check_digits, grazing_start, start_of
+from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.latex import number, table, words
 from symosc.mappings.theorem7_cases import check_parameters, place
@@ -48,7 +50,7 @@ class GrazingSolutions(list[GrazingStart]):
     (0, 'x_i goes over 3.65106 to 11.2811 on the grazing curve')
     """
 
-    def __init__(self, starts: Any = (), complete: bool = True, message: str = "") -> None:
+    def __init__(self, starts: Iterable[GrazingStart] = (), complete: bool = True, message: str = "") -> None:
         super().__init__(starts)
         self.complete, self.message = complete, message
 
@@ -64,7 +66,7 @@ class GrazingSolutions(list[GrazingStart]):
 
 
 def solve_grazing(
-    p: Parameters, mapping: str, *, n: int = POINTS, digits: int | None = None, **given: Any
+    p: Parameters, mapping: str, *, n: int = CURVE_POINTS, digits: int | None = None, **given: NumberLike
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
 
@@ -106,8 +108,8 @@ def solve_grazing(
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     name, value = next(iter(given.items()))
-    whole_number("n", n, LEAST_POINTS, MOST_POINTS)
-    check_digits(digits)
+    whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
+    read_digits(digits, MOST_START_DIGITS)
     if p.k == 0:
         raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
     if p.B0 == 0 and name in ("x_i", "x_j"):
@@ -125,7 +127,7 @@ def solve_grazing(
     return solutions
 
 
-def _at_phases(window: GrazingWindow, phases: list[Any], digits: int | None) -> GrazingSolutions:
+def _at_phases(window: GrazingWindow, phases: list[Angle], digits: int | None) -> GrazingSolutions:
     """Return the starts of tangencies at exact phases."""
     inside = [phase for phase in phases if window.contains(phase)]
     starts = [grazing_start(window.parameters, window.mapping, phase, digits=digits) for phase in inside]
@@ -137,7 +139,7 @@ def _at_phases(window: GrazingWindow, phases: list[Any], digits: int | None) -> 
     return GrazingSolutions(found, not any(start.undecided for start in starts), message)
 
 
-def _phases_of_contact(p: Parameters, mapping: str, value: Any) -> list[Any]:
+def _phases_of_contact(p: Parameters, mapping: str, value: Fraction) -> list[Angle]:
     """Return the phases theta with x_m(theta) = value, exactly."""
     import sympy
 

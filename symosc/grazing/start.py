@@ -1,7 +1,8 @@
 """Where grazing orbits come from: the way back from a tangency to the switching plane.
 
-The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient: the flow that
-touches the belt at phase theta must have come from the plane on which the mapping starts. Flowing back from the contact
+The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient. The flow that
+touches the belt at phase theta must also have come from the plane on which the mapping starts. Flowing back from the
+contact
 
     x_m(theta) = (A_alpha + B0 cos(theta) - c v_lambda)/k,   v = v_lambda,   acceleration 0
 
@@ -15,21 +16,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
-from typing import Any
 
+from symosc.aliases import Angle, Context, Number, NumberLike, Record
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, show, whole_number
+from symosc.exact import read_digits, read_exact, show
 from symosc.grazing.angles import number_of, phase_of, read_angle, read_phase, symbolic, times
 from symosc.grazing.backward_flow import HUGE, LARGE, LONG, NEVER, REACHED, TOUCH, Arrival
 from symosc.grazing.flight import Flights
-from symosc.grazing.origin import OPEN, PERIODS, Origins
+from symosc.grazing.origin import OPEN_ORIGIN, SEARCH_PERIODS, Origins
 from symosc.grazing.window import grazing_window
 from symosc.mappings.latex import point, words
 from symosc.model import Parameters
 
 DEFAULT_DIGITS = 40
-LEAST_DIGITS, MOST_DIGITS = 5, 2000
+MOST_START_DIGITS = 2000
 MOST_PERIODS_BACK = 1e6
 
 
@@ -70,16 +71,16 @@ class GrazingStart:
     mapping: str
     found: bool
     reason: str | None
-    t: Any
-    x: Any
-    v: Any
-    theta: Any
+    t: Number
+    x: Number
+    v: Number
+    theta: Number
     boundary: int
     touch: bool
-    t_m: Any
-    x_m: Any
-    theta_m: Any
-    start: dict[str, Any]
+    t_m: Number
+    x_m: Number
+    theta_m: Number
+    start: Record
     undecided: bool = False
 
     def latex(self) -> str:
@@ -92,7 +93,7 @@ class GrazingStart:
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Record:
         """Return the entries as text and booleans."""
         values = {name: getattr(self, name) for name in ("t", "x", "v", "theta", "t_m", "x_m", "theta_m")}
         texts = {name: None if value is None else str(value) for name, value in values.items()}
@@ -103,12 +104,12 @@ class GrazingStart:
 def grazing_start(
     p: Parameters,
     mapping: str,
-    theta: Any = None,
+    theta: NumberLike | None = None,
     *,
-    t_m: Any = None,
-    t0: Any = None,
+    t_m: NumberLike | None = None,
+    t0: NumberLike | None = None,
     digits: int | None = None,
-    periods: float = PERIODS,
+    periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Flow back from the tangency at a phase to where the mapping starts.
 
@@ -144,22 +145,22 @@ def grazing_start(
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)
     until = None if t0 is None else read_exact("t0", t0)
-    return start_of(origins, time, angle, until, check_digits(digits), _check_periods(periods))
+    return start_of(origins, time, angle, until, read_digits(digits, MOST_START_DIGITS), _check_periods(periods))
 
 
 def start_of(
     origins: Origins,
-    time: Any,
-    angle: Any,
+    time: Angle,
+    angle: Angle,
     until: Fraction | None = None,
     digits: int | None = None,
-    periods: float = PERIODS,
+    periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Return what `grazing_start` returns, for an exact time and phase and checked arguments."""
     order = order_at(origins.p, origins.mapping, angle)
     wanted = digits or DEFAULT_DIGITS
 
-    def far(flights: Flights) -> Any:
+    def far(flights: Flights) -> Number:
         if until is None:
             return flights.K.period * periods
         return flights.number(time) - flights.number(until)
@@ -170,19 +171,16 @@ def start_of(
     return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
 
 
-def check_digits(digits: Any) -> int | None:
-    """Return `digits` if it is None or a number of digits that can be asked for."""
-    return None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
-
-
-def _check_periods(periods: Any) -> float:
+def _check_periods(periods: object) -> float:
     number = float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
         raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
     return number
 
 
-def _tangency(p: Parameters, theta: Any, t_m: Any, t0: Any) -> tuple[Any, Any]:
+def _tangency(
+    p: Parameters, theta: NumberLike | None, t_m: NumberLike | None, t0: NumberLike | None
+) -> tuple[Angle, Angle]:
     """Return the exact time and phase of the tangency."""
     if (theta is None) == (t_m is None):
         raise ParameterError("theta", theta, "give either theta or t_m")
@@ -200,7 +198,7 @@ def _tangency(p: Parameters, theta: Any, t_m: Any, t0: Any) -> tuple[Any, Any]:
     return times(symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
 
 
-def order_at(p: Parameters, mapping: str, angle: Any) -> int:
+def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
     """Return the order of the first G-function that does not vanish at a phase of the mapping's window: 1 or 3."""
     window = grazing_window(p, mapping)
     if not window.contains(angle):
@@ -219,8 +217,8 @@ def _result(
     arrival: Arrival,
     flights: Flights,
     mapping: str,
-    time: Any,
-    angle: Any,
+    time: Angle,
+    angle: Angle,
     to_time: bool,
     digits: int | None,
     periods: float,
@@ -240,12 +238,12 @@ def _result(
         found = arrival.boundary == boundary
         reason = f"the flow {verb} {point}, not belt {boundary}"
     reason = _no_end(arrival, float(t), boundary, periods) or reason
-    nowhere = arrival.kind in (NEVER, LONG, LARGE, OPEN) or (arrival.kind == REACHED and not to_time)
+    nowhere = arrival.kind in (NEVER, LONG, LARGE, OPEN_ORIGIN) or (arrival.kind == REACHED and not to_time)
     found = found and not nowhere
     keep = digits or DEFAULT_DIGITS
     shown = mp_context(keep)
 
-    def out(value: Any) -> Any:
+    def out(value: Number) -> Number:
         return shown.convert(value) * 1 if digits else float(value)
 
     velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
@@ -289,12 +287,12 @@ def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | 
         return f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met"
     if arrival.kind == LONG:
         return f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met"
-    if arrival.kind == OPEN:
+    if arrival.kind == OPEN_ORIGIN:
         return f"whether the flow meets belt {arrival.boundary} at t = {t:.12g} could not be decided"
     return None
 
 
-def _text(value: Any, digits: int, context: Any) -> str:
-    """Return a decimal with `digits` digits behind the point's side that matters, readable as an exact number."""
+def _text(value: Number, digits: int, context: Context) -> str:
+    """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))

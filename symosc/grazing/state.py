@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
+from symosc.aliases import Context, Mpf, NumberLike
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing.angles import number_of, read_angle, read_phase
 from symosc.kernels._generated import next_derivative
 from symosc.mappings.latex import number
-from symosc.mappings.theorem7_cases import check_parameters, place
+from symosc.mappings.theorem7_cases import Place, check_parameters, place
 from symosc.model import Parameters
 
 # G-functions up to this part of the size of their terms count as 0.
 G_TOLERANCE = 1e-12
-ORDERS = 6
+MOST_G_ORDERS = 6
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class GrazingVerdict:
     ----------
     grazing : bool
     order : int
-        Of the first G-function that does not vanish (0 is F); ORDERS if none was found.
+        Of the first G-function that does not vanish (0 is F); MOST_G_ORDERS if none was found.
     values : tuple of float
         G^(0), G^(1), ... up to that order; a value that counts as 0 enters the next one as 0.
     margins : tuple of float
@@ -64,7 +65,9 @@ class GrazingVerdict:
         return f"${self.latex()}$"
 
 
-def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: float = G_TOLERANCE) -> GrazingVerdict:
+def is_grazing(
+    p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: float = G_TOLERANCE
+) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
 
     The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
@@ -84,7 +87,7 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
     Raises
     ------
     ParameterError
-        For a mapping without grazing, and for values that are no numbers or out of range.
+        For a mapping without grazing, and for values that are not numbers or are out of range.
 
     Examples
     --------
@@ -102,27 +105,34 @@ def is_grazing(p: Parameters, mapping: str, x: Any, theta: Any, *, tolerance: fl
     tolerance = float(limit)
     context = mp_context(50)
     angle = number_of(read_phase("theta", theta), context)
-    position, v = number_of(read_angle("x", x), context), number_of(p.belt(where.boundary), context)
-    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
-    Om = number_of(p.Omega, context)
-    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(angle), -w0sq * position, -cm * v]
-    value, size = sum(terms), sum(abs(term) for term in terms)
+    position = number_of(read_angle("x", x), context)
     values, margins = [], []
-    before, sines = v, (context.sin(angle), context.cos(angle))
-    for order in range(ORDERS):
+    for order, (value, size) in enumerate(_g_functions(p, where, position, angle, context)):
         margin = abs(value) / size if size > 0 else abs(value)
         values.append(float(value))
         margins.append(float(margin))
         if margin > tolerance:
             grazing = order % 2 == 1 and where.side * value < 0
             return GrazingVerdict(grazing, order, tuple(values), tuple(margins), tolerance, _why(order, grazing))
+    reason = "F and all its derivatives vanish: the flow stays on the belt"
+    return GrazingVerdict(False, MOST_G_ORDERS, tuple(values), tuple(margins), tolerance, reason)
+
+
+def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
+    """Yield G^(0) = F, G^(1), ... on the belt, each with the size of its terms; those before it count as 0."""
+    v = number_of(p.belt(where.boundary), context)
+    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
+    Om = number_of(p.Omega, context)
+    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(theta), -w0sq * x, -cm * v]
+    value, size = sum(terms), sum(abs(term) for term in terms)
+    before, sines = v, (context.sin(theta), context.cos(theta))
+    for order in range(MOST_G_ORDERS):
+        yield value, size
         now = 0 * value
         forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
         value = next_derivative(now, before, forcing, cm, w0sq)
         size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
         before = now
-    reason = "F and all its derivatives vanish: the flow stays on the belt"
-    return GrazingVerdict(False, ORDERS, tuple(values), tuple(margins), tolerance, reason)
 
 
 def _why(order: int, grazing: bool) -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symosc.engine.binding import compiled
 from symosc.errors import MissingExtraError, ParameterError
@@ -16,7 +18,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels import double_double
 from symosc.mappings import theorem7_cases
 from symosc.mappings.arguments import real_array
-from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING, IN_DOUBT, check_order, check_parameters, place
+from symosc.mappings.theorem7_cases import EMPTY, EQUALITY_IN_DOUBT, EVERYTHING, check_order, check_parameters, place
 from symosc.model import Parameters
 
 
@@ -55,7 +57,7 @@ class WindowColumns(NamedTuple):
         return not self == other
 
 
-def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: Any) -> WindowColumns:
+def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: ArrayLike) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
     Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
@@ -97,8 +99,8 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
         pairs += [arrays[name].ravel() if name in arrays else np.full(math.prod(shape), high)]
         pairs += [np.full(math.prod(shape), low)]
     columns = WindowColumns(np.empty(math.prod(shape), np.int8), *(np.empty(math.prod(shape)) for _ in range(3)))
-    _rows()(*pairs, where.side, full, *columns)
-    for i in np.nonzero(columns.kind == IN_DOUBT)[0]:
+    _rows()(tuple(pairs), where.side, full, tuple(columns))
+    for i in np.nonzero(columns.kind == EQUALITY_IN_DOUBT)[0]:
         _fill(
             columns, int(i), p, mapping, order, {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
         )
@@ -138,7 +140,7 @@ def _pair(value: Fraction) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=1)
-def _rows() -> Any:
+def _rows() -> Callable[..., None]:
     """Return `windows.windows`, compiled if numba is installed."""
     try:
         return compiled((double_double, theorem7_cases, window_ends), {"windows"})["windows"]

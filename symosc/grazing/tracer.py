@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, exp, inf, nan, sin
-from typing import Any
 
 from symosc.grazing.backward_flow import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Arrival
 from symosc.grazing.origin import Origins
@@ -58,7 +57,7 @@ class Tracer:
         self.gain = float(p.B0 / p.k)
         self.steps_left = MOST_CURVE_STEPS
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.p, self.mapping)
 
     def _is_quartic(self, theta_m: float) -> bool:

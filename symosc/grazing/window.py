@@ -1,7 +1,7 @@
 """Grazing windows: at which phases a flow that touches a belt's speed turns back (Theorem 7).
 
-At a contact x'' = 0 and x' = v_lambda, so gamma = k v_lambda/m and the contact's place x_m(theta) are given by the
-parameters: a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
+At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the contact's place x_m(theta),
+and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Expr, Number, NumberLike
 from symosc.drawable import Drawable
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
@@ -36,7 +37,7 @@ from symosc.model import Parameters
 
 # Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
 CLEAR_SINE = 1e-12
-DIGITS = 30
+WINDOW_DIGITS = 30
 
 
 def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingWindow:
@@ -75,7 +76,7 @@ class GrazingWindow(Drawable):
     mapping : str
     order : {"full", "paper"}
     place : Place
-        Domain and boundary of the contact, side (1 from below, -1 from above) and the paper's equation.
+        Domain, boundary and side of the contact, and the paper's equation.
 
     Examples
     --------
@@ -127,14 +128,14 @@ class GrazingWindow(Drawable):
         return case_label(self.place, *self.signs)
 
     @cached_property
-    def phases(self) -> Any:
+    def phases(self) -> Expr:
         """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact sympy set."""
         from symosc.symbolic.theorem7 import rational, window_phases
 
         return window_phases(self.place, rational(self.gamma), rational(self.amplitude), self.order == "full")
 
     @cached_property
-    def theta_cr(self) -> Any:
+    def theta_cr(self) -> Expr:
         """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly; None where it does not exist."""
         from symosc.symbolic.theorem7 import critical_phase, rational
 
@@ -146,7 +147,7 @@ class GrazingWindow(Drawable):
 
         Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2 pi (open).
         """
-        end = double_double.TWO_PI[0]
+        end = double_double.TWO_PI_PAIR[0]
         if self.kind in (EMPTY, EVERYTHING):
             return ((0.0, end, True, False),) if self.kind == EVERYTHING else ()
         low, high = self.ends
@@ -160,14 +161,14 @@ class GrazingWindow(Drawable):
         if self.kind == ALL_BUT_ONE:
             point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
-        context, theta_cr = mp_context(DIGITS), self.critical_phase()
+        context, theta_cr = mp_context(WINDOW_DIGITS), self.critical_phase()
         ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
         low, high = ends if self.place.side * self.signs[1] < 0 else ends[::-1]
-        return float(low), float(high) if high != 0 else double_double.TWO_PI[0]
+        return float(low), float(high) if high != 0 else double_double.TWO_PI_PAIR[0]
 
-    def critical_phase(self) -> Any:
+    def critical_phase(self) -> Number:
         """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
-        context = mp_context(DIGITS)
+        context = mp_context(WINDOW_DIGITS)
         if self.amplitude == 0 or self.signs[2] > 0:
             return context.nan
         sine = -self.gamma / self.amplitude
@@ -177,7 +178,7 @@ class GrazingWindow(Drawable):
 
     # --- phases and places ---
 
-    def contains(self, theta: Any) -> Any:
+    def contains(self, theta: NumberLike | np.ndarray) -> Any:
         """Return whether a contact at the phase `theta` grazes, decided exactly.
 
         Parameters
@@ -194,13 +195,13 @@ class GrazingWindow(Drawable):
         Raises
         ------
         ParameterError
-            If theta is no real number.
+            If theta is not a real number.
         """
         if isinstance(theta, np.ndarray) and theta.ndim:
             return self._contains_array(theta)
         return self._sign_at(theta) > 0
 
-    def contact(self, theta: Any) -> Any:
+    def contact(self, theta: NumberLike | np.ndarray) -> Any:
         """Return the place x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
 
         Parameters
@@ -220,7 +221,7 @@ class GrazingWindow(Drawable):
         """
         inside = self.contains(theta)
         if not np.all(inside):
-            outside = theta[~inside][0] if isinstance(inside, np.ndarray) else theta
+            outside = np.asarray(theta)[~inside][0] if isinstance(inside, np.ndarray) else theta
             raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._shown()}")
         p = self.parameters
         if p.k == 0:
@@ -230,7 +231,7 @@ class GrazingWindow(Drawable):
         if isinstance(theta, np.ndarray) and theta.ndim:
             return float(rest) + float(gain) * np.cos(theta)
         if isinstance(theta, float | np.floating):
-            context = mp_context(DIGITS)
+            context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator
             return float(wave + context.mpf(rest.numerator) / rest.denominator)
         from symosc.symbolic.theorem7 import rational, real, sp
@@ -238,7 +239,7 @@ class GrazingWindow(Drawable):
         return rational(rest) + rational(gain) * sp.cos(real("theta", theta))
 
     @cached_property
-    def contact_phases(self) -> Any:
+    def contact_phases(self) -> Expr:
         """The phases at which a grazing contact exists: `phases`, or for k = 0 those of them with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
@@ -256,7 +257,7 @@ class GrazingWindow(Drawable):
         theta = sp.acos(rational(cosine))
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
-    def _sign_at(self, theta: Any) -> int:
+    def _sign_at(self, theta: NumberLike) -> int:
         """Return the sign of side (gamma + amplitude sin theta), with the tangency counted as `order` says."""
         exact = _read_phase(theta)
         if self.kind in (EMPTY, EVERYTHING):
@@ -316,7 +317,7 @@ def _latex_number(mapping: str) -> str:
     return mapping.removeprefix("P")
 
 
-def _read_phase(theta: Any) -> Any:
+def _read_phase(theta: Any) -> ExactPhase | Expr:
     """Return a phase as an ExactPhase, or as a sympy expression if it is none of the form a + b pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0

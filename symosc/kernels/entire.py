@@ -11,10 +11,10 @@ are entire in tau, the roots and Omega: nothing happens to them at critical damp
 formulas fail there, by cancellation. Three are used, each where it loses less than a digit or two:
 
 - short times (rate * tau below SERIES_BELOW): the Taylor series in tau, whose coefficients obey the ODE;
-- the closed form in sin, cos and exp (`basis_apart`, printed by sympy), when the system is underdamped, the roots
-  are far from each other and from i Omega (`apart`) and tau is at least APART_ABOVE / w0;
-- otherwise divided differences over the pair of nodes that are farthest apart, the inner ones through expm1, so that
-  no difference of neighbouring values is ever formed (McCurdy, Ng and Parlett, Math. Comp. 43 (1984)).
+- the closed form in sin, cos and exp (`basis_apart`, printed by sympy), if the system is underdamped, the roots are far
+  from each other and from i Omega (`apart`), and tau is at least APART_ABOVE / w0;
+- otherwise divided differences over the pair of nodes that are farthest apart. The inner ones are computed by expm1, so
+  that no difference of neighbouring values is formed (McCurdy, Ng and Parlett, Math. Comp. 43 (1984)).
 
 Time arguments are in the parameters' unit of time. The functions are scalar: CPython runs them, numba compiles them.
 """

@@ -13,7 +13,7 @@ from symosc.kernels.entire import APART_ABOVE, SERIES_BELOW
 TERMS = 18
 
 
-def basis(tau: Any, K: Any) -> Any:
+def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
     """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times; see `symosc.kernels.entire.basis`."""
     s, c = np.sin(K.Om * tau), np.cos(K.Om * tau)
     short = K.rate * tau < SERIES_BELOW
@@ -29,13 +29,13 @@ def basis(tau: Any, K: Any) -> Any:
     return (*found, s, c)
 
 
-def apart(tau: Any, s: Any, c: Any, K: Any) -> Any:
+def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
     """Return the five functions from the closed form for an underdamped system far from resonance."""
     decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
     return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
-def series(tau: Any, cm: Any, w0sq: Any, Om: Any) -> Any:
+def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarray, ...]:
     """Return E0, E1, E2, R2, I2 from their Taylor series; see `symosc.kernels.entire.series`."""
     before, term = 0.0 * tau, tau
     E0, E1, E2 = 1.0 + before, tau, 0.5 * tau * tau
@@ -50,7 +50,7 @@ def series(tau: Any, cm: Any, w0sq: Any, Om: Any) -> Any:
     return E0, E1, E2, R2, I2
 
 
-def careful(tau: Any, s: Any, c: Any, K: Any) -> Any:
+def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
     """Return the five functions by divided differences; see `symosc.kernels.entire.careful`."""
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
@@ -71,7 +71,7 @@ def careful(tau: Any, s: Any, c: Any, K: Any) -> Any:
     return E0, E1, E2, Z.real, Z.imag
 
 
-def expm1_over(z: complex, tau: Any) -> Any:
+def expm1_over(z: complex, tau: np.ndarray) -> np.ndarray:
     """Return (exp(z tau) - 1) / z; `tau` at z = 0."""
     if z == 0.0:
         return tau

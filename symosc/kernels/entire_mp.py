@@ -10,10 +10,11 @@ import math
 from fractions import Fraction
 from typing import Any
 
+from symosc.aliases import Context, Mpf, Number
 from symosc.kernels.multiprecision import with_bits
 from symosc.model import Parameters
 
-SERIES_BELOW = 1
+MP_SERIES_BELOW = 1
 SERIES_GUARD_BITS, ROOT_BITS = 10, 200
 
 
@@ -29,7 +30,7 @@ class BasisMP:
     parameters : Parameters
     """
 
-    def __init__(self, context: Any, parameters: Parameters) -> None:
+    def __init__(self, context: Context, parameters: Parameters) -> None:
         self.context = context
         self.h = parameters.c / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
@@ -39,7 +40,7 @@ class BasisMP:
         self.for_differences = with_bits(context.prec + self._guard_bits())
         self.roots = self._roots(self.for_differences)
 
-    def _roots(self, context: Any) -> tuple[Any, Any, Any]:
+    def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
         """Return l1 (the slow root, or the one above the real axis), l2 and i Omega as numbers of a context."""
         h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
@@ -61,14 +62,14 @@ class BasisMP:
         gaps = (abs(a - b) for i, a in enumerate(nodes) for b in nodes[:i])
         return 20 + sum(math.ceil(float(context.log(size / gap, 2))) for gap in gaps if gap)
 
-    def __call__(self, tau: Any, K: Any) -> tuple[Any, ...]:
+    def __call__(self, tau: Mpf, K: Any) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
         tau = self.context.convert(tau)
-        values = self._series(tau) if K.rate * abs(tau) < SERIES_BELOW else self._divided_differences(tau)
+        values = self._series(tau) if K.rate * abs(tau) < MP_SERIES_BELOW else self._divided_differences(tau)
         make = self.context.make_mpf
         return tuple(+make(value._mpf_) for value in values)
 
-    def _series(self, tau: Any) -> tuple[Any, ...]:
+    def _series(self, tau: Mpf) -> tuple[Mpf, ...]:
         context, (cm, w0sq, Om) = self.for_series, self.constants
         tau, one, zero, eps = context.make_mpf(tau._mpf_), context.one, context.zero, +context.eps
         before, term, pull = zero, tau, w0sq * tau
@@ -89,7 +90,7 @@ class BasisMP:
                 return E0, E1, E2, R2, I2, wave.imag, wave.real
             small_before = small  # single terms may be 0 by accident
 
-    def _divided_differences(self, tau: Any) -> tuple[Any, ...]:
+    def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
         context, (l1, l2, i_Om) = self.for_differences, self.roots
         tau, one = context.make_mpf(tau._mpf_), context.one
         wave = context.exp(i_Om * tau)
@@ -100,7 +101,7 @@ class BasisMP:
             exp2 = context.conj(exp1) if context.im(l1) else context.exp(l2 * tau)
             inner, slope = (exp1 - exp2) / (l1 - l2), (l1 * exp1 - l2 * exp2) / (l1 - l2)
 
-        def first(a: Any, exp_a: Any) -> Any:
+        def first(a: Number, exp_a: Number) -> Number:
             """Return tau e[a tau, l1 tau]."""
             return tau * exp1 if a == l1 else (exp_a - exp1) / (a - l1)
 
@@ -109,5 +110,5 @@ class BasisMP:
         return context.re(slope), context.re(inner), context.re(E2), context.re(Z), context.im(Z), wave.imag, wave.real
 
 
-def _number(value: Fraction, context: Any) -> Any:
+def _number(value: Fraction, context: Context) -> Number:
     return context.mpf(value.numerator) / value.denominator

@@ -14,12 +14,14 @@ from typing import Any
 from mpmath.ctx_mp import MPContext
 from mpmath.libmp import from_pickable, to_pickable
 
+from symosc.aliases import Number
+
 BITS_PER_DIGIT = math.log2(10)
 
 
 @lru_cache(maxsize=256)
 def mp_context(digits: int) -> FixedContext:
-    """Return the mpmath context with that many decimal digits; it is nobody else's, and nobody can change it."""
+    """Return the mpmath context with that many decimal digits; its precision cannot be changed."""
     return FixedContext(digits)
 
 
@@ -62,13 +64,13 @@ class FixedContext(MPContext):
         context.dps = self.dps
         return context
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return mp_context, (self.dps,)
 
 
-def _real(digits: int, parts: Any) -> Any:
+def _real(digits: int, parts: object) -> Number:
     return mp_context(digits).make_mpf(from_pickable(parts))
 
 
-def _complex(digits: int, real: Any, imag: Any) -> Any:
+def _complex(digits: int, real: object, imag: object) -> Number:
     return mp_context(digits).make_mpc((from_pickable(real), from_pickable(imag)))

@@ -5,9 +5,10 @@ With the characteristic roots l1, l2 and e[...] the divided differences of z -> 
     U1 = e[l1, l1, l2, l2],   U0 = dU1/dtau,   U2 = e[0, l1, l1, l2, l2]
     V + i W = e[i Omega, l1, l1, l2, l2],      P + i Q = e[i Omega, i Omega, l1, l2]
 
-(`symosc.symbolic.maps` derives what they are good for). One rule serves every regime, resonance and short times: the
-difference over the pair of nodes that are farthest apart, if that is at least FAR_NODES / tau, and the Taylor series
-about their centre otherwise. A difference over a far pair loses at most a few bits, and a series over near nodes none.
+(`symosc.symbolic.maps` derives what they are good for). One rule is good in every regime, at resonance and for short
+times. If the pair of nodes that are farthest apart are at least FAR_NODES / tau apart, it is the difference over that
+pair, otherwise the Taylor series about the nodes' centre. A difference over a far pair loses at most a few bits, and a
+series over near nodes none.
 
 The functions run on floats, and with other globals (`symosc.mappings.equations`) on mpmath numbers.
 """

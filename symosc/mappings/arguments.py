@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number
 from symosc.errors import ParameterError
 
-POINTS = ("x_i", "theta_i", "x_j", "theta_j")
+POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
 NUMBERS = "must be a finite real number: a float, an int or an mpmath number"
 ARRAYS = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
 
@@ -29,7 +30,7 @@ def four_numbers(start: Any, end: Any) -> list[Any]:
     return given
 
 
-def is_mp(value: Any) -> bool:
+def is_mp(value: object) -> bool:
     """Return whether a value is an mpmath number."""
     return hasattr(value, "_mpf_") and hasattr(value, "context")
 
@@ -42,7 +43,7 @@ def is_array(value: Any) -> bool:
         return True
 
 
-def scalar(name: str, value: Any, convert: Callable[[Any], Any]) -> Any:
+def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
     """Return a number in the arithmetic of `convert`."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
@@ -58,9 +59,9 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Any]) -> Any:
     return number
 
 
-def columns_of(given: list[Any]) -> list[np.ndarray]:
+def columns_of(given: list[object]) -> list[np.ndarray]:
     """Return the four arrays in one shape."""
-    columns = [real_array(name, value, ARRAYS) for name, value in zip(POINTS, given, strict=True)]
+    columns = [real_array(name, value, ARRAYS) for name, value in zip(POINT_NAMES, given, strict=True)]
     try:
         return [np.array(column) for column in np.broadcast_arrays(*columns)]
     except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
@@ -68,8 +69,8 @@ def columns_of(given: list[Any]) -> list[np.ndarray]:
         raise ParameterError("points", shapes, "must be arrays whose shapes fit together (broadcast)") from None
 
 
-def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats; text, booleans and complex numbers are none."""
+def real_array(name: str, value: object, allowed: str) -> np.ndarray:
+    """Return finite real numbers as an array of floats; text, booleans and complex numbers are refused."""
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"
@@ -83,7 +84,7 @@ def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
     return array
 
 
-def text_or_booleans(value: Any) -> bool:
+def text_or_booleans(value: object) -> bool:
     """Return whether there is text or a boolean among the entries, which numpy and float() would read as numbers."""
     entries = np.asarray(value, dtype=object).ravel().tolist()
     return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)

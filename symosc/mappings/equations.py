@@ -16,30 +16,34 @@ Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import Context, Number, Numbers
 from symosc.engine import binding
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array, mapping, repeated
-from symosc.mappings.arguments import POINTS, columns_of, four_numbers, is_array, is_mp, scalar
-from symosc.model import PARAMETER_NAMES, SIDES, Parameters
+from symosc.mappings.arguments import POINT_NAMES, columns_of, four_numbers, is_array, is_mp, scalar
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
-# Arrays are evaluated in blocks of so many points: the temporaries then stay in the cache.
-BLOCK = 16384
+#: A switching point (x, theta), of numbers or of arrays that broadcast.
+Pair: TypeAlias = Sequence[Numbers | ArrayLike] | np.ndarray
+# Arrays are evaluated in blocks of this many points: the temporaries then stay in the cache.
+ARRAY_BLOCK = 16384
 
 
 # --- residual and derivatives ---
 
 
-def residual(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> tuple[Any, Any]:
+def residual(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> tuple[Numbers, Numbers]:
     """Return (f1, f2) of a mapping between two switching points; both vanish when the map leads from one to the other.
 
     Parameters
@@ -76,7 +80,7 @@ def residual(p: Parameters, label: str, start: Any, end: Any, exit: str | None =
     return found[0].reshape(shape), found[1].reshape(shape)
 
 
-def jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> np.ndarray:
+def jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to (x_i, theta_i, x_j, theta_j).
 
     Parameters and errors are those of `residual`.
@@ -100,7 +104,7 @@ def jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None =
     return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4)).reshape((2, 4, *shape))
 
 
-def parameter_jacobian(p: Parameters, label: str, start: Any, end: Any, exit: str | None = None) -> np.ndarray:
+def parameter_jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
 
     The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN. Arrays
@@ -121,26 +125,26 @@ def parameter_jacobian(p: Parameters, label: str, start: Any, end: Any, exit: st
     return np.stack(found, axis=-1).reshape((2, 11, *shape))
 
 
-class Numbers(NamedTuple):
+class MapArithmetic(NamedTuple):
     """What evaluates a map in one arithmetic: the functions of `symosc.kernels.mapping`, and what they need."""
 
     K: Constants
     of: dict[str, Any]
-    number: Callable[[Fraction], Any]
+    number: Callable[[Fraction], Number]
 
 
-def _residual(row: Map, numbers: Numbers, points: Any, exit: str | None) -> Any:
+def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
     A = (K.A1, K.A2, K.A3)
     v_i, v_j = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v
     if not row.sticks:
         return numbers.of["flight"](x_i, theta_i, x_j, theta_j, v_i, v_j, A[row.domain - 1], K)
-    sides = (A[domain - 1] for domain in SIDES[row.start.boundary])
-    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in sides)
+    beside = (A[domain - 1] for domain in NEIGHBOURS[row.start.boundary])
+    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in beside)
     return f1, _chosen(exit, below, above, below, above)
 
 
-def _jacobian(row: Map, numbers: Numbers, points: Any) -> Any:
+def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
     K, (x_i, theta_i, _, theta_j) = numbers.K, points
     v_i, one, zero = _belt(K, row.start.boundary).v, 1 + 0 * x_i, 0 * x_i
     if row.sticks:
@@ -151,12 +155,14 @@ def _jacobian(row: Map, numbers: Numbers, points: Any) -> Any:
     return (x_x0, x_th0, -one, x_th1), (v_x0, v_th0, zero, v_th1)
 
 
-def _parameter_jacobian(p: Parameters, row: Map, numbers: Numbers, points: Any, exit: str | None) -> Any:
+def _parameter_jacobian(
+    p: Parameters, row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None
+) -> Any:
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
     v_i, m, zero, domain = _belt(K, row.start.boundary).v, numbers.number(p.m), 0 * x_i, row.domain
     if row.sticks:
-        below, above = (_residual(row, numbers, points, side)[1] for side in EXITS)
-        domain = _chosen(exit, below, above, *SIDES[row.start.boundary])
+        below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
+        domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
         F = _chosen(exit, below, above, below, above)
         found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
@@ -180,7 +186,7 @@ def _parameter_jacobian(p: Parameters, row: Map, numbers: Numbers, points: Any, 
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
 
 
-def _chosen(exit: str | None, force_below: Any, force_above: Any, below: Any, above: Any) -> Any:
+def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
     """Return `below` or `above`: what `exit` says, or what belongs to the smaller force."""
     if exit is not None:
         return below if exit == "below" else above
@@ -194,29 +200,29 @@ def _chosen(exit: str | None, force_below: Any, force_above: Any, below: Any, ab
 
 
 @lru_cache(maxsize=64)
-def _floats(p: Parameters) -> Numbers:
-    return Numbers(constants(p), vars(mapping), float)
+def _floats(p: Parameters) -> MapArithmetic:
+    return MapArithmetic(constants(p), vars(mapping), float)
 
 
 @lru_cache(maxsize=64)
-def _arrays(p: Parameters) -> Numbers:
+def _arrays(p: Parameters) -> MapArithmetic:
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
-    return Numbers(constants(p), binding.bind((mapping,), names), float)
+    return MapArithmetic(constants(p), binding.bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
-def _mp_numbers(p: Parameters, context: Any, precision: int) -> Numbers:
-    """Return the arithmetic of an mpmath context; `precision` is its precision, for the cache's sake."""
+def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
+    """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
     from symosc.kernels.entire_mp import BasisMP
 
-    def number(value: Fraction) -> Any:
+    def number(value: Fraction) -> Number:
         return context.mpf(value.numerator) / value.denominator
 
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
     names = {"complex": context.mpc, "exp": context.exp, "EPS": context.ldexp(1, -precision)}
     sums = binding.bind((repeated,), names)["repeated"]
     names = {"sin": context.sin, "cos": context.cos, "basis": BasisMP(context, p), "repeated": sums}
-    return Numbers(K, binding.bind((mapping,), names), number)
+    return MapArithmetic(K, binding.bind((mapping,), names), number)
 
 
 # --- reading arguments ---
@@ -224,21 +230,21 @@ def _mp_numbers(p: Parameters, context: Any, precision: int) -> Numbers:
 UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_j - theta_i)/Omega"
 
 
-def _row(label: Any) -> Map:
+def _row(label: object) -> Map:
     if not isinstance(label, str) or label not in MAPS:
         raise ParameterError("map", label, f"must be one of {', '.join(MAPS)}")
     return MAPS[label]
 
 
-def check_parameters(p: Any) -> None:
+def check_parameters(p: object) -> None:
     """Raise ParameterError unless p is Parameters."""
     if not isinstance(p, Parameters):
         raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
 
 
 def read_points(
-    p: Parameters, label: Any, start: Any, end: Any, exit: str | None = None
-) -> tuple[Map, Numbers, list[Any], Any]:
+    p: Parameters, label: object, start: Pair, end: Pair, exit: str | None = None
+) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
     row = _row(label)
     check_parameters(p)
@@ -249,8 +255,8 @@ def read_points(
     context = next((value.context for value in given if is_mp(value)), None)
     shape = None
     if context is not None:
-        numbers: Numbers = _mp_numbers(p, context, context.prec)
-        points = [scalar(name, value, context.convert) for name, value in zip(POINTS, given, strict=True)]
+        numbers: MapArithmetic = _mp_numbers(p, context, context.prec)
+        points = [scalar(name, value, context.convert) for name, value in zip(POINT_NAMES, given, strict=True)]
         backward = points[3] < points[1]
     elif any(is_array(value) for value in given):
         numbers = _arrays(p)
@@ -259,18 +265,20 @@ def read_points(
         backward = bool(np.any(points[3] < points[1]))
     else:
         numbers = _floats(p)
-        points = [scalar(name, value, float) for name, value in zip(POINTS, given, strict=True)]
+        points = [scalar(name, value, float) for name, value in zip(POINT_NAMES, given, strict=True)]
         backward = points[3] < points[1]
     if backward and not row.sticks:
         raise ParameterError("theta_j", end[1], UNWRAPPED)
     return row, numbers, points, shape
 
 
-def _in_blocks(evaluate: Callable[[list[Any]], np.ndarray], points: list[Any], head: tuple[int, ...]) -> np.ndarray:
+def _in_blocks(
+    evaluate: Callable[[list[np.ndarray]], np.ndarray], points: list[np.ndarray], head: tuple[int, ...]
+) -> np.ndarray:
     size = len(points[0])
     found = np.empty((*head, size))
-    for begin in range(0, size, BLOCK):
-        block = slice(begin, begin + BLOCK)
+    for begin in range(0, size, ARRAY_BLOCK):
+        block = slice(begin, begin + ARRAY_BLOCK)
         found[..., block] = evaluate([column[block] for column in points])
     return found
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import re
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
@@ -46,7 +46,7 @@ class ExactPhase(NamedTuple):
         return rest + multiple * context.pi
 
 
-def has_pi(text: Any) -> bool:
+def has_pi(text: object) -> TypeGuard[str]:
     """Tell whether this is text with pi in it."""
     return isinstance(text, str) and ("pi" in text or "π" in text)
 

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
-from symosc.engine.next_event import END, FAILED, GRAZE, MOVED, REST, SLIP
-from symosc.engine.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms
+from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
 from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
-from symosc.kernels._generated import acceleration
 from symosc.mappings.equations import EXITS, jacobian, read_points
-from symosc.model import MODE_NAMES, SIDES, Parameters
+from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 from symosc.words import MAPS, Map
 
-# A flight is followed for so many forcing periods.
+# A flight is followed for this many forcing periods.
 MOST_MAP_PERIODS = 1000
 MAP_GUARD_DIGITS = 10
 
@@ -44,11 +44,11 @@ class MapError(SymoscError, ValueError):
     P3
     """
 
-    def __init__(self, label: str, x: Any, theta: Any, reason: str, actual: str | None = None) -> None:
+    def __init__(self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None) -> None:
         self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
         super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.label, self.x, self.theta, self.reason, self.actual)
 
 
@@ -77,8 +77,8 @@ class MapPoint:
     """
 
     label: str
-    x: Any
-    theta: Any
+    x: Number
+    theta: Number
     exit: str | None
     grazing: bool
     derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
@@ -93,7 +93,7 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
     label : str
         "P1" to "P8".
     x_i, theta_i : number
-        The start: position and phase Omega t (any multiple of 2 pi may be on it). Floats or mpmath numbers.
+        The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
 
     Returns
     -------
@@ -120,13 +120,14 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
     arithmetic = _engine(p, context.dps + MAP_GUARD_DIGITS if context else None)
     convert = context.convert if context else float
     inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
-    code, boundary, mode, x_end, gain = _next_event(row, arithmetic, inner(x), inner(theta))
+    event, gain = _next_event(row, arithmetic, inner(x), inner(theta))
+    code, boundary, end = event.code, event.boundary, event.state
     begun = (other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode))
     actual = next(other.label for other in begun if other.end.boundary == boundary)
     if actual != label:
         raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
-    exit = EXITS[mode - boundary] if code == SLIP else None
-    x_j, theta_j = convert(x_end), theta + convert(gain)
+    exit = EXITS[end.mode - boundary] if code == SLIP else None
+    x_j, theta_j = convert(end.x), theta + convert(gain)
     derivative = None
     if code != GRAZE:
         derivative = _solved(jacobian(p, label, (x, theta), (x_j, theta_j)))
@@ -138,39 +139,37 @@ def _engine(p: Parameters, digits: int | None) -> Arithmetic:
     return MpArithmetic(p, digits) if digits else Arithmetic(p)
 
 
-def _next_event(row: Map, arithmetic: Arithmetic, x: Any, theta: Any) -> tuple[int, int, int, Any, Any]:
-    """Return code, boundary and mode of the next event, its position, and the phase since the start."""
-    K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
+def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
+    """Return the next event, and its phase since the start."""
+    K, names = arithmetic.K, arithmetic.namespace
     two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * rest
-    v = (K.belt1 if boundary == 1 else K.belt2).v
-    s, c, A = names["sin"](phase), names["cos"](phase), (K.A1, K.A2, K.A3)
-    forces = [acceleration(x, v, c, A[side - 1], K.cm, K.w0sq, K.f0) for side in SIDES[boundary]]
-    # After a stick one force is 0, which its rounded end shows only to so much.
-    size = max(map(abs, A)) + abs(K.f0) * (1 + abs(theta)) + abs(K.w0sq * x) + abs(K.cm * v)
-    below, above = (0 * force if abs(force) <= ROUNDING * eps * size else force for force in forces)
-    where = names["resolve"](v, below, above, s, c, K)
-    leads = {BELT: 3 + boundary, DOMAIN_BELOW: SIDES[boundary][0], DOMAIN_ABOVE: SIDES[boundary][1]}[where]
-    if leads != row.mode:
-        goes = "stays on" if where == BELT else "goes into"
-        numbers = f"F^({SIDES[boundary][0]}) = {float(below):.6g}, F^({SIDES[boundary][1]}) = {float(above):.6g}"
-        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[leads]} there, since {numbers}")
-    start = (below, above) if row.sticks else (below, below) if where == DOMAIN_BELOW else (above, above)
-    state = (row.mode, boundary, 0, phase, x, v, *start, (eps * x) ** 2, 0 * x, 0 * x, 0 * x, 0 * x)
-    horizon = MOST_MAP_PERIODS * K.period
-    while True:
-        code, hit, _, _, *state_after = arithmetic.advance(*state, horizon, 0 * x, K)
-        state = tuple(state_after)
-        if code != MOVED:
-            break
-    if code in (END, REST):
-        many = f"within {MOST_MAP_PERIODS} periods" if code == END else "ever"
+    begun = _begun(row, arithmetic, x, theta, phase)
+    zero, horizon = 0 * x, MOST_MAP_PERIODS * K.period
+    event = NextEvent(MOVED, 0, True, zero, belt_state(begun, (0, phase), x, Covariance((eps * x) ** 2, zero, zero), K))
+    while event.code == MOVED:
+        event = arithmetic.advance(event.state, horizon, zero, K)
+    if event.code in (END, REST):
+        many = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {many}")
-    if code == FAILED:
+    if event.code == FAILED:
         raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")
-    mode, _, periods, phase_end, x_end = state[:5]
-    return code, hit, mode, x_end, periods * two_pi + (phase_end - phase)
+    return event, event.state.n * two_pi + (event.state.theta - phase)
+
+
+def _begun(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Number) -> BeltStart:
+    """Return how the motion starts; MapError if that is not as the map does."""
+    K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
+    # After a stick one force is 0, which its rounded end shows only to so much.
+    allowed = ROUNDING * names["EPS"] * (force_terms(boundary, x, K) + abs(K.f0 * theta))
+    begun = belt_start(boundary, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
+    if begun.mode != row.mode:
+        goes = "stays on" if begun.mode > ON_BELT else "goes into"
+        low, high = NEIGHBOURS[boundary]
+        numbers = f"F^({low}) = {float(begun.below):.6g}, F^({high}) = {float(begun.above):.6g}"
+        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[begun.mode]} there, since {numbers}")
+    return begun
 
 
 def _solved(J: np.ndarray) -> np.ndarray | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from symosc.errors import ParameterError
 from symosc.model import Parameters
@@ -15,7 +15,7 @@ class Place(NamedTuple):
     ----------
     domain, boundary : int
     side : int
-        1 for a contact from below, -1 for one from above.
+        Where the flow touches its domain's boundary: 1 above itself (a contact from below), -1 below itself.
     equation : int
         Its number in the paper: 55 to 58.
 
@@ -28,7 +28,7 @@ class Place(NamedTuple):
 
     domain: int
     boundary: int
-    side: int  # 1: from below, 0 < gamma + amplitude sin(theta); -1: from above, the opposite
+    side: int  # it grazes where side (gamma + amplitude sin(theta)) > 0
     equation: int
 
 
@@ -44,7 +44,7 @@ _NO_GRAZING = {
 ORDERS = ("full", "paper")
 
 # What a window is; a wrapped arc goes through 0.
-IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
+EQUALITY_IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
 
 
 def place(mapping: str) -> Place:
@@ -61,7 +61,7 @@ def place(mapping: str) -> Place:
     return PLACES[mapping]
 
 
-def check_parameters(p: Any) -> Parameters:
+def check_parameters(p: object) -> Parameters:
     """Return `p` if it is a set of parameters."""
     if not isinstance(p, Parameters):
         shown = p if isinstance(p, str | int | float | None) else type(p).__name__
@@ -79,8 +79,8 @@ def check_order(order: str) -> str:
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
     """Return what the window is from the signs of gamma, the amplitude and |gamma| - |amplitude|.
 
-    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there and G^(3) = -gamma Omega^2 has the
-    sign of a graze from `side` iff the rest of the circle is in the window: `full` includes it.
+    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
+    sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
     """
     level = side * gamma_sign
     if amplitude_sign == 0:

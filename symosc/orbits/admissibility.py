@@ -1,8 +1,9 @@
 """Which roots of the closing equations are orbits: every inequality that they do not contain, and its margin.
 
 The equations say that each piece ends on its belt. That it gets there first, and that the motion goes on as the next
-mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds: the smallest
-values tell how far an orbit is from ceasing to exist, and one that passes 0 along a branch is the reason why it ends.
+mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds. The smallest
+values show how far an orbit is from ceasing to exist. One that passes 0 along a branch is the reason why the branch
+ends.
 
 The margins are computed in the arithmetic of the equations, so that more digits decide what doubles cannot. The
 engine's verdict on the whole orbit is `symosc.orbits.verification`.
@@ -10,18 +11,21 @@ engine's verdict on the whole orbit is `symosc.orbits.verification`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Number, Point, Points
 from symosc.engine.flow import Constants
+from symosc.engine.state import Launch
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
 
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
-MOST_SAMPLES = 4000
+MOST_VELOCITY_SAMPLES = 4000
 FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
@@ -65,16 +69,16 @@ class Condition(NamedTuple):
 GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
 SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
 # A flight that no longer reaches its belt takes the stick behind it with it; a slip that vanishes takes its own arrival
-# with it; a crossing that turns into a stick makes the flight behind it leave on the wrong side.
-ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, GAP, FLIGHT_LASTS, ENGINE = range(8)
+# with it; a crossing that turns into a stick makes the flight behind it leave into the wrong domain.
+ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 
 class Extremum(NamedTuple):
     """A zero of the acceleration in a flight: time since its start, velocity, v''."""
 
-    tau: Any
-    v: Any
-    b: Any
+    tau: Number
+    v: Number
+    b: Number
 
 
 class Scales(NamedTuple):
@@ -85,7 +89,7 @@ class Scales(NamedTuple):
     a: float
 
 
-def scales(equations: ClosingEquations, points: Any) -> Scales:
+def scales(equations: ClosingEquations, points: Points) -> Scales:
     """Return the sizes of the terms in the margins of an orbit."""
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
@@ -94,7 +98,7 @@ def scales(equations: ClosingEquations, points: Any) -> Scales:
     return Scales(1 / float(K.rate), a / float(K.rate) + max(belts), a)
 
 
-def conditions(equations: ClosingEquations, points: Any) -> list[Condition]:
+def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return every inequality of a root with its margin, in the order of the pieces.
 
     Parameters
@@ -123,21 +127,21 @@ class _Margins:
     def __init__(self, equations: ClosingEquations, piece: int, sizes: Scales, found: list[Condition]) -> None:
         self.Om, self.piece, self.sizes, self.found = equations.K.Om, piece, sizes, found
 
-    def add(self, text: str, value: Any, theta: Any, event: str, rank: int, size: float) -> None:
+    def add(self, text: str, value: Number, theta: Number, event: str, rank: int, size: float) -> None:
         """Add one whose value is closest to 0 at the phase theta."""
         self.found.append(Condition(self.piece, text, float(value), float(theta / self.Om), event, rank, size))
 
 
 def _of_flight(
-    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Any, end: Any, equations: ClosingEquations
+    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, equations: ClosingEquations
 ) -> None:
     K, v_end, sizes = equations.K, equations.belt(piece.end).v, margins.sizes
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
     margins.add(f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t)
     arrival = piece.side * equations.force(piece.mode, end[0], v_end, end[1])
-    rank, size = GAP if piece.zeros == 2 else ARRIVAL, sizes.a
+    rank, size = STAYS_INSIDE if piece.zeros == 2 else ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = piece.side * _states(equations)(*[tau, *flight, K])[2]
+        arrival = piece.side * _states(equations)(tau, flight, K).F
         size *= float(min(1, abs(tau) * K.rate))
     where, sign = f"F^({piece.mode})", ">" if piece.side > 0 else "<"
     text = f"{piece.label} meets v{piece.end} with {where} {sign} 0"
@@ -149,7 +153,7 @@ def _of_flight(
                 if clearance < gap:
                     gap, nearest = clearance, start[1] + K.Om * extremum.tau
     text = f"{piece.label} stays in Omega{piece.mode}"
-    margins.add(text, gap, nearest, GRAZING, GAP, sizes.v * float(min(1, abs(tau) * K.rate)))
+    margins.add(text, gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * float(min(1, abs(tau) * K.rate)))
     far = piece.mode + piece.side
     beyond = piece.side * equations.force(far, end[0], v_end, end[1])
     if following.sticks:
@@ -160,8 +164,8 @@ def _of_flight(
         margins.add(text, beyond, end[1], BIRTH, PASSING, sizes.a)
 
 
-def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
-    """Return how far the velocity stays from the walls of its domain at an extremum that is turned to them."""
+def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Number]:
+    """Return how far the velocity stays from the boundaries of its domain at an extremum that is turned to them."""
     gaps = []
     if mode > 1 and extremum.b > 0:
         gaps.append(extremum.v - (K.belt1, K.belt2)[mode - 2].v)
@@ -170,7 +174,7 @@ def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Any]:
     return gaps
 
 
-def _of_stick(margins: _Margins, piece: OrbitPiece, start: Any, end: Any, equations: ClosingEquations) -> None:
+def _of_stick(margins: _Margins, piece: OrbitPiece, start: Point, end: Point, equations: ClosingEquations) -> None:
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
@@ -192,18 +196,18 @@ def _of_stick(margins: _Margins, piece: OrbitPiece, start: Any, end: Any, equati
     margins.add(text, slope, end[1], SLIP_VANISHING, STICK_END, float(abs(belt.drift) + abs(K.fB)))
 
 
-def _states(equations: ClosingEquations) -> Any:
+def _states(equations: ClosingEquations) -> Callable[..., Any]:
     return equations.arithmetic.namespace["state_at"]
 
 
-def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the extrema of the velocity of a flight (v0, a0, s0, c0) between two times; `at_rest`: a0 = 0 is none.
+def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
+    """Return the extrema of the velocity of a flight between two times; `at_rest`: a0 = 0 is none.
 
     They are looked for in doubles, and then placed in the arithmetic of the equations.
     """
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
-    span, count = float(tau - begin), int(min(MOST_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    span, count = float(tau - begin), int(min(MOST_VELOCITY_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
@@ -211,14 +215,15 @@ def extrema(begin: Any, tau: Any, flight: Any, at_rest: bool, equations: Closing
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
-def _extremum(low: float, high: float, falls: bool, flight: Any, equations: ClosingEquations) -> Extremum:
+def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
     states, K, number = _states(equations), equations.K, equations.exact or float
     allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):
-        _, dv, a, b, *_ = states(*[tau, *flight, K])
+        now = states(tau, flight, K)
+        a, b = now.F, now.G1
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
         following = tau - a / b if b != 0 else low
         if not low < following < high:
@@ -226,14 +231,14 @@ def _extremum(low: float, high: float, falls: bool, flight: Any, equations: Clos
         if abs(following - tau) <= allowed * high or following in (low, high):
             break
         tau = following
-    return Extremum(tau, flight[0] + dv, b)
+    return Extremum(tau, flight.v + now.dv, b)
 
 
-def grazing_distance(equations: ClosingEquations, points: Any) -> float:
+def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     """Return the least velocity by which a flight misses a belt that it turns before, or exceeds one that it meets.
 
     At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past
-    the belt if the motion of its domain went on: both are 0 where the orbit grazes, from either side.
+    the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from above.
     """
     K, nearest = equations.K, inf
     points = [(float(x), float(theta)) for x, theta in points]

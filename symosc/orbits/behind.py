@@ -1,19 +1,19 @@
-"""Which word a motion has just behind the end of a branch."""
+"""Which word a motion has just beyond the end of a branch."""
 
 from __future__ import annotations
 
 from math import pi
-from typing import Any
 
 import numpy as np
 
-from symosc.engine.next_event import REST
+from symosc.engine.state import REST
 from symosc.errors import ParameterError
 from symosc.orbits.branch import BranchPoint
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.curve import Curve
 from symosc.orbits.guesses import (
     SETTLING_EVENTS,
+    Passage,
     WordRun,
     follow,
     followed,
@@ -26,17 +26,17 @@ from symosc.orbits.newton import solve
 from symosc.orbits.verification import failures
 from symosc.words import Word, WordError, read_word
 
-# How far behind an end the words are looked for, as parts of the range: the nearest that can be told counts.
+# How far beyond an end the words are looked for, as parts of the range: the nearest that is found counts.
 DISTANCES = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 MOST_WORDS, MOST_GUESSES = 6, 4
-LONGEST = 24  # mappings of a word that is tried
+LONGEST_WORD = 24  # mappings of a word that is tried
 
 
 def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-    """Return the word of the orbit just behind an end, or None and what the motion does there instead, if that is told.
+    """Return the word of the orbit just beyond an end; or None and what the motion does there, "" if that is not known.
 
-    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for: one
-    with an admissible orbit is the answer, for with c > 0 there is no second one (`symosc.orbits.floquet`).
+    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
+    an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
     """
     instead = ""
     for distance in DISTANCES:
@@ -70,7 +70,7 @@ def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | 
     return None
 
 
-def _words_of_a_period(equations: ClosingEquations, passages: Any) -> list[Word]:
+def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
     """Return the words that the simulation goes through in one period, the last ones first."""
     labels, found = followed(passages), []
     phases = np.array([passage.theta for passage in passages])
@@ -78,7 +78,7 @@ def _words_of_a_period(equations: ClosingEquations, passages: Any) -> list[Word]
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
         part = labels[first:last]
-        if not 0 < len(part) <= LONGEST or None in part or phases[last] - turn < phases[0] - 1:
+        if not 0 < len(part) <= LONGEST_WORD or None in part or phases[last] - turn < phases[0] - 1:
             continue
         try:
             word = read_word(rotated(tuple(label for label in part if label), equations))

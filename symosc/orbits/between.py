@@ -1,32 +1,31 @@
 """That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
 
-A flight of duration tau stays between the walls of its domain exactly if tau > 0 and, for each wall and with u = time
-since its start/tau,
+A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the domain,
 
-    q(u) = +-(v - v_wall)/(time^j (1 - u)^e) > 0 on the whole of [0, 1],
+    q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
 
-where j counts the known roots at its start (0 off the wall, 1 on it, 2 behind a stick) and e those at its end. A stick
-has F/((1 - u) tau) for the force that ends it, and for the other force its distance from 0. These functions are smooth
-in u and along the branch, ends included: q(0) and q(1) are accelerations. All other conditions are smooth numbers.
+Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the boundary, 1 on it, 2
+after a stick), those at its end e. A stick has F/((1 - u) tau) for the force that ends it, and for the other force its
+distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are accelerations.
+All other conditions are smooth numbers.
 
-Three points of the branch and two on its cubic between them cut a piece of it into four. On a cell with the margins
-f0, f1 > 0 at its ends a margin is at least (1 - r) f0 + r f1 - C r (1 - r), with C = h^2 max|f''|/2, and that is
-positive for all r in [0, 1] if and only if
+Three points of the branch and two on its cubic between them cut a piece of it into four. Take a cell with the margins
+f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the margin is at least (1 - r) f0 + r f1 - C r
+(1 - r). That is positive for all r in [0, 1] if and only if
 
     sqrt(f0) + sqrt(f1) > sqrt(C).
 
-h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY: the bound holds as long as a
-margin's second derivative is nowhere larger than MARGIN_SAFETY times what it is at the inner points and, for the
-functions of u, at any neighbouring u. Where it does not suffice the piece is halved. It is a bound in this sense, not
-in the sense of interval arithmetic.
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound holds as long as a
+margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest value at the inner points (for the
+functions of u, also at the neighbouring u). Where it does not suffice the piece is halved. It is a bound in this sense,
+not in the sense of interval arithmetic.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from symosc.aliases import Point, Points
 from symosc.engine.flow import derivatives
 from symosc.kernels._generated import motion
 from symosc.kernels.entire_array import basis
@@ -66,7 +65,7 @@ def of_function(condition: Condition) -> bool:
     return " stays in " in condition.text or " during " in condition.text
 
 
-def _cells(values: np.ndarray, deficit: Any = 0.0) -> np.ndarray:
+def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
     """Return for each column of (5, n) values whether it is proven positive between the rows."""
     bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
     if bend.size > 2:
@@ -103,7 +102,7 @@ def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -> list[np.ndarray]:
+def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
     """Return the functions of piece i that have to be positive, at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
@@ -111,23 +110,23 @@ def functions(equations: ClosingEquations, points: Any, i: int, u: np.ndarray) -
 
 
 def _of_flight(
-    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
     _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
     b = derivatives(v, a, s, c, K)[0]
     found = []
-    for belt, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
-        if belt not in (1, 2):
+    for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
+        if boundary not in (1, 2):
             continue
-        roots = 0 if belt != piece.start else 2 if piece.after_stick else 1
-        gap = sign * ((v - equations.belt(belt).v) + dv)
+        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        gap = sign * ((v - equations.belt(boundary).v) + dv)
         inner = u > 0 if roots else np.ones(len(u), dtype=bool)
         q = np.empty(len(u))
         q[inner] = gap[inner] / times[inner] ** roots
         q[~inner] = sign * (0.5 * b if roots == 2 else a)
-        if belt == piece.end:
+        if boundary == piece.end:
             ends = u == 1
             q[~ends] /= 1 - u[~ends]
             q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)
@@ -136,7 +135,7 @@ def _of_flight(
 
 
 def _of_stick(
-    equations: ClosingEquations, piece: OrbitPiece, start: Any, end: Any, tau: float, u: np.ndarray
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.drawable import Drawable
 from symosc.errors import SymoscError
 from symosc.exact import whole_number
@@ -18,7 +19,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 
 
 class BranchError(SymoscError, ValueError):
-    """A branch that cannot be begun, because its first root is no orbit.
+    """A branch that cannot be begun, because its first root is not an orbit.
 
     Attributes
     ----------
@@ -38,7 +39,7 @@ class BranchError(SymoscError, ValueError):
         self.orbit = orbit
         super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.orbit,)
 
 
@@ -79,7 +80,7 @@ class BranchEnd(NamedTuple):
     conditions : tuple of Condition
         The inequalities that pass 0, the one that explains the others first, where they do.
     beyond : str or None
-        The word of the orbit just behind the end: one was found and verified there, as near as 1e-9 of the range. None
+        The word of the orbit just beyond the end: one was found and verified there, as near as 1e-9 of the range. None
         at the end of the range, where the motion has no word (the message says what it does), or if none was found.
 
     Examples
@@ -154,10 +155,10 @@ class Branch(Drawable):
     def _index(self, i: int) -> int:
         return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return everything as plain values."""
 
-        def plain(end: BranchEnd) -> dict[str, Any]:
+        def plain(end: BranchEnd) -> Record:
             points = [list(map(float, point)) for point in end.points]
             return end._asdict() | {"points": points, "conditions": [c._asdict() for c in end.conditions]}
 

@@ -6,10 +6,10 @@ mapping from point i to point i + 1, the last one back to (x_0, theta_0 + 2 pi N
 Jacobian is block-cyclic: mapping i has one 2x2 block for its start and one for its end. As all points are unknown,
 errors do not grow along the orbit as they would with shooting from one point, and every equation belongs to one piece.
 
-The residuals are those of `symosc.mappings.equations`, continued to where they are no mappings any more, so that a
-branch of orbits is smooth up to its end and beyond: sticks may have a negative duration; a flight after a stick starts
-with no acceleration (the stick's equation says so already). Where tau = 0 is a root of f2 it is divided out: Newton's
-method does not fall for it, and a slip may vanish without the system becoming singular.
+The residuals are those of `symosc.mappings.equations`, continued to where there are no mappings any more. So a branch
+of orbits is smooth up to its end and beyond. Sticks may have a negative duration. A flight after a stick starts with no
+acceleration, as the stick's equation says already. Where tau = 0 is a root of f2 it is divided out: Newton's method
+does not fall for it, and a slip may vanish without the system becoming singular.
 """
 
 from __future__ import annotations
@@ -22,8 +22,10 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Point, Points
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
+from symosc.engine.state import Launch
 from symosc.errors import SymoscError
 from symosc.kernels._generated import (
     acceleration,
@@ -60,11 +62,11 @@ class ConvergenceError(SymoscError, ArithmeticError):
     P654 True
     """
 
-    def __init__(self, word: str, best: tuple[Any, ...], periods: int, residual: float, reason: str) -> None:
+    def __init__(self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str) -> None:
         self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
         super().__init__(f"no periodic orbit {word} was found: {reason} (smallest residual {residual:.1e})")
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
 
 
@@ -77,11 +79,11 @@ class OrbitPiece:
     label : str
         "P1" to "P8".
     start, end : int
-        The belts that it starts and ends on.
+        The boundaries that it starts and ends on.
     mode : int
         1 to 3: flight in that domain; 4, 5: stick on belt 1, 2 (as in `symosc.engine.next_event`).
     side : int
-        +1 if its end is reached from below (flight) or left upward (stick), -1 otherwise.
+        Where it leaves its domain or its belt: +1 upwards, -1 downwards.
     after_stick : bool
         Whether it starts where a stick ends, so that its first acceleration is 0.
     """
@@ -108,7 +110,7 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a word, which repeats for ever."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        upward = exit == "above" if row.sticks else row.end.side == 1  # side 1 is below the belt
+        upward = exit == "above" if row.sticks else row.end.superscript == 1  # from below
         after_stick = word.maps[i - 1].sticks
         pieces.append(
             OrbitPiece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
@@ -152,17 +154,17 @@ class ClosingEquations:
         return self._coarse
 
     def with_digits(self, digits: int) -> ClosingEquations:
-        """Return the same equations with so many digits."""
+        """Return the same equations with that many digits."""
         finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
         finer._coarse = self.coarse
         return finer
 
-    def ends(self, points: Any) -> list[Any]:
+    def ends(self, points: Points) -> list[Point]:
         """Return the points (x, theta) that the pieces end on."""
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
-    def residuals(self, points: Any) -> list[Any]:
+    def residuals(self, points: Points) -> list[Number]:
         """Return f1, f2 of every piece, in order, the known roots tau = 0 divided out of f2."""
         values = []
         for piece, start, end in self._ends_of_pieces(points):
@@ -170,18 +172,18 @@ class ClosingEquations:
             values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
         return values
 
-    def largest_residual(self, points: Any) -> Any:
+    def largest_residual(self, points: Points) -> Number:
         """Return the largest |f1|, |f2| of eq. (54)."""
         return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
 
-    def blocks(self, points: Any) -> list[Any]:
+    def blocks(self, points: Points) -> list[Any]:
         """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
         return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
 
-    def _ends_of_pieces(self, points: Any) -> Any:
+    def _ends_of_pieces(self, points: Points) -> Any:
         return zip(self.pieces, points, self.ends(points), strict=True)
 
-    def force(self, domain: int, x: Any, v: Any, theta: Any) -> Any:
+    def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return the acceleration F^(domain) (eq. (9))."""
         K = self.K
         return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
@@ -190,13 +192,13 @@ class ClosingEquations:
         """Return the constants of a belt."""
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
-    def start_of_flight(self, piece: OrbitPiece, start: Any) -> tuple[Any, Any, Any, Any]:
-        """Return velocity, acceleration, and sine and cosine of the phase at the start of a flight."""
+    def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
+        """Return the point that a flight starts from."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
-        return v, a, self.sin(start[1]), self.cos(start[1])
+        return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
-    def _residual(self, piece: OrbitPiece, start: Any, end: Any) -> tuple[Any, Any]:
+    def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
             domain = piece.start + (piece.side > 0)
@@ -206,7 +208,7 @@ class ClosingEquations:
         basis = self.basis(tau, K)[:5]
         return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
-    def _jacobian(self, piece: OrbitPiece, start: Any, end: Any) -> Any:
+    def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
             x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
@@ -223,7 +225,7 @@ class ClosingEquations:
             v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
-    def matrix(self, points: Any) -> np.ndarray:
+    def matrix(self, points: Points) -> np.ndarray:
         """Return the block-cyclic Jacobian, (2n, 2n) floats."""
         n = len(self.pieces)
         matrix = np.zeros((2 * n, 2 * n))

@@ -1,13 +1,13 @@
 """Branches of periodic orbits: pseudo-arclength continuation, and why a branch ends.
 
 The closing equations plus one for the arclength are solved by Newton's method from a point on the tangent. No general
-package is used: what makes these branches end are inequalities (a graze, the birth of a stick) that a continuation code
-for smooth systems does not know, and the smooth part is a Newton method on a small block system that is there already.
+package is used. These branches end at inequalities (a graze, the birth of a stick), which continuation codes for smooth
+systems do not know. The smooth part is Newton's method on a small block system, which is there already.
 
 The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one). So every reason to
-end is a change of sign of a smooth function along the branch. A step is accepted when the point halfway is where the
-cubic of its two ends says, and when no margin can reach 0 between them (`symosc.orbits.between`); else it is halved. So
-a gap in a branch is found however narrow it is compared with the steps, and its end is located by the same halving.
+end is a change of sign of a smooth function along the branch. A step is accepted if the point halfway is where the
+cubic of its two ends says, and if no margin can reach 0 between them (`symosc.orbits.between`). Otherwise it is halved.
+So a gap in a branch is found however narrow it is compared with the steps, and its end is located by the same halving.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.aliases import NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -38,7 +39,7 @@ MULTIPLIER_MESSAGES = {
     PERIOD_DOUBLING: "a multiplier is -1",
     NEIMARK_SACKER: "two complex multipliers have the modulus 1",
 }
-RANGE, STALLED, MOST = "end of the range", "no convergence", "max_points"
+RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
 
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
@@ -46,19 +47,19 @@ BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
 VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
 TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
-# So near to a change a shorter gap before it is not told from it, and nothing is proven on the way.
+# So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
 NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
-MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far it is left behind
+MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
 FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
-TOUCH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+TOUCH_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 def continue_orbit(
     parameters: Parameters,
     word: Any,
     parameter: str,
-    range: tuple[Any, Any],
+    range: tuple[NumberLike, NumberLike],
     guess: Any = None,
     *,
     periods: int | None = None,
@@ -91,7 +92,7 @@ def continue_orbit(
     ParameterError
         If there is no such parameter, or the range is empty, not allowed or does not contain the parameter's value.
     BranchError
-        If the first root is no orbit.
+        If the first root is not an orbit.
 
     Examples
     --------
@@ -155,7 +156,7 @@ def _begun(curve: Curve, direction: float) -> list[BranchPoint]:
 
 
 class Scanned(NamedTuple):
-    """The points of a step that are orbits, in order, and the first one behind them that is not (None: all are)."""
+    """The points of a step that are orbits, in order, and the first one after them that is not (None: all are)."""
 
     points: list[BranchPoint]
     failed: BranchPoint | None
@@ -178,7 +179,7 @@ def _scan(curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf) 
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return Scanned([m, b], None)
-        elif length < TOUCH:  # all is rounding noise here; next to a change it says nothing
+        elif length < TOUCH_LENGTH:  # all is rounding noise here; next to a change it says nothing
             return Scanned([], _touching(m)) if around > NEAR_CHANGE else Scanned([m], None)
     first = _scan(curve, a, m, around)
     if first is None or first.failed is not None:
@@ -188,7 +189,7 @@ def _scan(curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf) 
 
 
 def _smooth(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-    """Return whether the point in the middle is where the cubic of the other two says, but for the way along it."""
+    """Return whether the point in the middle is on the cubic of the other two, wherever along it."""
     away = curve.level(curve.of(m) - curve.halfway(a, b))
     along = curve.level(m.tangent)
     away = away - (away @ along) * along
@@ -221,7 +222,7 @@ def _touching(point: BranchPoint) -> BranchPoint:
 
 
 def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-    """Return the last point before a change, if it is not the given one, and the first one behind it, by halving."""
+    """Return the last point before a change, if it is not the given one, and the first one after it, by halving."""
     begin = good
     while curve.distance(good, bad) > RESOLUTION:
         m = curve.middle(good, bad)
@@ -232,7 +233,7 @@ def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[Br
 
 
 def _changes(curve: Curve | None, a: BranchPoint, b: BranchPoint) -> list[str]:
-    """Return what happens between a point and one behind it, what explains the rest first; empty if nothing does.
+    """Return what happens between a point and one after it, what explains the rest first; empty if nothing does.
 
     Multipliers leave the unit circle only without damping (`symosc.orbits.floquet`).
     """
@@ -258,7 +259,7 @@ def _multiplier_tests(point: BranchPoint) -> tuple[float, float, float]:
 def _ended(
     curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
 ) -> tuple[list[BranchPoint], BranchEnd]:
-    """Return the points and why they end: what fails behind the last one, and what is as good as 0 there."""
+    """Return the points and why they end: what fails after the last one, and what is practically 0 there."""
     far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
@@ -274,7 +275,7 @@ def _ended(
     path[-1] = last = _inside(curve, path[-1])
     outward = float(np.sign(failed.value - before.value)) or direction
     word, instead = look_behind(curve, last, outward)
-    message += f"; behind it {instead}" if instead else ""
+    message += f"; beyond it {instead}" if instead else ""
     return path, BranchEnd(kind, last.value, message, _named(curve, last), reasons, word)
 
 
@@ -297,7 +298,7 @@ def _is_found(equations: ClosingEquations, point: BranchPoint) -> bool:
 def _stalled(curve: Curve, point: BranchPoint) -> BranchEnd:
     nearest = min(point.conditions, key=lambda condition: condition.value)
     message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
-    return BranchEnd(STALLED, point.value, message, _named(curve, point), (nearest,))
+    return BranchEnd(NO_CONVERGENCE, point.value, message, _named(curve, point), (nearest,))
 
 
 def _named(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:

@@ -63,11 +63,11 @@ class Curve:
         """Return the derivative of the residuals with respect to the parameter, by differences."""
         points, value = self.split(z)
         change = DIFFERENCE * (self.high - self.low)
-        # To one side at the ends of the range: there may be no such system beyond.
+        # One-sided at the ends of the range: there may be no such system beyond.
         above = change if value + change <= self.high else 0.0
         below = change if value - change >= self.low else 0.0
-        sides = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
-        return (sides[0] - sides[1]) / (above + below)
+        beside = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
+        return (beside[0] - beside[1]) / (above + below)
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
         """Return points (n, 2) and parameter from the scaled unknowns."""
@@ -143,7 +143,7 @@ class Curve:
         return self.point(self.joined(self.start, self.value), np.append(np.zeros(len(self.scale) - 1), direction))
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
+        """Return the point at z, or None if there is no such point or the curve turns too sharply towards it."""
         if z is None:
             return None
         try:

@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Points
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import whole_number
+from symosc.exact import read_digits, whole_number
 from symosc.mappings.arguments import text_or_booleans
 from symosc.model import Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
 from symosc.orbits.guesses import (
-    LEAST_EVENTS,
+    LEAST_RUN_EVENTS,
     Guess,
     between,
     evenly_spaced,
@@ -30,12 +31,11 @@ from symosc.orbits.guesses import (
 from symosc.orbits.newton import Solution, polish, solve
 from symosc.orbits.periodic_orbit import Approach, PeriodicOrbit, SwitchingPoint
 from symosc.orbits.verification import failures
-from symosc.words import WordError, read_word
+from symosc.words import Word, WordError, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
 ORBIT_GUARD_DIGITS = 15
-LEAST_DIGITS, MOST_DIGITS = 5, 10_000
 TRIES_PER_BATCH = 4
 # The search tries evenly spaced points over all periods; beyond these it takes minutes.
 MOST_ORBIT_PERIODS = 200
@@ -59,8 +59,8 @@ def find_orbit(
     word : str or sequence of str
         The mapping structure, read right to left: "P32" is P2 first, then P3.
     guess : optional
-        None: from simulations. n pairs (t, x), one for each switching in order of time; or a single pair (t, x) on the
-        belt on which the word begins, from which the guess is simulated; or a PeriodicOrbit of the same word.
+        None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one pair (t, x) on the
+        belt on which the word begins; the guess is simulated from there. Or a PeriodicOrbit of the same word.
     digits : int, optional
         None: double precision. An int: that many correct digits (mpmath).
     periods : int, optional
@@ -69,12 +69,13 @@ def find_orbit(
     Returns
     -------
     PeriodicOrbit
-        Its `admissible` says whether it is an orbit; if the guess led to a root that is none, `failures` says why.
+        Its `admissible` says whether it is an orbit; if the guess led to a root that is not an orbit, `failures` says
+        why.
 
     Raises
     ------
     WordError
-        If the word is none, or its mappings cannot follow each other.
+        If it is not a word, or its mappings cannot follow each other.
     ParameterError
         If the guess has a wrong shape, its times do not increase, or k = 0.
     ConvergenceError
@@ -83,9 +84,9 @@ def find_orbit(
     Notes
     -----
     With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and has the period of the
-    excitation. Other words, and more periods, only have roots that are no orbits. There is no orbit where the mass may
-    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With
-    c = 0 there may be many orbits, and they may be marginal.
+    excitation. Other words, and more periods, only have roots that are not orbits. There is no orbit where the mass may
+    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c
+    = 0 there may be many orbits, and they may be marginal.
 
     Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
 
@@ -96,20 +97,31 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    structure = read_word(word)
-    if len(structure.labels) > MOST_MAPPINGS:
-        reason = f"has {len(structure.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
-        raise WordError(f"{str(structure)[:20]}...", reason)
+    found = _read_word(word)
+    _check_parameters(parameters)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    digits = read_digits(digits)
+    equations = ClosingEquations(parameters, found, periods or 1)
+    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
+    root = _best_root(equations, batches)
+    return orbit_at(root[0], root[1], digits)
+
+
+def _read_word(word: Any) -> Word:
+    """Return a word that is short enough to look for its orbit."""
+    found = read_word(word)
+    if len(found.labels) > MOST_MAPPINGS:
+        reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        raise WordError(f"{str(found)[:20]}...", reason)
+    return found
+
+
+def _check_parameters(parameters: object) -> None:
+    """Raise ParameterError unless these are Parameters with a spring."""
     if not isinstance(parameters, Parameters):
         raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
-    digits = None if digits is None else whole_number("digits", digits, LEAST_DIGITS, MOST_DIGITS)
-    equations = ClosingEquations(parameters, structure, periods or 1)
-    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
-    root = _best_root(equations, batches)
-    return orbit_at(root[0], root[1], digits)
 
 
 def _guesses(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
@@ -130,7 +142,7 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
             if not solution.converged:
                 best = solution if best is None or solution.residual < best.residual else best
                 continue
-            if any(_same(solution, tried, other, at) for _, at, other in roots):
+            if any(_same(tried, solution, others, other) for _, others, other in roots):
                 continue
             failed = failures(tried, solution.points)
             repeats = repetitions(tried, solution.points) > 1
@@ -147,9 +159,9 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
     raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
 
 
-def _same(a: Solution, at: ClosingEquations, b: Solution, other: ClosingEquations) -> bool:
-    """Return whether two roots are one, but for whole turns."""
-    if at.periods != other.periods:
+def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
+    """Return whether two roots are the same, apart from whole turns."""
+    if equations.periods != others.periods:
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
@@ -234,7 +246,7 @@ def _message(
     if failed:
         what = "; ".join(map(_failure, failed))
         zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
-        return f"a root that is no orbit ({what}){_instead(equations, zero)}"
+        return f"a root that is not an orbit ({what}){_instead(equations, zero)}"
     periods = equations.periods
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
     text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
@@ -253,23 +265,23 @@ def _failure(condition: Condition) -> str:
 
 
 def _size(gap: float | None) -> str:
-    """Return 1 - gap so that it can be told from 1."""
+    """Return 1 - gap, written so that it differs from 1."""
     if gap is None:
         return "1"
     return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
-    """Say what the motion at these parameters comes to; `resting`: the root is a stick that may last for ever."""
-    for belt in {piece.start for piece in equations.pieces if piece.sticks and resting}:
-        positions = rest_positions(equations.parameters, belt)
+    """Say how the motion at these parameters ends; `resting`: the root is a stick that may last for ever."""
+    for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
+        positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
-            return f"; the mass stays on belt {belt}, {between(positions)}"
+            return f"; the mass stays on belt {boundary}, {between(positions)}"
     found = settles(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
     return f"; {found}" if found else ""
 
 
-def switching_points(equations: ClosingEquations, points: Any) -> list[SwitchingPoint]:
+def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
     """Return (t, x) from (x, theta)."""
     number = float if equations.exact is None else equations.exact
     return [SwitchingPoint(number(theta / equations.K.Om), number(x)) for x, theta in points]
@@ -291,7 +303,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_EVENTS + n)
+        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
         found = windows(run.passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")

@@ -17,14 +17,14 @@ Friction never grows with the velocity (A_1 >= A_2 >= A_3), so the difference y 
 
 No difference grows. For c > 0 and k > 0 motions are bounded, so by Brouwer's theorem a periodic one exists, with the
 period of the excitation. If E stays constant along two motions, y' = 0 and y = d for all times. If d is not 0, the
-equations of the two differ by k d, so both have set-valued friction at all times: both ride the same belt for ever.
-Being bounded they do so on a belt at rest. Hence, for c > 0 and k > 0:
+equations of the two differ by k d. So both have set-valued friction at all times: both stick to the same belt for ever.
+They are bounded, so that belt is at rest. Hence, for c > 0 and k > 0:
 
 - An orbit with a flight of positive length is the only periodic motion, attracts all others, and both its multipliers
-  lie inside the unit circle. All words have flights, so every admissible orbit with c > 0 is stable, no other word has
-  one at these parameters, and folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur: a
+  lie inside the unit circle. All words have flights. So every admissible orbit with c > 0 is stable, and no other word
+  has one at these parameters. Folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur. A
   branch of orbits ends at a graze, or where a stick, a slip or a flight is born or vanishes.
-- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|: the mass may rest on it for ever, at every x
+- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|. The mass may rest on it for ever, at every x
   of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These motions are periodic, attract the others
   only as a set, and have the multiplier 1. They have no flight, so no word.
 
@@ -35,17 +35,19 @@ ratios is at most 1.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number, Points
 from symosc.kernels._generated import motion
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import polish
 
-# A multiplier this near to the unit circle is computed once more with so many digits ...
-NEAR_ONE, DIGITS = 1e-9, 50
-# ... and lies on it if it is so near even then.
+# A multiplier this near to the unit circle is computed again with this many digits ...
+NEAR_ONE, MULTIPLIER_DIGITS = 1e-9, 50
+# ... and lies on it if it is this near even then.
 ON_CIRCLE = 1e-25
 
 
@@ -59,12 +61,12 @@ class Monodromy(NamedTuple):
         The determinant comes from its factors, not from the matrix: it keeps its digits however small it is.
     """
 
-    matrix: Any
-    trace: Any
-    determinant: Any
+    matrix: tuple[tuple[Number, Number], tuple[Number, Number]]
+    trace: Number
+    determinant: Number
 
 
-def monodromy(equations: ClosingEquations, points: Any) -> Monodromy:
+def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
     """Return the monodromy matrix of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
     K, pieces = equations.K, equations.pieces
     xx, xv, vx, vv = 1, 0, 0, 1
@@ -86,7 +88,7 @@ def monodromy(equations: ClosingEquations, points: Any) -> Monodromy:
     return Monodromy(((xx, xv), (vx, vv)), xx + vv, determinant)
 
 
-def multipliers(trace: Any, determinant: Any, root: Any) -> tuple[Any, Any]:
+def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
     """Return the eigenvalues, the larger one first, from trace and determinant; `root` is a complex square root."""
     half = trace / 2
     square = half * half - determinant
@@ -96,8 +98,8 @@ def multipliers(trace: Any, determinant: Any, root: Any) -> tuple[Any, Any]:
     return large, determinant / large if large != 0 else 0 * large
 
 
-def inside(equations: ClosingEquations, points: Any, values: Any) -> float | None:
-    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 as far as 50 digits tell.
+def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
+    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 to 50 digits.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def inside(equations: ClosingEquations, points: Any, values: Any) -> float | Non
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
-    fine = equations.with_digits(DIGITS)
+    fine = equations.with_digits(MULTIPLIER_DIGITS)
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
@@ -119,14 +121,14 @@ def inside(equations: ClosingEquations, points: Any, values: Any) -> float | Non
     return None if abs(gap) < ON_CIRCLE else gap
 
 
-def rest_positions(parameters: Parameters, belt: int) -> tuple[Fraction, Fraction] | None:
+def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
     """Return the lowest and the highest x at which the mass may rest on a belt for ever; None if it cannot.
 
     The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
     """
     p = parameters
-    if p.belt(belt) != 0 or p.k == 0:
+    if p.belt(boundary) != 0 or p.k == 0:
         return None
-    below, above = (p.A(domain) for domain in SIDES[belt])
+    below, above = (p.A(domain) for domain in NEIGHBOURS[boundary])
     low, high = (above + abs(p.B0)) / p.k, (below - abs(p.B0)) / p.k
     return (low, high) if low <= high else None

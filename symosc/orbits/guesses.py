@@ -5,23 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 from math import cos, pi, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from symosc.engine.next_event import CROSS, END, FAILED, REST, SLIP, STICK, advance
-from symosc.engine.switching import BELT, DOMAIN_ABOVE, resolve
+from symosc.aliases import Number
+from symosc.engine.start import belt_start, belt_state
+from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.model import MODE_NAMES
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word
 
-EVENTS_PER_PIECE, LEAST_EVENTS = 8, 60
+EVENTS_PER_PIECE, LEAST_RUN_EVENTS = 8, 60
 MOST_GUESS_PERIODS = 1_000_000
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 # Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
-PHASES, POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
+START_PHASES, START_POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
 BATCH = 8
 
 
@@ -51,18 +52,14 @@ class WordRun(NamedTuple):
 
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
     """Follow the motion from a start on a belt for at most `most` events, in double precision."""
-    K, belt, turns = equations.K, equations.belt(boundary), int(theta // (2 * pi))
-    below, above = (equations.force(boundary + side, x, belt.v, theta) for side in (0, 1))
-    where = resolve(belt.v, below, above, sin(theta), cos(theta), K)
-    mode = 3 + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
-    forces = (below, above) if where == BELT else (above, above) if where == DOMAIN_ABOVE else (below, below)
-    state: Any = (mode, boundary, turns, theta - 2 * pi * turns, x, belt.v, *forces, 0.0, 0.0, 0.0, 0.0, 0.0)
-    passages, code = [Passage(x, theta, boundary, mode)], END
+    K, turns = equations.K, int(theta // (2 * pi))
+    start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
+    state = belt_state(start, (turns, theta - 2 * pi * turns), x, Covariance(0.0, 0.0, 0.0), K)
+    passages, code = [Passage(x, theta, boundary, start.mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, *rest = advance(*[*state, MOST_GUESS_PERIODS * K.period, 0.0, K])
-        state = rest
+        code, belt_met, _, _, state = equations.arithmetic.advance(state, MOST_GUESS_PERIODS * K.period, 0.0, K)
         if code in (CROSS, STICK, SLIP):
-            passages.append(Passage(state[4], 2 * pi * state[2] + state[3], belt_met, state[0]))
+            passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
     return WordRun(passages, code)
@@ -93,12 +90,12 @@ def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     """Return the word that repeats `labels`, begun with the first mapping of the equations' word if it has that."""
     first = equations.word.labels[0]
-    at = labels.index(first) if first in labels else 0
-    return Word(labels[at:] + labels[:at])
+    begin = labels.index(first) if first in labels else 0
+    return Word(labels[begin:] + labels[:begin])
 
 
 def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
-    """Say in words what the motion from a start on a belt comes to; "" if it has not settled soon."""
+    """Say in words where the motion from a start on a belt settles; "" if it has not settled soon."""
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     word = settled_word(equations, run)
     if word is not None:
@@ -117,7 +114,7 @@ def without_word(equations: ClosingEquations, run: WordRun) -> str:
     return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
 
 
-def between(positions: tuple[Any, Any]) -> str:
+def between(positions: tuple[Number, Number]) -> str:
     """Name an interval of positions of rest."""
     low, high = (f"{float(value):.6g}" for value in positions)
     return f"where every x from {low} to {high} is a position of rest"
@@ -126,9 +123,9 @@ def between(positions: tuple[Any, Any]) -> str:
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
     """Return every stretch of a simulation that follows the word, with how far it is from closing."""
     n = len(labels)
-    word, found = followed(passages), []
-    for k in range(len(word) - n + 1):
-        if tuple(word[k : k + n]) != labels:
+    done, found = followed(passages), []
+    for k in range(len(done) - n + 1):
+        if tuple(done[k : k + n]) != labels:
             continue
         first, last = passages[k], passages[k + n]
         turns = (last.theta - first.theta) / (2 * pi)
@@ -151,18 +148,19 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
     """Yield guesses from simulations that start on the word's belts, the most nearly closed first, batch by batch."""
     centre, size = largest_displacement(equations)
-    belts = sorted({piece.start for piece in equations.pieces})
-    most = max(LEAST_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
+    boundaries = sorted({piece.start for piece in equations.pieces})
+    most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
     starts = [
-        (centre + offset * size, 2 * pi * j / PHASES, belt)
-        for offset in POSITIONS
-        for j in range(PHASES)
-        for belt in belts
+        (centre + offset * size, 2 * pi * j / START_PHASES, boundary)
+        for offset in START_POSITIONS
+        for j in range(START_PHASES)
+        for boundary in boundaries
     ]
     for k in range(0, len(starts), BATCH):
         found: list[Guess] = []
-        for x, theta, belt in starts[k : k + BATCH]:
-            found += windows(follow(equations, x, theta, belt, most).passages, equations.word.labels, periods, size)
+        for x, theta, boundary in starts[k : k + BATCH]:
+            run = follow(equations, x, theta, boundary, most)
+            found += windows(run.passages, equations.word.labels, periods, size)
         yield sorted(found, key=lambda guess: guess.defect)
 
 
@@ -171,8 +169,8 @@ def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
     centre, size = largest_displacement(equations)
     n = len(equations.pieces)
     found = []
-    for j in range(2 * PHASES):
-        theta = 2 * pi * (j / (2 * PHASES) + periods * np.arange(n) / n)
+    for j in range(2 * START_PHASES):
+        theta = 2 * pi * (j / (2 * START_PHASES) + periods * np.arange(n) / n)
         for amplitude in (0.2, 0.6):
             points = np.column_stack([centre + amplitude * size * np.sin(theta), theta])
             found.append(Guess(points, periods, np.inf))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Points
 from symosc.kernels.entire import EPS
 from symosc.orbits.closing_equations import ClosingEquations
 
@@ -33,7 +34,7 @@ class Solution:
     """What Newton's method ended with: points (n, 2) of (x, theta), largest |residual|, steps, and why it stopped."""
 
     points: Any
-    residual: Any
+    residual: Number
     steps: int
     converged: bool
     reason: str
@@ -124,7 +125,7 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
     return float(min(1.0, (SHORTEN * durations[shrinking] / -changes[shrinking]).min()))
 
 
-def polish(equations: ClosingEquations, points: Any) -> Solution:
+def polish(equations: ClosingEquations, points: Points) -> Solution:
     """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps.
 
     Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the

@@ -1,4 +1,4 @@
-"""A periodic orbit: its data, its states at any time, and how a start lies to it."""
+"""A periodic orbit: its data, its states at any time, and how far a start is from it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import Number, Record
 from symosc.drawable import Drawable
-from symosc.engine.first_exit import state_at
+from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.orbits.admissibility import Condition, conditions
@@ -19,7 +21,7 @@ from symosc.simulation.simulate import simulate
 from symosc.words import Word
 
 NEAR_ORBIT = 1e-6
-FIRST_LOOK, PATIENCE = 20, 400  # periods after which `approach` looks a second time, and gives up
+FIRST_LOOK, LAST_LOOK = 20, 400  # periods after which `approach` looks a second time, and gives up
 
 
 class SwitchingPoint(NamedTuple):
@@ -38,12 +40,12 @@ class SwitchingPoint(NamedTuple):
     t = 0.181670, x = 4.154921
     """
 
-    t: Any
-    x: Any
+    t: Number
+    x: Number
 
 
 class Approach(NamedTuple):
-    """How a start lies to a periodic orbit.
+    """How far a start is from a periodic orbit, and how soon its motion comes near.
 
     Attributes
     ----------
@@ -73,7 +75,7 @@ class Approach(NamedTuple):
 
 @dataclass(frozen=True)
 class PeriodicOrbit(Drawable):
-    """A periodic orbit, or a root of its closing equations that is none (`admissible` is False).
+    """A periodic orbit, or a root of its closing equations that is not one (`admissible` is False).
 
     Calling it gives the state: ``orbit(t)`` is ``[x, v]``, of shape (2,) or (2, n), for any times.
 
@@ -93,8 +95,8 @@ class PeriodicOrbit(Drawable):
     multipliers : tuple of two complex numbers
         Floquet multipliers, the larger one first; 0 is one of them if the orbit sticks.
     stable : bool or None
-        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it as far as 50 digits tell.
-        An admissible orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
+        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it to 50 digits. An admissible
+        orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
     residual : float
         Largest |f1|, |f2| of eq. (54).
     admissible : bool
@@ -124,9 +126,9 @@ class PeriodicOrbit(Drawable):
     word: str
     labels: tuple[str, ...]
     points: tuple[SwitchingPoint, ...]
-    period: Any
+    period: Number
     periods: int
-    multipliers: tuple[Any, Any]
+    multipliers: tuple[Number, Number]
     stable: bool | None
     residual: float
     admissible: bool
@@ -159,7 +161,7 @@ class PeriodicOrbit(Drawable):
         """Return every inequality that makes the root an orbit, with its margin."""
         return conditions(self.equations(), self.phases())
 
-    def __call__(self, t: Any) -> np.ndarray:
+    def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
         times = np.asarray(t, dtype=float)
         equations, points = self.equations(), self.phases()
@@ -181,7 +183,7 @@ class PeriodicOrbit(Drawable):
         offset = start - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
         length, periods = float(self.period), None
-        for span in (FIRST_LOOK, PATIENCE):
+        for span in (FIRST_LOOK, LAST_LOOK):
             end = float(scene.t0) + (span + 0.5) * length
             path = simulate(scene, t_end=end)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
@@ -206,10 +208,10 @@ class PeriodicOrbit(Drawable):
                 best = min(best, (dt, float(scene.x0) - float(x)), key=lambda pair: _size(*pair))
         return best
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> Record:
         """Return everything as plain values; numbers with more than double precision become text."""
 
-        def plain(value: Any) -> Any:
+        def plain(value: Any) -> float | str:
             return float(value) if self.digits is None else value.context.nstr(value, self.digits)
 
         rows = zip(self.labels, self.points, strict=True)
@@ -240,8 +242,8 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
     tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
     if piece.sticks:
         return x + v * tau, v
-    dx, dv, *_ = state_at(*[tau, *equations.start_of_flight(piece, (x, begin)), K])
-    return x + dx, v + dv
+    now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
+    return x + now.dx, v + now.dv
 
 
 def _size(dt: float, dx: float) -> float:

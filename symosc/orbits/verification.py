@@ -3,7 +3,8 @@
 Three things are asked, in this order.
 
 1. Do all inequalities hold (`symosc.orbits.admissibility`)? Where a margin is too small for doubles the root is refined
-   to FINE_DIGITS digits first; what is 0 there holds for no orbit: a piece without length, a belt that is only touched.
+to FINE_DIGITS digits first. If a margin is 0 there, it is not an orbit: a piece has no length, or a belt is only
+touched.
 2. Does the motion from a switching point of the root do what the word says? It is simulated over the whole period by
    the engine, always: no margin is too small or too large for that. (In real arithmetic its first exits are proven to
    be the first; what rounding may do was measured. See `symosc.engine.first_exit`.)
@@ -12,13 +13,14 @@ Three things are asked, in this order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, pi
-from typing import Any
 
 import numpy as np
 
+from symosc.aliases import Number, Points
 from symosc.kernels.entire import EPS
-from symosc.model import MODE_NAMES
+from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.admissibility import (
     ENGINE,
     FLIGHT_LASTS,
@@ -33,6 +35,7 @@ from symosc.orbits.admissibility import (
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.newton import Solution, polish
 from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...
 MARGINAL = 1e-9
@@ -45,11 +48,11 @@ ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
 SAME_POINT = 1e-6
-VANISHING = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
+VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 
 
-def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
+def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return what keeps a root from being an orbit, the condition that explains the others first; empty for an orbit.
 
     Parameters
@@ -80,7 +83,7 @@ def failures(equations: ClosingEquations, points: Any) -> list[Condition]:
     return [_contradiction(equations, points)]
 
 
-def ill_conditioned(equations: ClosingEquations, points: Any) -> bool:
+def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     """Return whether rounding errors of the residuals move the phases of the root by more than MARGINAL."""
     sizes, rows = scales(equations, points), []
     x_size = max(abs(float(x)) for x, _ in points)
@@ -96,12 +99,12 @@ def ill_conditioned(equations: ClosingEquations, points: Any) -> bool:
 
 
 def _cleaned(condition: Condition) -> Condition:
-    """Return the condition with the value 0 where it is 0 as far as FINE_DIGITS tell."""
+    """Return the condition with the value 0 where it is 0 to FINE_DIGITS digits."""
     return condition._replace(value=0.0) if abs(condition.value) < NOTHING_LEFT * condition.scale else condition
 
 
-def refined(equations: ClosingEquations, points: Any) -> tuple[ClosingEquations, Solution]:
-    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method gets hold of it."""
+def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquations, Solution]:
+    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method finds it."""
     fine = equations.with_digits(FINE_DIGITS)
     try:
         return fine, polish(fine, points)
@@ -110,20 +113,20 @@ def refined(equations: ClosingEquations, points: Any) -> tuple[ClosingEquations,
 
 
 def _vanishing(
-    equations: ClosingEquations, points: Any, found: list[Condition], fine: ClosingEquations, root: Solution
+    equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
     """Return that a piece has no length where its duration goes to 0 under Newton's method: a multiple root."""
     was, now = (
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))
     )
-    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING * abs(was[i])}
+    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING_PART * abs(was[i])}
     lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     return [c._replace(value=0.0) for c in lasts]
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail or may fail, for a root that more digits do not get hold of."""
+    """Return the conditions that fail or may fail, for a root that is not found with more digits."""
     failed = failing(found)
     if failed:
         return failed
@@ -132,7 +135,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
     return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
 
 
-def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool:
+def agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
     """Return whether the engine, started on the root, follows the word and comes back after the period."""
     i = _start(equations, points)
     events = _simulated(equations, points, i, digits)
@@ -149,20 +152,20 @@ def agrees(equations: ClosingEquations, points: Any, digits: int | None) -> bool
     return True
 
 
-def _start(equations: ClosingEquations, points: Any) -> int:
-    """Return the switching point, of those that a flight ends on, where the forces on both sides are clearest."""
+def _start(equations: ClosingEquations, points: Points) -> int:
+    """Return the switching point at the end of a flight where the forces above and below the belt are clearest."""
     best, start = -inf, 0
     for i, piece in enumerate(equations.pieces):
         if equations.pieces[i - 1].sticks:
             continue
         (x, theta), v = points[i], equations.belt(piece.start).v
-        clearest = min(abs(float(equations.force(piece.start + side, x, v, theta))) for side in (0, 1))
+        clearest = min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[piece.start])
         if clearest > best:
             best, start = clearest, i
     return start
 
 
-def _simulated(equations: ClosingEquations, points: Any, i: int, digits: int | None) -> Any:
+def _simulated(equations: ClosingEquations, points: Points, i: int, digits: int | None) -> Sequence[Event]:
     """Return the events of a little more than one period from switching point i."""
     p, (x, theta) = equations.parameters, points[i]
     number = equations.exact or float
@@ -173,7 +176,7 @@ def _simulated(equations: ClosingEquations, points: Any, i: int, digits: int | N
     return simulate(p, t0=t, x0=number(x), v0=v, t_end=end, max_events=most, digits=digits).events
 
 
-def _expected(equations: ClosingEquations, points: Any, i: int) -> list[tuple[int, int, Any, Any]]:
+def _expected(equations: ClosingEquations, points: Points, i: int) -> list[tuple[int, int, Number, Number]]:
     """Return boundary, mode after it, x and t of every switching after point i, up to its own a period later."""
     n, pieces, number = len(equations.pieces), equations.pieces, equations.exact or float
     due = []
@@ -184,7 +187,7 @@ def _expected(equations: ClosingEquations, points: Any, i: int) -> list[tuple[in
     return due
 
 
-def _contradiction(equations: ClosingEquations, points: Any) -> Condition:
+def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
     """Return which piece the engine, started on the root, does not follow."""
     i, n = _start(equations, points), len(points)
     events, due = _simulated(equations, points, i, None), _expected(equations, points, i)

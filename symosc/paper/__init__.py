@@ -1,6 +1,7 @@
 """The paper's claims, recomputed and judged; its figures, as printed and corrected; and the report on both.
 
-claims are data (TOML), checks compute the evidence, pictures and drawings draw, run and report put all together.
+claims and errata are data (TOML), checks compute the evidence, coverage tells what of the paper they are on, pictures
+and drawings draw, run, report and letter put all together.
 May import: everything but cli.
 
 One more claim: an entry in claims, and a function in checks that returns an Evidence.

@@ -136,7 +136,9 @@ def grazing_P2_caption(name: str) -> str:
         )
     else:
         printed = show(load_scene(printed_scene(name)).parameters.A0)
-        what = f"With A0 = {show(p.A0)} instead of {printed}. {_contact(view, touching)} {STAR}"
+        shift = (load_scene(printed_scene(name)).parameters.A0 - p.A0) / p.k
+        same = f"(The same motion, moved by {number(float(shift))} in x, has A0 = {printed}.)"
+        what = f"With A0 = {show(p.A0)} instead of {printed}. {_contact(view, touching)} {same} {STAR}"
     x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
     return (
         f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from symosc.derive.chapters import CHAPTERS
 from symosc.errors import SymoscError
-from symosc.paper.evidence import CONFIRMED, UNDECIDED, VERDICTS, Evidence
+from symosc.paper.evidence import CORRECTED, NOT_AS_PRINTED, VERDICTS, Evidence
 
 FOLDER = Path(__file__).parent / "claims"
 CHECKS = "symosc.paper.checks"
@@ -24,8 +24,16 @@ PARTS = {
     "figures": "What is said about the figures",
 }
 REQUIRED = ("id", "source", "says", "check", "verdict")
-LISTS = ("figures",)
-OPTIONAL = (*LISTS, "derivation", "correction")
+LISTS = ("figures", "errata")
+OPTIONAL = (*LISTS, "derivation", "correction", "remark")
+#: Verdicts that say that something is wrong: they need a correction, and the erratum that it belongs to.
+FAULTY = (CORRECTED, NOT_AS_PRINTED)
+ERRATA, UNJUDGED = "errata", "unjudged"
+SEVERITIES = {
+    "wrong": "a statement that does not hold",
+    "gap": "something is left out that the statement needs",
+    "typo": "a sign, word or number, without consequence once it is read right",
+}
 
 
 class ClaimsError(SymoscError, ValueError):
@@ -69,6 +77,10 @@ class Claim:
         Subject of the chapter that derives it, a key of CHAPTERS.
     correction : str or None
         The statement that does hold, if this one does not as it stands.
+    errata : tuple of str
+        Ids of the errata that it shows; several claims can show one erratum.
+    remark : str or None
+        What there is to add to a statement that holds.
     """
 
     id: str
@@ -80,6 +92,51 @@ class Claim:
     figures: tuple[str, ...] = ()
     derivation: str | None = None
     correction: str | None = None
+    errata: tuple[str, ...] = ()
+    remark: str | None = None
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """An error or gap of the paper, counted once however many claims it shows in.
+
+    Attributes
+    ----------
+    id : str
+    severity : str
+        Key of SEVERITIES.
+    where, printed, holds : str
+        Place in the paper, what stands there, and what does hold.
+    proof : str
+        Why, in about two lines.
+    """
+
+    id: str
+    severity: str
+    where: str
+    printed: str
+    holds: str
+    proof: str
+
+
+@dataclass(frozen=True)
+class Unjudged:
+    """A part of the paper that gets no verdict.
+
+    Attributes
+    ----------
+    source, says : str
+        Where, and what stands there.
+    why : str
+        Why no verdict is possible.
+    """
+
+    source: str
+    says: str
+    why: str
+
+
+Record = TypeVar("Record", Erratum, Unjudged)
 
 
 def read_claims(pictures: Collection[str], folder: Path = FOLDER, checks: str = CHECKS) -> tuple[Claim, ...]:
@@ -98,36 +155,79 @@ def read_claims(pictures: Collection[str], folder: Path = FOLDER, checks: str = 
     ------
     ClaimsError
         For a file that is no TOML or no part; a key that is unknown, missing or no text; an id twice; a verdict,
-        figure, derivation or check function that does not exist; a correction too many or too few.
+        figure, erratum, derivation or check function that does not exist; a correction too many or too few.
     """
     claims: dict[str, Claim] = {}
     for path in sorted(folder.glob("*.toml")):
-        if path.stem not in PARTS:
+        if path.stem not in (*PARTS, ERRATA, UNJUDGED):
             raise ClaimsError(path.name, f"is no part; parts are {', '.join(PARTS)}")
+    errata = {erratum.id for erratum in read_errata(folder)}
     for part in PARTS:
         path = folder / f"{part}.toml"
         if not path.exists():
             continue
-        for number, table in enumerate(_tables(path), 1):
-            claim = _claim(part, table, f"{path.name}, claim {table.get('id', number)}", pictures, checks)
+        for number, table in enumerate(_tables(path, "claim"), 1):
+            where = f"{path.name}, claim {table.get('id', number)}"
+            claim = _claim(part, table, where, pictures, errata, checks)
             if claim.id in claims:
                 raise ClaimsError(path.name, f"id {claim.id!r} is there twice")
             claims[claim.id] = claim
     return tuple(claims.values())
 
 
-def _tables(path: Path) -> list[dict[str, Any]]:
+def read_errata(folder: Path = FOLDER) -> tuple[Erratum, ...]:
+    """Read the errata, in the order in which the letter to the authors lists them: that of the paper."""
+    found = _records(folder, ERRATA, "erratum", Erratum)
+    for erratum in found:
+        _kebab(f"{ERRATA}.toml", erratum.id)
+        _one_of(f"{ERRATA}.toml, erratum {erratum.id}", "severity", erratum.severity, SEVERITIES)
+    if len({erratum.id for erratum in found}) < len(found):
+        raise ClaimsError(f"{ERRATA}.toml", "an id is there twice")
+    return found
+
+
+def read_unjudged(folder: Path = FOLDER) -> tuple[Unjudged, ...]:
+    """Read what gets no verdict."""
+    return _records(folder, UNJUDGED, "part", Unjudged)
+
+
+def _records(folder: Path, stem: str, name: str, kind: type[Record]) -> tuple[Record, ...]:
+    """Read a file of tables that all have the fields of a dataclass, each of them text."""
+    path = folder / f"{stem}.toml"
+    if not path.exists():
+        return ()
+    names = [field.name for field in fields(kind)]
+    found = []
+    for number, table in enumerate(_tables(path, name), 1):
+        where = f"{path.name}, {name} {table.get('id', number)}"
+        if sorted(table) != sorted(names):
+            raise ClaimsError(where, f"has {', '.join(table)}; must have {', '.join(names)}")
+        for key, value in table.items():
+            if not isinstance(value, str) or not value.strip():
+                raise ClaimsError(where, f"{key} = {value!r}: must be text")
+        found.append(kind(**{key: _one_line(value) for key, value in table.items()}))
+    return tuple(found)
+
+
+def _kebab(where: str, name: str) -> None:
+    if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
+        raise ClaimsError(where, f"id = {name!r}: must be kebab case")
+
+
+def _tables(path: Path, name: str) -> list[dict[str, Any]]:
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise ClaimsError(path.name, f"cannot be read: {error}") from None
-    tables = data.pop("claim", [])
+    tables = data.pop(name, [])
     if data or not isinstance(tables, list):
-        raise ClaimsError(path.name, f"may only have [[claim]] tables, not {', '.join(data) or 'another claim'}")
+        raise ClaimsError(path.name, f"may only have [[{name}]] tables, not {', '.join(data) or f'another {name}'}")
     return tables
 
 
-def _claim(part: str, table: dict[str, Any], where: str, pictures: Collection[str], checks: str) -> Claim:
+def _claim(
+    part: str, table: dict[str, Any], where: str, pictures: Collection[str], errata: Collection[str], checks: str
+) -> Claim:
     for key in REQUIRED:
         if key not in table:
             raise ClaimsError(where, f"{key} is missing")
@@ -137,15 +237,17 @@ def _claim(part: str, table: dict[str, Any], where: str, pictures: Collection[st
         texts = value if key in LISTS else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
             raise ClaimsError(where, f"{key} = {value!r}: must be {'a list of texts' if key in LISTS else 'text'}")
-    if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", table["id"]):
-        raise ClaimsError(where, f"id = {table['id']!r}: must be kebab case")
+    _kebab(where, table["id"])
     _one_of(where, "verdict", table["verdict"], VERDICTS)
     for key in table.get("figures", ()):
         _one_of(where, "figure", key, pictures)
-    if table["verdict"] == CONFIRMED and "correction" in table:
-        raise ClaimsError(where, "has a correction although it is confirmed")
-    if table["verdict"] not in (CONFIRMED, UNDECIDED) and "correction" not in table:
-        raise ClaimsError(where, "correction is missing: what does hold?")
+    for key in table.get("errata", ()):
+        _one_of(where, "erratum", key, errata)
+    for key, why in (("correction", "what does hold?"), ("errata", "which erratum does it show?")):
+        if table["verdict"] in FAULTY and key not in table:
+            raise ClaimsError(where, f"{key} {'is' if key == 'correction' else 'are'} missing: {why}")
+        if table["verdict"] not in FAULTY and key in table:
+            raise ClaimsError(where, f"has {key} although its verdict is {table['verdict']!r}")
     return Claim(
         id=table["id"],
         part=part,
@@ -156,6 +258,8 @@ def _claim(part: str, table: dict[str, Any], where: str, pictures: Collection[st
         figures=tuple(table.get("figures", ())),
         derivation=_subject(where, table["derivation"]) if "derivation" in table else None,
         correction=_one_line(table["correction"]) if "correction" in table else None,
+        errata=tuple(table.get("errata", ())),
+        remark=_one_line(table["remark"]) if "remark" in table else None,
     )
 
 

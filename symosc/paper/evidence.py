@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 CONFIRMED = "confirmed"
+#: What the paper lays down, and this program with it: there is nothing to find out.
+DEFINITION = "by definition"
 CORRECTED = "confirmed with a correction"
 NOT_AS_PRINTED = "not as printed"
 UNDECIDED = "cannot be decided"
-VERDICTS = (CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED)
+VERDICTS = (CONFIRMED, DEFINITION, CORRECTED, NOT_AS_PRINTED, UNDECIDED)
 
 
 @dataclass(frozen=True)

@@ -1,38 +1,44 @@
-"""Whether one misprinted number explains why a printed start is not on the periodic orbit it is printed with.
+"""Whether one misprinted number explains why a printed start is not on the periodic motion it is printed with.
 
-Every parameter is left free in turn: the orbit of the printed structure is followed over it, both ways, until it ends
-or the range does, and where it comes nearest to the printed start, the distance is minimised. Then each number of the
-start is left free. A misprint explains the start if what was not left free agrees to half a unit of its last digit.
+A periodic motion comes back to its start after one period of the drive. Every parameter is left free in turn: from the
+printed start, on its belt, one period is followed for many values, and between those next to the smallest misses the
+miss is minimised. A value explains the start if the orbit of the printed structure then goes through it, to half a unit
+of its last digit. Then each number of the start is left free: there the orbit of the printed parameters is looked at.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
+from fractions import Fraction
 from math import inf, pi
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from symosc.errors import SymoscError
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.continuation import continue_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene
+from symosc.simulation.ensemble import simulate_many
 
 #: How far a parameter is varied: this many times its size (at least 1) both ways, as far as the model allows.
 REACH = 10
+#: Values of a parameter that are tried: so many evenly spaced, and so many on each side ever closer to what is printed.
+EVEN, CLOSE = 120, 50
+#: So many of the smallest misses are minimised; an orbit is looked for where the miss is below this.
+VALLEYS, NEAR = 3, 0.002
 # The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
 LEAST = 1e-3
 POSITIVE, NOT_NEGATIVE = ("m", "k", "Omega"), ("c", "mu1", "mu2", "FN")
+# How long is followed, in periods: the event that may be the return can be late.
+FOLLOWED = Fraction(5, 4)
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """Where the orbit comes nearest to the printed start when one number is left free.
+    """How near a motion comes to being periodic from the printed start when one number is left free.
 
     Attributes
     ----------
@@ -41,11 +47,12 @@ class Nearest:
     value : float
         Its value there.
     dt, dx : float
-        Orbit minus printed start, in time (modulo the period) and position; 0 for what was left free.
+        By how much the motion misses the start after one period, in time and position; where it is an orbit, the
+        switching point of that minus the start. 0 for what was left free.
     searched : tuple of float
-        The values between which the orbit exists and was searched.
-    ends : tuple of str
-        Why the search ended at either side.
+        The values that were tried.
+    orbit : bool
+        Whether it is the orbit of the printed structure that dt and dx are measured from.
     """
 
     name: str
@@ -53,7 +60,7 @@ class Nearest:
     dt: float
     dx: float
     searched: tuple[float, float]
-    ends: tuple[str, str]
+    orbit: bool
 
     @property
     def distance(self) -> float:
@@ -61,116 +68,62 @@ class Nearest:
         return max(abs(self.dt), abs(self.dx))
 
 
-@dataclass(frozen=True)
-class Companion:
-    """A parameter value with which the orbit agrees with one number of the start, the other one being left free too.
-
-    Attributes
-    ----------
-    name, value : str, float
-        The parameter and its value.
-    uncertainty : float
-        What half a unit of the start's last digit changes it by.
-    agrees : str
-        "t0" or "x0".
-    """
-
-    name: str
-    value: float
-    uncertainty: float
-    agrees: str
-
-    def is_round(self, digits: int) -> bool:
-        """Tell whether a number with so many significant digits lies within the uncertainty."""
-        return abs(self.value - float(f"{self.value:.{digits - 1}e}")) <= self.uncertainty
-
-
-def search_parameters(scene: Scene, half_unit: float) -> tuple[list[Nearest], list[Companion]]:
-    """Leave each of the eleven parameters free in turn.
-
-    Parameters
-    ----------
-    scene : Scene
-        With the printed start, on a belt, and the structure of the orbit.
-    half_unit : float
-        Half a unit of the last digit of the printed start.
-
-    Returns
-    -------
-    nearest : list of Nearest
-        One per parameter, the nearest first.
-    companions : list of Companion
-        All values with which the orbit agrees with t0 alone or with x0 alone.
-    """
-    nearest, companions = [], []
-    for name in PARAMETER_NAMES:
-        one, more = _along(scene, name, half_unit)
-        nearest.append(one)
-        companions += more
-    return sorted(nearest, key=lambda each: each.distance), companions
+def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) -> list[Nearest]:
+    """Leave each of the parameters free in turn; return one result for each, the nearest first."""
+    return sorted((_along(scene, name) for name in names), key=lambda each: each.distance)
 
 
 def search_start(scene: Scene) -> list[Nearest]:
     """Leave each number of the start free in turn; the parameters stay as they are printed."""
     orbit = find_orbit(scene.parameters, scene.structure)
     t0, x0, gaps = float(scene.t0), float(scene.x0), _gaps(orbit, scene)
-    whole: dict[str, Any] = {"searched": (-inf, inf), "ends": ("", "")}
     dt, dx = min(gaps, key=lambda gap: abs(gap[1]))
-    found = [Nearest("t0", t0 + dt, 0.0, dx, **whole)]
+    found = [Nearest("t0", t0 + dt, 0.0, dx, (-inf, inf), True)]
     dt, dx = min(gaps, key=lambda gap: abs(gap[0]))
-    found.append(Nearest("x0", x0 + dx, dt, 0.0, **whole))
+    found.append(Nearest("x0", x0 + dx, dt, 0.0, (-inf, inf), True))
     x, v = orbit(t0)
-    return [*found, Nearest("v0", float(v), 0.0, float(x) - x0, **whole)]
+    return [*found, Nearest("v0", float(v), 0.0, float(x) - x0, (-inf, inf), True)]
 
 
-def _along(scene: Scene, name: str, half_unit: float) -> tuple[Nearest, list[Companion]]:
-    branch = continue_orbit(scene.parameters, scene.structure, name, _range(scene.parameters, name))
-    gaps = np.array([_gaps_of(p, branch.parameters(i), scene) for i, p in enumerate(branch.points)])
-    best = np.unravel_index(np.abs(gaps).max(axis=2).argmin(), gaps.shape[:2])
-    index, point = int(best[0]), int(best[1])
-
-    def gap(value: float, near: int) -> np.ndarray:
-        changed = scene.parameters.replace(**{name: value})
-        orbit = find_orbit(changed, scene.structure, branch.points[near], periods=branch.periods)
-        return np.array(_gaps(orbit, scene)[point])
-
-    value, least = branch.values[index], gaps[index, point]
-    around = branch.values[[max(index - 1, 0), min(index + 1, len(branch.values) - 1)]]
-    finer = minimize_scalar(
-        lambda number: _distance(gap, float(number), index), bounds=sorted(around), method="bounded"
-    )
-    if finer.fun < np.abs(least).max():
-        value, least = float(finer.x), gap(float(finer.x), index)
-    ends = (branch.ends[0].kind, branch.ends[1].kind)
-    searched = (float(branch.values[0]), float(branch.values[-1]))
-    nearest = Nearest(name, float(value), float(least[0]), float(least[1]), searched, ends)
-    return nearest, _companions(name, branch.values, gaps[:, point], gap, half_unit)
+def _along(scene: Scene, name: str) -> Nearest:
+    values = _tried(scene.parameters, name)
+    misses = _misses(scene, name, values)
+    sizes = np.abs(misses).max(axis=1)
+    best, value, orbit = misses[sizes.argmin()], float(values[sizes.argmin()]), False
+    for i in _valleys(sizes):
+        around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
+        at, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
+        if np.abs(miss).max() < NEAR:
+            exact, gap = _least(lambda number: _gap(scene, name, number), around)
+            if np.abs(gap).max() < np.abs(best).max():
+                best, value, orbit = gap, exact, True
+        elif np.abs(miss).max() < np.abs(best).max():
+            best, value = miss, at
+    return Nearest(name, value, float(best[0]), float(best[1]), (float(values[0]), float(values[-1])), orbit)
 
 
-def _companions(
-    name: str, values: np.ndarray, gaps: np.ndarray, gap: Callable[[float, int], np.ndarray], half_unit: float
-) -> list[Companion]:
-    found = []
-    for column, agrees in enumerate(("t0", "x0")):
-        for i, (one, two) in enumerate(pairwise(gaps[:, column])):
-            # A jump by half a period is no root.
-            if one * two > 0 or one == two or abs(one - two) > 1:
-                continue
-            low, high = values[i], values[i + 1]
-            root = float(brentq(lambda value, i=i, column=column: gap(float(value), i)[column], low, high, xtol=1e-12))
-            slope = (two - one) / (high - low)
-            found.append(Companion(name, root, abs(half_unit / slope), agrees))
-    return found
+def _least(miss: Any, around: tuple[float, float]) -> tuple[float, np.ndarray]:
+    """Minimise the larger component of a miss."""
+    found = minimize_scalar(lambda number: float(np.abs(miss(float(number))).max()), bounds=around, method="bounded")
+    return float(found.x), np.asarray(miss(float(found.x)))
 
 
-def _distance(gap: Callable[[float, int], np.ndarray], value: float, near: int) -> float:
-    try:
-        return float(np.abs(gap(value, near)).max())
-    except SymoscError:  # just behind the end of the branch
-        return inf
+def _valleys(sizes: np.ndarray) -> list[int]:
+    """Return where the smallest local minima are, ends included."""
+    padded = np.array([inf, *sizes, inf])
+    at = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
+    return [int(i) for i in at[np.argsort(sizes[at])][:VALLEYS]]
 
 
-def _range(p: Parameters, name: str) -> tuple[float, float]:
+def _tried(p: Parameters, name: str) -> np.ndarray:
+    value, (low, high) = float(getattr(p, name)), range_of(p, name)
+    closer = np.geomspace(LEAST, 1.0, CLOSE)
+    near = [value - (value - low) * closer, value + (high - value) * closer]
+    return np.unique(np.concatenate([np.linspace(low, high, EVEN), *near, [value]]))
+
+
+def range_of(p: Parameters, name: str) -> tuple[float, float]:
+    """Return the values of a parameter that are tried: REACH times its size both ways, as far as the model allows."""
     value = float(getattr(p, name))
     reach = REACH * max(1.0, abs(value))
     low, high = value - reach, value + reach
@@ -186,13 +139,38 @@ def _range(p: Parameters, name: str) -> tuple[float, float]:
     return low, high
 
 
+def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
+    """Return (dt, dx) of the contact that comes nearest to the printed start one period later, for each value."""
+    boundary = 1 if scene.v0 == scene.parameters.v1 else 2
+    sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
+    periods = np.array([2 * pi / float(p.Omega) for p in sets])
+    t0, x0 = float(scene.t0), float(scene.x0)
+    starts = [(scene.t0, scene.x0, p.belt(boundary)) for p in sets]
+    # A few thousand short motions: compiling would take longer.
+    table = simulate_many(sets, starts, t0 + float(FOLLOWED) * periods, accuracy=inf, use_numba=False)
+    misses = np.full((len(values), 2), inf)
+    here = table.boundary == boundary
+    dt, dx = table.t - t0 - periods[table.trajectory], table.x - x0
+    size = np.where(here, np.maximum(np.abs(dt), np.abs(dx)), inf)
+    for row in np.lexsort((-size, table.trajectory)):  # the last one of each trajectory is the nearest
+        if size[row] < inf:
+            misses[table.trajectory[row]] = dt[row], dx[row]
+    return misses
+
+
+def _gap(scene: Scene, name: str, value: float) -> np.ndarray:
+    """Return (dt, dx) from the printed start to the nearest switching point of the orbit; inf if there is none."""
+    try:
+        orbit = find_orbit(scene.parameters.replace(**{name: value}), scene.structure)
+    except SymoscError:
+        return np.array([inf, inf])
+    if not orbit.admissible:
+        return np.array([inf, inf])
+    return np.array(min(_gaps(orbit, scene), key=lambda gap: max(map(abs, gap))))
+
+
 def _gaps(orbit: PeriodicOrbit, scene: Scene) -> list[tuple[float, float]]:
-    points = np.array([(float(point.t), float(point.x)) for point in orbit.points])
-    return _gaps_of(points, orbit.parameters, scene)
-
-
-def _gaps_of(points: np.ndarray, p: Parameters, scene: Scene) -> list[tuple[float, float]]:
     """Return (dt, dx) from the printed start to each switching point, dt modulo the period."""
-    period = 2 * pi / float(p.Omega)
+    period, points = float(orbit.period), np.array([(float(point.t), float(point.x)) for point in orbit.points])
     dt = (points[:, 0] - float(scene.t0) + period / 2) % period - period / 2
     return list(zip(dt.tolist(), (points[:, 1] - float(scene.x0)).tolist(), strict=True))

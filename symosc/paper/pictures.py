@@ -61,13 +61,13 @@ def _drawn(build: Callable[[], Figure], describe: Callable[[], str], number: int
 
 def _computed(form: tuple[Callable[..., Figure], Callable[[str], str]], scene: str, title: str, alt: str) -> Picture:
     build, describe = form
-    number, _, corrected = scene.removeprefix("fig").partition("-")
-    heading = f"Fig. {number}{', corrected' if corrected else ''}: {title}"
+    number, _, form_of = scene.removeprefix("fig").partition("-")
+    heading = f"Fig. {number}{FORMS[form_of]}: {title}"
     return Picture(
         scene,
         heading,
         alt,
-        None if corrected else int(number),
+        None if form_of else int(number),
         partial(build, scene),
         partial(describe, scene),
         partial(build, scene, columns=1),
@@ -86,6 +86,8 @@ def _window(mapping: str) -> Picture:
     )
 
 
+# What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
+FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 # What draws and what describes each form of figure.
 STICK = stick_figure, captions.stick_caption
 GRAZING_P2 = grazing_figure_P2, captions.grazing_P2_caption
@@ -143,13 +145,13 @@ _ALL = (
     _computed(
         GRAZING_P2,
         "fig7-corrected",
-        title="with the constant force that fits its start",
+        title="with A0 = 10",
         alt="The velocity rises to belt 1, where an inset shows a very short stick, and stays below it from then on.",
     ),
     _computed(
         GRAZING_P2,
         "fig7-exact",
-        title="the exact graze",
+        title="the graze, with A0 = 10",
         alt="The velocity touches belt 1 from below in one point and stays below it from then on.",
     ),
     _computed(
@@ -161,7 +163,7 @@ _ALL = (
     _computed(
         GRAZING_P3,
         "fig8-exact",
-        title="the exact graze, then a stick",
+        title="the graze, then a stick",
         alt="The velocity touches belt 1 from above in one point, swings up and falls to it again, where it sticks.",
     ),
     _computed(

@@ -4,31 +4,33 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import threading
 from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import asdict
 from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from symosc.citation import paper_reference
 from symosc.errors import OutputError
 from symosc.machine import machine
-from symosc.paper.claims import PARTS
-from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED
+from symosc.paper import letter
+from symosc.paper.claims import PARTS, SEVERITIES, Erratum
+from symosc.paper.coverage import NAMES, coverage
+from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, UNDECIDED
+from symosc.paper.rendering import render
 from symosc.paper.run import ERROR, Judged, Results
-from symosc.paper.typeset import typeset
 
 #: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
 BADGES = {
     CONFIRMED: ("confirmed", "✓"),
+    DEFINITION: ("definition", "≡"),
     CORRECTED: ("corrected", "±"),
     NOT_AS_PRINTED: ("misprinted", "✗"),
     UNDECIDED: ("undecided", "?"),
@@ -43,11 +45,15 @@ WORDS = {
     "returns.",
     "rational or exact contact": "Parameters, place and the sine and cosine of the phase are rational numbers: what "
     "happens there is decided exactly, without rounding.",
-    "exact start": "The start next to the printed one from which the motion grazes, with 40 digits.",
+    "exact start": "A start with 40 digits from which the motion grazes at a round phase; it rounds to the printed one "
+    "(in Fig. 8 up to the last digit).",
+    "by definition": "The paper lays it down, and this program as well: there is nothing to find out.",
+    "flown again": "Every stretch of a motion computed once more by another closed form in doubles, and what follows "
+    "each contact decided by Theorems 4 and 5.",
     "residual": "What is left of an equation, 0 in theory, where computed numbers are put in.",
     "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
 }
-NAMES = ("report.html", "report.md", "report.json")
+REPORTS = ("report.html", "report.md", "report.json")
 FIGURES, DERIVATIONS = "figures", "derivations"
 
 
@@ -57,6 +63,9 @@ def data(results: Results) -> dict[str, Any]:
         "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
+        "errata": [asdict(erratum) | {"claims": _shown_by(erratum, results)} for erratum in results.errata],
+        "coverage": _coverage(results),
+        "unjudged": [asdict(part) for part in results.unjudged or ()],
         "changed": [each.claim.id for each in results.changed],
         "failures": results.failures,
         "made": {"seconds": round(results.seconds, 1), **machine()},
@@ -64,6 +73,21 @@ def data(results: Results) -> dict[str, Any]:
         "figures": [_figure(key, results) for key in results.pictures],
         "derivations": [_derivation(subject, results) for subject in results.chapters],
     }
+
+
+def _shown_by(erratum: Erratum, results: Results) -> list[str]:
+    return [each.claim.id for each in results.shown_by(erratum)]
+
+
+def _coverage(results: Results) -> list[dict[str, Any]]:
+    """Return what there is on each numbered item of the paper; nothing if only a part of the claims was judged."""
+    if results.unjudged is None:
+        return []
+    table = coverage((each.claim for each in results.judged), results.unjudged)
+    return [
+        {"item": item.label, "kind": item.kind, "claims": on.claims, "unjudged": [part.says for part in on.unjudged]}
+        for item, on in table.items()
+    ]
 
 
 def _claim(each: Judged) -> dict[str, Any]:
@@ -78,6 +102,8 @@ def _claim(each: Judged) -> dict[str, Any]:
         "finding": each.finding,
         "numbers": each.numbers,
         "correction": claim.correction,
+        "errata": list(claim.errata),
+        "remark": claim.remark,
         "figures": list(claim.figures),
         "derivation": claim.derivation,
         "seconds": round(each.seconds, 3),
@@ -124,11 +150,14 @@ def files(results: Results) -> dict[str, str]:
     found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
     parts = {part: title for part, title in PARTS.items() if any(each.claim.part == part for each in results.judged)}
     context = {**content, "parts": parts, "badges": BADGES, "groups": _groups(content["figures"]), "words": WORDS}
+    context |= {"severities": SEVERITIES, "kinds": NAMES}
     images = {key: _data_uri(each.svg) for key, each in drawn.items()}
     narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}
     proofs = {subject: Markup(chapter_html(each.latex, level=4)) for subject, each in chapters.items()}
-    found["report.md"] = _render("report.md.j2", context)
-    found["report.html"] = _render("report.html.j2", {**context, "images": images, "narrow": narrow, "proofs": proofs})
+    found["report.md"] = render("report.md.j2", context)
+    found["report.html"] = render("report.html.j2", {**context, "images": images, "narrow": narrow, "proofs": proofs})
+    if content["coverage"]:
+        found |= letter.texts(results)
     found["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     return found
 
@@ -143,28 +172,6 @@ def _groups(figures: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 
 def _data_uri(svg: str) -> str:
     return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
-
-
-def _render(template: str, context: Mapping[str, Any]) -> str:
-    environment = Environment(
-        loader=PackageLoader("symosc.paper"),
-        autoescape=lambda name: name is not None and ".html" in name,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"typeset": _typeset, "md": _markdown}
-    return environment.get_template(template).render(context)
-
-
-def _typeset(text: str) -> Markup:
-    return Markup(typeset(text))
-
-
-def _markdown(text: str) -> str:
-    """Return a text for Markdown, in a table as well: its formulas are set, its other characters mean themselves."""
-    return re.sub(r"([\\`*_|\[\]~])", r"\\\1", typeset(" ".join(text.split())))
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from pebble import ProcessExpired, ProcessPool
 
 from symosc.errors import ParameterError
-from symosc.paper.claims import Claim
+from symosc.paper.claims import FAULTY, Claim, Erratum, Unjudged
 from symosc.paper.evidence import VERDICTS, Evidence
 from symosc.paper.pictures import Picture
 
@@ -55,11 +55,17 @@ class Plan:
     pictures : dict of str to Picture
     chapters : tuple of str, optional
         Subjects of the derivations; None: those that the claims refer to.
+    errata : tuple of Erratum, optional
+        Those that the claims show.
+    unjudged : tuple of Unjudged, optional
+        What of the paper gets no verdict; None if the claims are a part of all.
     """
 
     claims: tuple[Claim, ...]
     pictures: Mapping[str, Picture]
     chapters: tuple[str, ...] | None = None
+    errata: tuple[Erratum, ...] = ()
+    unjudged: tuple[Unjudged, ...] | None = None
 
     @property
     def subjects(self) -> tuple[str, ...]:
@@ -86,7 +92,13 @@ class Plan:
             heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
             raise ParameterError("only", prefix, f"no claim's id begins so; ids begin with {', '.join(heads)}")
         cited = {key for claim in claims for key in claim.figures}
-        return Plan(claims, {key: picture for key, picture in self.pictures.items() if key in cited}, chapters=())
+        shown = {key for claim in claims for key in claim.errata}
+        return Plan(
+            claims,
+            {key: picture for key, picture in self.pictures.items() if key in cited},
+            chapters=(),
+            errata=tuple(erratum for erratum in self.errata if erratum.id in shown),
+        )
 
 
 @dataclass(frozen=True)
@@ -150,6 +162,8 @@ class Results:
         With a Chapter each, by its subject.
     seconds : float
         How long all of it took.
+    errata, unjudged
+        As in the plan.
     """
 
     judged: tuple[Judged, ...]
@@ -157,6 +171,12 @@ class Results:
     drawn: Mapping[str, Done]
     chapters: Mapping[str, Done]
     seconds: float = field(default=0.0)
+    errata: tuple[Erratum, ...] = ()
+    unjudged: tuple[Unjudged, ...] | None = None
+
+    def shown_by(self, erratum: Erratum) -> tuple[Judged, ...]:
+        """Return the claims that show an erratum in this run."""
+        return tuple(each for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -212,6 +232,8 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
         drawn={key: done["picture", key] for key in plan.pictures},
         chapters={subject: done["chapter", subject] for subject in plan.subjects},
         seconds=perf_counter() - begin,
+        errata=plan.errata,
+        unjudged=plan.unjudged,
     )
 
 

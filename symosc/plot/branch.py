@@ -15,7 +15,7 @@ from scipy.interpolate import Akima1DInterpolator
 
 from symosc.errors import ParameterError
 from symosc.orbits.branch import Branch, BranchEnd
-from symosc.orbits.continuation import MOST, STALLED
+from symosc.orbits.continuation import MOST, NO_CONVERGENCE
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
@@ -172,7 +172,7 @@ def _next_words(ax: Axes, branch: Branch) -> None:
     style: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
     ax.annotate(branch.word, (0.5 * (low + high), 1), (0, 4), ha="center", **style)
     for end in branch.ends:
-        words = end.kind if end.kind in (STALLED, MOST) else end.beyond
+        words = end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond
         if words:
             ax.annotate(words, (end.value, 1), (0, 4), ha="center", **style)
 

@@ -8,14 +8,14 @@ from decimal import Decimal
 from fractions import Fraction
 from os.path import isfile
 from pathlib import Path
-from typing import Any
 
+from symosc.aliases import Record
 from symosc.errors import ParameterError, SceneError
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.words import read_word
 
-FOLDER = Path(__file__).parent
+SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
 TABLES = ("parameters", "start")
 
@@ -44,7 +44,7 @@ class Scene:
     ParameterError
         If a number is not finite, t_end <= t0, or another argument is not of its type.
     WordError
-        If the structure is none.
+        If the structure is not one.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Scene:
         if self.t_end <= self.t0:
             raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
 
-    def started(self, given: dict[str, Any]) -> Scene:
+    def started(self, given: Record) -> Scene:
         """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error."""
         errors = self.start_error
         if errors is not None:
@@ -97,7 +97,7 @@ def scene_names() -> list[str]:
     >>> scene_names()[:4]
     ['fig5', 'fig6', 'fig7', 'fig7-exact']
     """
-    names = [path.stem for path in FOLDER.glob("*.toml")]
+    names = [path.stem for path in SCENES_FOLDER.glob("*.toml")]
     return sorted(names, key=lambda name: (int(name.removeprefix("fig").partition("-")[0]), len(name), name))
 
 
@@ -107,7 +107,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene, or the file is no TOML, or a key is missing or unknown.
+        If there is no such scene, or the file is not TOML, or a key is missing or unknown.
     ParameterError
         If a number is out of range.
 
@@ -119,9 +119,9 @@ def load_scene(name_or_path: str | Path) -> Scene:
     5 20 1/10
     """
     text = str(name_or_path)
-    path = FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
+    path = SCENES_FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
     if "\0" in text:
-        raise SceneError(repr(text), "is no file name")
+        raise SceneError(repr(text), "is not a file name")
     if path.suffix != ".toml" and not isfile(path):
         raise SceneError(text, f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file")
     try:
@@ -137,7 +137,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     return _scene_from(data, default_name=path.stem, where=text)
 
 
-def _scene_from(data: dict[str, Any], default_name: str, where: str) -> Scene:
+def _scene_from(data: Record, default_name: str, where: str) -> Scene:
     if not data:
         raise SceneError(where, "is empty; `symosc scenes fig5` prints an example")
     _check_keys(where, "", data, required=("start", "t_end", "parameters"), optional=("name", "structure", "source"))
@@ -159,9 +159,7 @@ def _scene_from(data: dict[str, Any], default_name: str, where: str) -> Scene:
     )
 
 
-def _check_keys(
-    where: str, prefix: str, table: dict[str, Any], required: tuple[str, ...], optional: tuple[str, ...]
-) -> None:
+def _check_keys(where: str, prefix: str, table: Record, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
     for key in required:
         if key not in table:
             table_name = f": give it in a table [{key}]" if not prefix and key in TABLES else ""

@@ -10,11 +10,11 @@ of them is a near miss, or a crossing. Only digits beyond that tell them from a 
 from __future__ import annotations
 
 from math import ceil, log
-from typing import Any
 
+from symosc.aliases import Number
 from symosc.engine.flow import Constants, constants
-from symosc.engine.next_event import FAILED
 from symosc.engine.start import Start, is_steady
+from symosc.engine.state import FAILED
 from symosc.simulation.run import Path
 
 BACKUP_DIGITS = 36
@@ -26,7 +26,7 @@ MOST_FAST = 600
 MOST_TOUCH = 2500
 
 
-def touch_digits(path: Path, elapsed: Any, digits: int) -> int | None:
+def touch_digits(path: Path, elapsed: Number, digits: int) -> int | None:
     """Return with how many digits a contact after the time `elapsed` must be open to be a touch; None for too many.
 
     The influence of the start may have shrunk by exp(-rate elapsed), with the larger rate of decay of the free motion,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isinf
@@ -14,8 +14,20 @@ import numpy as np
 
 from symosc.engine import compiled_loop
 from symosc.engine.arithmetic import Arithmetic, compiled
-from symosc.engine.next_event import END, REST
+from symosc.engine.compiled_loop import (
+    FLOAT_COLUMNS,
+    INT_COLUMNS,
+    STATE_WIDTH,
+    Batch,
+    EventRows,
+    batch_of,
+    room_for,
+    row_of,
+    state_of,
+)
+from symosc.engine.flow import Constants
 from symosc.engine.start import Start, first_state, settles
+from symosc.engine.state import END, FULL, IN_DOUBT, INEXACT, REST
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.files import write_whole
@@ -25,6 +37,7 @@ from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_d
 from symosc.simulation.trajectory import Event
 
 CAPACITY = 1 << 18
+Follow = Callable[[int, Batch, int, float, EventRows, Constants], tuple[int, int]]
 #: Kinds of events by code.
 KIND_NAMES = EVENT_KINDS
 
@@ -95,7 +108,7 @@ class EventTable:
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the columns by name, names instead of codes."""
-        plain = {name: getattr(self, name) for name in ("trajectory", *compiled_loop.FLOAT_COLUMNS, "boundary")}
+        plain = {name: getattr(self, name) for name in ("trajectory", *FLOAT_COLUMNS, "boundary")}
         return plain | {"kind": self.kind, "source": self.source, "target": self.target}
 
     def to_csv(self, path: str | Path) -> None:
@@ -151,9 +164,8 @@ def simulate_many(
 
     Notes
     -----
-    Events, errors and statuses are those of `simulate` for each motion, to the last bit. The source is the same, and
-    `simulate` itself follows a motion with a contact that doubles cannot decide, or with an event whose error is larger
-    than `accuracy`.
+    Events, errors and statuses are those of `simulate` for each motion, to the last bit; it follows itself a motion
+    with a contact that doubles cannot decide, or with an event whose error is larger than `accuracy`.
 
     Examples
     --------
@@ -163,61 +175,77 @@ def simulate_many(
     >>> table.trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
-    sets, problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
+    problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
     asked = read_accuracy(accuracy)
     needed = attainable(asked, problems[0])
-    follow = _follow_all(use_numba)
-    floats: list[np.ndarray] = []
-    ints: list[np.ndarray] = []
-    codes, events = np.zeros(len(sets), np.int64), np.zeros(len(sets), np.int64)
-    last = np.zeros((len(sets), 3))
-    groups: dict[Parameters, list[int]] = {}
-    for i, p in enumerate(sets):
-        groups.setdefault(p, []).append(i)
-    for p, members in groups.items():
-        arithmetic = Arithmetic(p)
-        K = arithmetic.K._replace(sigmas=0.0) if isinf(asked) else arithmetic.K
-        states = np.array([_initial_row(problems[i], arithmetic) for i in members])
-        counts, ends = np.zeros(len(members), np.int64), np.zeros(len(members), np.int64)
-        begin = 0
-        while begin < len(members):
-            out_float, out_int = np.empty((CAPACITY, 6)), np.empty((CAPACITY, 5), np.int32)
-            begin, rows = follow(begin, states, counts, ends, most, needed, out_float, out_int, K)
-            if len(groups) > 1:
-                out_int[:rows, 0] = np.asarray(members)[out_int[:rows, 0]]
-            floats.append(out_float[:rows])
-            ints.append(out_int[:rows])
-        codes[members], events[members], last[members] = ends, counts, states[:, [0, 5, 2]]
-    table = _table(floats, ints, [""] * len(sets), sort=len(groups) > 1)
-    open_ones = []
-    for i, (code, (mode, v, periods)) in enumerate(zip(codes.tolist(), last.tolist(), strict=True)):
-        if code in (compiled_loop.IN_DOUBT, compiled_loop.INEXACT):
-            open_ones.append(i)
-        elif code == compiled_loop.FULL:
-            table.status[i] = "max_events"
-        else:
-            code = REST if code == END and events[i] == 0 and settles(problems[i]) else code
-            table.status[i] = end_status(code, int(mode), v, sets[i])
-            if code == END:
-                check_reached(problems[i], int(periods))
+    table, whole = _in_doubles(problems, _follow_all(use_numba), most, needed, isinf(asked))
+    open_ones = _statuses(table, whole, problems)
     return _with_closer_looks(table, open_ones, problems, most, asked) if open_ones else table
 
 
-def _follow_all(use_numba: bool | None) -> Any:
+def _in_doubles(
+    problems: list[Start], follow: Follow, most: int, accuracy: float, as_it_is: bool
+) -> tuple[EventTable, Batch]:
+    """Follow all problems in double precision, those with the same parameters together; no status is written yet."""
+    groups: dict[Parameters, list[int]] = {}
+    for i, problem in enumerate(problems):
+        groups.setdefault(problem.parameters, []).append(i)
+    whole, parts = batch_of(np.zeros((len(problems), STATE_WIDTH))), []
+    for p, members in groups.items():
+        arithmetic = Arithmetic(p)
+        K = arithmetic.K._replace(sigmas=0.0) if as_it_is else arithmetic.K
+        batch = batch_of(np.array([_initial_row(problems[i], arithmetic) for i in members]))
+        for rows in _followed(follow, batch, most, accuracy, K):
+            if len(groups) > 1:
+                rows.ints[:, 0] = np.asarray(members)[rows.ints[:, 0]]
+            parts.append(rows)
+        for column, own in zip(whole, batch, strict=True):
+            column[members] = own
+    return _table(parts, [""] * len(problems), sort=len(groups) > 1), whole
+
+
+def _followed(follow: Follow, batch: Batch, most: int, accuracy: float, K: Constants) -> Iterator[EventRows]:
+    """Follow a batch to its end; yield the rows of its events."""
+    begin = 0
+    while begin < len(batch.states):
+        room = room_for(CAPACITY)
+        begin, filled = follow(begin, batch, most, accuracy, room, K)
+        yield EventRows(room.floats[:filled], room.ints[:filled])
+
+
+def _statuses(table: EventTable, batch: Batch, problems: list[Start]) -> list[int]:
+    """Write the statuses of trajectories into the table; return the numbers of those that need a closer look."""
+    open_ones = []
+    for i, (code, count) in enumerate(zip(batch.codes.tolist(), batch.counts.tolist(), strict=True)):
+        if code in (IN_DOUBT, INEXACT):
+            open_ones.append(i)
+        elif code == FULL:
+            table.status[i] = "max_events"
+        else:
+            state = state_of(batch.states, i)
+            code = REST if code == END and count == 0 and settles(problems[i]) else code
+            table.status[i] = end_status(code, state.mode, state.v, problems[i].parameters)
+            if code == END:
+                check_reached(problems[i], state.n)
+    return open_ones
+
+
+def _follow_all(use_numba: bool | None) -> Follow:
     if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
         raise ParameterError("use_numba", use_numba, "must be True, False or None")
     if use_numba is not None and not use_numba:
         return compiled_loop.follow_all
     try:
-        return compiled()["follow_all"]
+        compiled_one: Follow = compiled()["follow_all"]
     except MissingExtraError:
         if use_numba:
             raise
         return compiled_loop.follow_all
+    return compiled_one
 
 
-def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> tuple[list[Parameters], list[Start]]:
+def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> list[Start]:
     try:
         sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
     except TypeError:
@@ -256,22 +284,20 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
         if end <= t0:
             raise ParameterError("t_end", show(end), f"must be later than t0 = {show(t0)}")
         problems.append(Start(sets[i % len(sets)], t0, x0, v0, end, start_error))
-    return [problem.parameters for problem in problems], problems
+    return problems
 
 
 def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
     """Return a row of `symosc.engine.compiled_loop`'s states."""
-    state = first_state(start, arithmetic)
-    return [*state.as_tuple(), *last_time(start, arithmetic), state.t]
+    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
 
 
-def _table(floats: list[np.ndarray], ints: list[np.ndarray], status: list[str], sort: bool) -> EventTable:
-    numbers, codes = (parts[0] if len(parts) == 1 else np.concatenate(parts) for parts in (floats, ints))
+def _table(parts: list[EventRows], status: list[str], sort: bool) -> EventTable:
+    numbers, codes = (each[0] if len(each) == 1 else np.concatenate(each) for each in zip(*parts, strict=True))
     if sort:
         order = np.argsort(codes[:, 0], kind="stable")
         numbers, codes = numbers[order], codes[order]
-    columns = dict(zip(compiled_loop.FLOAT_COLUMNS, numbers.T, strict=True))
-    columns |= dict(zip(("trajectory", "kind_code", "boundary", "source_code", "target_code"), codes.T, strict=True))
+    columns = dict(zip(FLOAT_COLUMNS, numbers.T, strict=True)) | dict(zip(INT_COLUMNS, codes.T, strict=True))
     return EventTable(**columns, status=status)
 
 

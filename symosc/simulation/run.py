@@ -6,9 +6,10 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, mp_context
-from symosc.engine.next_event import CROSS, END, FAILED, GRAZE, REST, SLIP, STICK
-from symosc.engine.start import Start, State, first_state, rounded
+from symosc.engine.start import Start, first_state, rounded
+from symosc.engine.state import CROSS, END, FAILED, GRAZE, ON_BELT, REST, SLIP, STICK
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.model import MODE_NAMES
@@ -21,7 +22,7 @@ MOST_PERIODS = 10**8
 SAFETY = 100
 
 
-def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Any, Any]:
+def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
     """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
     periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
     return arithmetic.time(min(start.t_end, start.t0 + periods))
@@ -79,22 +80,20 @@ class Path:
 
     def _record(self) -> None:
         s = self.state
-        a = s.Fb if s.mode <= 3 else 0.0
+        a = s.Fb if s.mode <= ON_BELT else 0.0
         self.pieces.append(Piece(s.n, float(s.theta), s.mode, float(s.x), float(s.v), float(a), float(self.elapsed)))
 
     def step(self) -> None:
         """Advance by one event or one stretch without events."""
         source = self.state.mode
-        result = self.arithmetic.advance(*self.state.as_tuple(), *self.end, self.K)
-        self.code, boundary, self.decided, t_error = result[:4]
-        self.state = State(*result[4:])
+        self.code, boundary, self.decided, t_error, self.state = self.arithmetic.advance(self.state, *self.end, self.K)
         if self.code in (END, REST):
             return
         s = self.state
         self._record()
         if self.code in EVENT_KINDS:
             handed_out = self.arithmetic.namespace["handed_out"]
-            t, t_error, x_error = handed_out(s.t, s.t_low, self.t0, s.x, s.v, t_error, s.S11, self.K)
+            t, t_error, x_error = handed_out(s.t, s.t_low, self.t0, s.x, s.v, t_error, s.S.S11, self.K)
             kind, names = EVENT_KINDS[self.code], (MODE_NAMES[source], MODE_NAMES[s.mode])
             self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(s.x)))
             self.events.append(Event(t, s.x, s.v, s.theta, kind, boundary, *names, float(t_error), float(x_error)))
@@ -107,12 +106,12 @@ class Path:
         self.state, self.code, self.decided = rounded(other.state), other.code, True
 
     @property
-    def elapsed(self) -> Any:
+    def elapsed(self) -> Number:
         """Time since t0."""
         return (self.state.t - self.t0) + (self.state.t_low - self.t0_low)
 
     @property
-    def time(self) -> Any:
+    def time(self) -> Number:
         """The time of the current state."""
         return self.state.t
 

@@ -13,9 +13,10 @@ from fractions import Fraction
 from math import inf, isinf
 from typing import Any
 
+from symosc.aliases import Number
 from symosc.engine.arithmetic import mp_context
-from symosc.engine.next_event import FAILED, REST
 from symosc.engine.start import Start, settles
+from symosc.engine.state import FAILED, ON_BELT, REST
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.model import MODE_NAMES, Parameters
@@ -60,13 +61,11 @@ def simulate(
         max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
         For double precision (default 1e-13). An event whose time or position has a larger error than this, relative to
-        max(1, |value|), for times also to |t0|, is computed once more with 36 digits. Where errors grow, a larger value
-        is faster. With ``math.inf`` the path that doubles compute is followed as it is: only contacts that their
-        rounding leaves open get more digits.
+        max(1, |value|), for times also to |t0|, is computed once more with 36 digits. With ``math.inf`` the path that
+        doubles compute is followed as it is: only contacts that their rounding leaves open get more digits.
     start_error : number or three numbers, optional
-        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene; without one
-        the start is exact, however many digits it has. A contact that the error of the start can make a touch is a
-        graze, and the errors of events cover it.
+        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene, or exact. A
+        contact that the error of the start can make a touch is a graze, and the errors of events cover it.
 
     Returns
     -------
@@ -81,8 +80,7 @@ def simulate(
     Examples
     --------
     >>> from symosc import simulate
-    >>> trajectory = simulate("fig5", t_end=7)
-    >>> [(event.kind, f"{event.t:.6f}") for event in trajectory.events[:2]]
+    >>> [(event.kind, f"{event.t:.6f}") for event in simulate("fig5", t_end=7).events[:2]]
     [('stick', '0.122303'), ('slip', '1.220981')]
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
@@ -199,11 +197,11 @@ def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
     return _ended(path, digits)
 
 
-def end_status(code: int, mode: int, v: Any, p: Parameters) -> str:
+def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     """Return the status of a motion whose last step ended with END or REST in that mode, at that speed."""
     if code != REST:
         return "t_end"
-    settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= 3 else v == 0
+    settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= ON_BELT else v == 0
     return "equilibrium" if settles else "t_end"
 
 
@@ -215,7 +213,11 @@ def _ended(path: Path, digits: int | None = None) -> Trajectory:
     if path.code != REST:
         check_reached(start, state.n)
     if status == "equilibrium":
-        where = f"at rest on belt {state.mode - 3}" if state.mode > 3 else f"settling to rest in Omega{state.mode}"
+        where = (
+            f"at rest on belt {state.mode - ON_BELT}"
+            if state.mode > ON_BELT
+            else f"settling to rest in Omega{state.mode}"
+        )
         message = f"from t = {float(path.time)!r} {where}, no event will come any more"
     return _trajectory(path, status, message, digits)
 

@@ -1,6 +1,6 @@
 """Standalone source of a mapping structure's residual and Jacobian, for programs without symosc.
 
-The source is that of the library: its scalar kernels are read as syntax trees, what the word does not need is left out,
+The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
 and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
 branches that these decide are cut, and so is what nothing calls any more.
 
@@ -21,15 +21,14 @@ from symosc.errors import OutputError, ParameterError
 from symosc.files import read_path, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.symbolic.export_program import FLAGS, Program, program
-from symosc.symbolic.languages import MATRIX, RESERVED, C, Julia, wrapped
-from symosc.words import read_word
+from symosc.symbolic.languages import LANGUAGES, MATRIX, RESERVED, C, Julia, wrapped
+from symosc.words import WordLike, read_word
 
-LANGUAGES = ("python", "numpy", "c", "julia")
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 
 
 def export(
-    word: Any, language: str = "python", fix: Parameters | None = None, name: str | None = None
+    word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
     """Return the source files of a word's residual and Jacobian, text by file name.
 
@@ -50,8 +49,8 @@ def export(
     WordError
         If the word cannot be read or has an impossible step.
     ParameterError
-        For an unknown language, a name that is no identifier or that the language keeps for itself, and a `fix` that
-        is not Parameters.
+        For an unknown language, a name that is not an identifier or that the language reserves, and a `fix` that is not
+        Parameters.
     """
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
@@ -139,27 +138,27 @@ def _python(program: Program, arrays: bool) -> str:
         used.add("sqrt")
     source = "numpy" if arrays else "math"
     imports = ["from collections import namedtuple", ""] * bool(passed) + ["import numpy as np"] * arrays
-    imports.append(f"from {source} import {', '.join(word for word in MATH if word in used)}")
+    imports.append(f"from {source} import {', '.join(name for name in MATH if name in used)}")
     head = ['"""' + "\n".join(_about(program, "")) + '\n"""', "\n".join(imports)]
     if _numbers(program):
         head.append("\n".join(f"{name} = {value!r}" for name, value in _numbers(program).items()))
-    word = _numpy_word(program, passed) if arrays else _python_word(program, passed)
-    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *word]) + "\n"
+    whole = _numpy_whole(program, passed) if arrays else _python_whole(program, passed)
+    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *whole]) + "\n"
 
 
-def _python_word(program: Program, passed: list[str]) -> list[str]:
+def _python_whole(program: Program, passed: list[str]) -> list[str]:
     """Return the functions of the whole word, on numbers."""
     calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
     residual = [f"        *{label}({', '.join([*z, *passed])})," for label, z, _ in calls]
     jacobian = [f"        {label}{MATRIX}({', '.join([*z, *passed])})," for label, _, z in calls]
     doc = '    """Return f1, f2 of each map, in order of time."""'
-    word = ["\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])]
+    first = "\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])
     doc = '    """Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."""'
     end = ["    ]", "    return [[list(block[:4]), list(block[4:])] for block in blocks]"]
-    return [*word, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
+    return [first, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
 
 
-def _numpy_word(program: Program, passed: list[str]) -> list[str]:
+def _numpy_whole(program: Program, passed: list[str]) -> list[str]:
     """Return the functions of the whole word, on numbers and arrays that broadcast."""
     calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
     lines = []

@@ -12,9 +12,10 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.engine.flow import constants
 from symosc.kernels import _generated, entire, entire_array, mapping
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.words import Map, Word
 
 SETTINGS = ("EPS", "SERIES_BELOW", "APART_ABOVE", "TERMS")
@@ -79,7 +80,7 @@ class Program:
     functions: dict[str, ast.FunctionDef]
     maps: list[str]
     fields: list[str]
-    values: dict[str, Any] | None
+    values: Record | None
     settings: dict[str, float]
     parameters: Parameters | None
 
@@ -180,7 +181,7 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     """
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
-        domain = SIDES[row.start.boundary][exit == "above"]
+        domain = NEIGHBOURS[row.start.boundary][exit == "above"]
         label, what = f"{row.label}_{exit}", f"stick on belt {row.start.boundary}, slips into domain {domain}"
         residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
         lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.mappings.latex import table
@@ -14,10 +15,8 @@ from symosc.symbolic.grazing_latex import latex
 from symosc.symbolic.phase_interval import PhaseInterval
 from symosc.symbolic.theorem7 import rational, sign_of
 
-Expr = Any  # sympy ships no types
-
 #: The letters of questions without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
-LETTERS = {
+QUERY_LETTERS = {
     "k": sp.Symbol("k", nonnegative=True),
     "v": sp.Symbol("v_lambda", real=True),
     "B0": sp.Symbol("B_0", real=True),
@@ -140,7 +139,7 @@ class Answers(tuple[Answer, ...]):
 
     def text(self) -> str:
         """Return question and answers in words, a line for each condition."""
-        name = LETTERS[self.question.names[0]]
+        name = QUERY_LETTERS[self.question.names[0]]
         lines = [
             f"  if {condition_text(answer.condition)}: {name} in {interval_text(answer.values)}" for answer in self
         ]
@@ -148,7 +147,7 @@ class Answers(tuple[Answer, ...]):
 
     def latex(self) -> str:
         """Return the answers as a table in LaTeX (an array, no dollar signs)."""
-        name = latex(LETTERS[self.question.names[0]])
+        name = latex(QUERY_LETTERS[self.question.names[0]])
         rows = ((latex(answer.condition), latex(answer.values)) for answer in self)
         return table([self.question.latex(), rf"{name} \in"], rows)
 
@@ -185,7 +184,7 @@ class ParameterValues:
 
     def latex(self) -> str:
         """Return question and answer as LaTeX (no dollar signs)."""
-        name = latex(LETTERS[self.question.names[0]])
+        name = latex(QUERY_LETTERS[self.question.names[0]])
         return rf"{self.question.latex()}:\quad {name} \in {latex(self.values)}"
 
     def _repr_latex_(self) -> str:
@@ -244,18 +243,18 @@ class ParameterRegion:
     def allowed(self) -> Expr:
         """What Parameters allows for both, as a sympy Boolean; kept as it is written, though the letters know some."""
         found = {
-            "k": sp.GreaterThan(LETTERS["k"], 0, evaluate=False),
-            "Omega": sp.StrictGreaterThan(LETTERS["Omega"], 0, evaluate=False),
+            "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
+            "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),
             "B0": sp.true,
-            "v1": LETTERS["v1"] < rational(self.parameters.v2),
-            "v2": LETTERS["v2"] > rational(self.parameters.v1),
+            "v1": QUERY_LETTERS["v1"] < rational(self.parameters.v2),
+            "v2": QUERY_LETTERS["v2"] > rational(self.parameters.v1),
         }
         return sp.And(*(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False)
 
     @property
     def letters(self) -> tuple[Expr, Expr]:
         """The symbols of both parameters."""
-        first, second = (LETTERS[name] for name in self.question.names)
+        first, second = (QUERY_LETTERS[name] for name in self.question.names)
         return first, second
 
     def contains(self, **values: Any) -> bool:
@@ -269,7 +268,7 @@ class ParameterRegion:
         if set(values) != set(self.question.names):
             raise ParameterError("values", ", ".join(values) or None, f"give {' and '.join(self.question.names)}")
         allowed = self.parameters.replace(**values)
-        numbers = {LETTERS[name]: rational(getattr(allowed, name)) for name in self.question.names}
+        numbers = {QUERY_LETTERS[name]: rational(getattr(allowed, name)) for name in self.question.names}
         return holds(self.condition, numbers)
 
     def text(self) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-Expr = Any  # sympy ships no types
+from symosc.aliases import Expr
 
 LESS = {sp.StrictLessThan: "<", sp.LessThan: r"\leq"}
 

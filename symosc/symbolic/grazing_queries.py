@@ -7,8 +7,8 @@ over theta in |B0|. So each answer is a half line or an interval whose end is kn
     empty            iff side k v_lambda <= -|B0| Omega
     everything       iff side k v_lambda >= |B0| Omega and side k v_lambda > 0    (order 1: > |B0| Omega)
 
-In full order (see `symosc.grazing.window.grazing_window`) a theta at the top or bottom of the sine belongs to the
-window at equality as well, if side k v_lambda > 0: the tangency of fourth order.
+In full order (see `symosc.grazing.window.grazing_window`) equality counts too where theta is at the top or bottom of
+the sine, if side k v_lambda > 0: that is the tangency of fourth order.
 
 An interval of phases is in the window iff the phases with the smallest and the largest sine of it are. One at an open
 end of the interval may be an end of the window, as long as something in between is inside.
@@ -23,14 +23,15 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
 from symosc.model import Parameters
 from symosc.symbolic.grazing_answers import (
     CONTAINS,
     EVERYTHING,
-    LETTERS,
     NOTHING,
+    QUERY_LETTERS,
     Answer,
     Answers,
     ParameterValues,
@@ -39,8 +40,6 @@ from symosc.symbolic.grazing_answers import (
 from symosc.symbolic.grazing_regions import region
 from symosc.symbolic.phase_interval import Extreme, PhaseInterval, read_phases
 from symosc.symbolic.theorem7 import rational, sign_of
-
-Expr = Any  # sympy ships no types
 
 THETA = sp.Symbol("theta", real=True)
 
@@ -67,7 +66,7 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
     Parameters
     ----------
     p : Parameters or None
-        The other parameters; the value of `name` in it is not used. None: letters (`LETTERS`) in place of numbers.
+        The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place of numbers.
     mapping : {"P2", "P3", "P5", "P6"}
     name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}, or a pair of them
         The parameter that is asked for; v_lambda is the map's belt, v1 or v2.
@@ -88,7 +87,7 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
     Raises
     ------
     ParameterError
-        For a map without grazing, a parameter on which its window does not depend, or a phase that is no number.
+        For a map without grazing, a parameter on which its window does not depend, or a phase that is not a number.
 
     Examples
     --------
@@ -170,7 +169,7 @@ def _names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
     if p is None:
-        letters = LETTERS
+        letters = QUERY_LETTERS
     else:
         letters = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
         letters["v"] = rational(p.belt(where.boundary))
@@ -230,7 +229,7 @@ def _containing_extreme(problem: _Problem, extreme: Extreme, full: bool) -> Expr
 
 
 def _tangency(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether equality at theta is a tangency of fourth order from the map's side, with the condition."""
+    """Yield whether equality at theta is a tangency of fourth order from the map's domain, with the condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]

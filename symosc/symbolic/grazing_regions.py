@@ -6,18 +6,15 @@ right. Points are decided exactly.
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_parameters
 from symosc.model import Parameters
-from symosc.symbolic.grazing_answers import CONTAINS, EVERYTHING, LETTERS, NOTHING, ParameterRegion, Question
+from symosc.symbolic.grazing_answers import CONTAINS, EVERYTHING, NOTHING, QUERY_LETTERS, ParameterRegion, Question
 from symosc.symbolic.phase_interval import PhaseInterval
 from symosc.symbolic.theorem7 import rational, sign_of
-
-Expr = Any  # sympy ships no types
 
 # A Boolean `a > b` that sympy keeps as it is written.
 OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
@@ -30,7 +27,7 @@ def region(p: Parameters | None, where: Place, question: Question, full: bool) -
     check_parameters(p)
     belt = f"v{where.boundary}"
     letters = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
-    letters |= {name: LETTERS[name] for name in question.names}
+    letters |= {name: QUERY_LETTERS[name] for name in question.names}
     level = where.side * letters["k"] * letters[belt]
     scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
     level, Omega = level / scale, letters["Omega"] / scale

@@ -13,7 +13,9 @@ import sys
 import textwrap
 from collections.abc import Iterator
 
-OPERATORS: dict[type[ast.AST], tuple[str, int]] = {
+#: Languages that a mapping structure can be written in.
+LANGUAGES = ("python", "numpy", "c", "julia")
+OPERATOR_TEXTS: dict[type[ast.AST], tuple[str, int]] = {
     ast.Add: ("+", 6),
     ast.Sub: ("-", 6),
     ast.Mult: ("*", 7),
@@ -28,7 +30,7 @@ OPERATORS: dict[type[ast.AST], tuple[str, int]] = {
     ast.Or: ("||", 2),
 }
 TERNARY, SIGN, ATOM = 1, 8, 9
-WIDTH = 112
+EXPORT_WIDTH = 112
 #: What the Jacobian of a mapping's function adds to its name. It returns two rows.
 MATRIX = "_jacobian"
 
@@ -78,17 +80,17 @@ class Language:
     def _expression(self, node: ast.expr) -> tuple[str, int]:
         match node:
             case ast.BinOp(left, operator, right):
-                sign, binds = OPERATORS[type(operator)]
+                sign, binds = OPERATOR_TEXTS[type(operator)]
                 return f"{self.expression(left, binds)} {sign} {self.expression(right, binds + 1)}", binds
             case ast.UnaryOp(ast.USub(), operand):
                 return f"-{self.expression(operand, SIGN)}", SIGN - 1
             case ast.UnaryOp(ast.Not(), operand):
                 return f"!{self.expression(operand, SIGN)}", SIGN
             case ast.BoolOp(operator, values):
-                sign, binds = OPERATORS[type(operator)]
+                sign, binds = OPERATOR_TEXTS[type(operator)]
                 return f" {sign} ".join(self.expression(value, binds + 1) for value in values), binds
             case ast.Compare(left, [operator], [right]):
-                sign, binds = OPERATORS[type(operator)]
+                sign, binds = OPERATOR_TEXTS[type(operator)]
                 return f"{self.expression(left, binds + 1)} {sign} {self.expression(right, binds + 1)}", binds
             case ast.IfExp(test, body, other):
                 parts = (self.expression(part, TERNARY + 1) for part in (test, body, other))
@@ -131,7 +133,7 @@ class Julia(Language):
                 case ast.Assign([target], value):
                     yield f"{self.expression(target)} = {self.expression(value)}"
                 case ast.AugAssign(target, operator, value):
-                    yield f"{self.expression(target)} {OPERATORS[type(operator)][0]}= {self.expression(value)}"
+                    yield f"{self.expression(target)} {OPERATOR_TEXTS[type(operator)][0]}= {self.expression(value)}"
                 case ast.If(test, then, other):
                     yield f"if {self.expression(test)}"
                     yield from indented(self.block(then))
@@ -215,7 +217,7 @@ class C(Language):
                 case ast.Assign([target], value):
                     yield f"{self.expression(target)} = {self.expression(value)};"
                 case ast.AugAssign(target, operator, value):
-                    yield f"{self.expression(target)} {OPERATORS[type(operator)][0]}= {self.expression(value)};"
+                    yield f"{self.expression(target)} {OPERATOR_TEXTS[type(operator)][0]}= {self.expression(value)};"
                 case ast.If(test, then, other):
                     yield f"if ({self.expression(test)}) {{"
                     yield from indented(self.block(then))
@@ -279,8 +281,8 @@ def wrapped(text: str) -> str:
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
-        long = len(line) > WIDTH + 8 and not line.lstrip().startswith("*")
-        folded = textwrap.wrap(line, WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False)
+        long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
+        folded = textwrap.wrap(line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False)
         lines += folded if long else [line]
     return "\n".join(lines) + "\n"
 
@@ -295,7 +297,7 @@ def comment(text: str | None, mark: str, opening: str = "", closing: str = "") -
     if not text:
         return []
     first = " ".join(text.split("\n\n")[0].split())
-    lines = [mark + line for line in textwrap.wrap(first, WIDTH - len(mark))]
+    lines = [mark + line for line in textwrap.wrap(first, EXPORT_WIDTH - len(mark))]
     if not opening:
         return lines
     if len(lines) == 1:

@@ -43,7 +43,7 @@ from symosc.symbolic.solution import (
     x_i,
 )
 
-#: The functions that parameter derivatives need beside the basis functions.
+#: The functions that parameter derivatives need in addition to the basis functions.
 REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
 
 x_j, v_j, theta_j, v_end, a_end, F = sp.symbols("x_j v_j theta_j v_end a_end F", real=True)

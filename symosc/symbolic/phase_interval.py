@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.symbolic.theorem7 import real, sign_of
-
-Expr = Any  # sympy ships no types
 
 FORMS = "must be a phase, or an interval of phases: a pair (low, high) with low < high, or a sympy Interval"
 

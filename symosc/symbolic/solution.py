@@ -15,11 +15,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
-Expr = Any  # sympy ships no types
+from symosc.aliases import Expr
 
 # The paper's letters. A stands for A_alpha, theta for Omega t mod 2 pi, and (x, v, t) for a point of the flow.
 m, Omega = sp.symbols("m Omega", positive=True)

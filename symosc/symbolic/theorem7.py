@@ -12,10 +12,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr, NumberLike
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.mappings.latex import table
@@ -32,8 +33,6 @@ from symosc.mappings.theorem7_cases import (
     window_kind,
 )
 from symosc.symbolic.grazing_latex import latex
-
-Expr = Any  # sympy ships no types
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -109,7 +108,9 @@ def _label_latex(label: str) -> str:
     return rf"{number}\text{{, shifted by }}\pi" if shifted else number
 
 
-def theorem7(mapping: str, gamma: Any = GAMMA, amplitude: Any = AMPLITUDE, order: str = "paper") -> Any:
+def theorem7(
+    mapping: str, gamma: NumberLike = GAMMA, amplitude: NumberLike = AMPLITUDE, order: str = "full"
+) -> Expr | Theorem7Cases:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
     Parameters
@@ -120,9 +121,9 @@ def theorem7(mapping: str, gamma: Any = GAMMA, amplitude: Any = AMPLITUDE, order
         (c/m) x'' + (k/m) x' at the contact, which is k v_lambda/m there. Default: the letter gamma.
     amplitude : number or sympy expression, optional
         B0 Omega/m, of any sign. Default: the letter a.
-    order : {"paper", "full"}
-        "paper" stops at G^(1); "full" goes on to the first G-function that does not vanish, which adds the tangency of
-        fourth order at |gamma| = |amplitude|.
+    order : {"full", "paper"}
+        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first G-function that does not
+        vanish: it adds the tangency of fourth order at |gamma| = |amplitude|.
 
     Returns
     -------
@@ -134,7 +135,7 @@ def theorem7(mapping: str, gamma: Any = GAMMA, amplitude: Any = AMPLITUDE, order
     Raises
     ------
     ParameterError
-        For a map without grazing, or if a value is no real number.
+        For a map without grazing, or if a value is not a real number.
 
     Examples
     --------
@@ -278,13 +279,13 @@ def _case(
 # --- exact numbers ---
 
 
-def real(name: str, value: Any) -> Expr:
+def real(name: str, value: NumberLike) -> Expr:
     """Return `value` as a sympy expression: exact for numbers, as it is for real constants and symbols.
 
     Raises
     ------
     ParameterError
-        If it is no real number and cannot be one.
+        If it is not a real number and cannot be one.
     """
     if isinstance(value, sp.Expr) and not value.is_Rational and not value.is_Float:
         if value.is_extended_real is False or value.is_infinite or value is sp.nan:

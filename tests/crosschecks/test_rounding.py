@@ -40,7 +40,7 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         values = rng.uniform(-9, 9, 300) * size * 10.0 ** rng.uniform(-1, 1, 300)
         digits = find_digits(cut(values))
         assert digits is not None
-        assert digits.words == words
+        assert digits.text == words
         # One unit of the last digit, which the rounding error never exceeds by half.
         assert np.all(np.abs(cut(values) - values) <= 0.5000001 * digits.units)
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
@@ -96,6 +96,7 @@ def test_rounded_samples_of_many_motions(kind: Any, count: int) -> None:
         check_rounded(rng, *single())
 
 
+@pytest.mark.slow
 def test_six_digits_are_not_the_method_but_a_bad_method_is() -> None:
     t = np.linspace(0, 12, 201)
     right, wrong = (

@@ -15,6 +15,7 @@ import pytest
 from symosc import ParameterError, simulate
 from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.files import read_samples
+from symosc.crosschecks.samples import LONGEST_ITEM, short, shown
 
 T = np.linspace(0.1324, 3, 30)
 X, V = simulate("fig9", t_end=3)(T)
@@ -194,7 +195,7 @@ def test_files_that_are_read_although_they_look_odd(tmp_path: Path) -> None:
 def test_files_that_are_no_text(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"file{suffix}"
     path.write_text(json.dumps(GOOD), encoding="utf-16")
-    one_line(lambda: crosscheck("fig9", path), "no text in UTF-8")
+    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8")
 
 
 def test_npz_files(tmp_path: Path) -> None:
@@ -217,7 +218,7 @@ def test_npz_files(tmp_path: Path) -> None:
     np.save(tmp_path / "array.npy", T)
     for damaged in (b"", b"no zip", content[: len(content) // 2], (tmp_path / "array.npy").read_bytes(), b"\x80\x04]."):
         path.write_bytes(damaged)
-        one_line(lambda: crosscheck("fig9", path), "is no npz file")
+        one_line(lambda: crosscheck("fig9", path), "is not an npz file")
 
 
 def test_more_events_than_can_be_meant() -> None:
@@ -225,3 +226,10 @@ def test_more_events_than_can_be_meant() -> None:
     result = crosscheck("fig9", [0.1324, 1e6], [4.5447, 1.0], [1.0, 1.0])
     assert not result.ok
     assert "later only steps are compared" in result.notes[0]
+
+
+def test_texts_of_messages_are_cut_where_they_are_too_long() -> None:
+    for length in (1, LONGEST_ITEM - 1, LONGEST_ITEM):
+        assert short("a" * length) == "a" * length
+    assert short("a" * (LONGEST_ITEM + 1)) == "a" * LONGEST_ITEM + "…"
+    assert shown("a" * LONGEST_ITEM) == "a" * LONGEST_ITEM

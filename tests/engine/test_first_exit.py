@@ -15,13 +15,26 @@ from hypothesis import strategies as st
 
 from symosc import Parameters, load_scene, simulate, simulate_many
 from symosc.engine import first_exit as first_exit_module
-from symosc.engine import stick_exit
+from symosc.engine import gap_bounds, stick_exit
+from symosc.engine import march as march_module
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.first_exit import HIT, NOTHING, first_exit, march
+from symosc.engine.first_exit import first_exit, march
 from symosc.engine.flow import Constants, derivatives, state_at
 from symosc.engine.gap_bounds import fourth_derivative_bound, positive_on, safe_step
+from symosc.engine.state import (
+    BELT,
+    DOMAIN_ABOVE,
+    DOMAIN_BELOW,
+    HIT,
+    NOTHING,
+    Covariance,
+    Flown,
+    Hold,
+    Launch,
+    Walls,
+)
 from symosc.engine.stick_exit import belt_exit, gain
-from symosc.engine.switching import BELT, DOMAIN_ABOVE, DOMAIN_BELOW, following_sign, resolve
+from symosc.engine.switching import following_sign, resolve
 
 COEFFICIENTS = st.floats(-5, 5)
 
@@ -68,7 +81,7 @@ def test_the_fourth_derivative_stays_within_its_bound() -> None:
         bound = fourth_derivative_bound(w, j, s0, c0, K)
         reach = 20 / K.rate if K.steady else 1 / K.Om
         for tau in np.linspace(0, reach, 60):
-            assert abs(state_at(tau, v0, a0, s0, c0, K)[5]) <= bound * (1 + 1e-9)
+            assert abs(state_at(tau, Launch(v0, a0, s0, c0), K).G3) <= bound * (1 + 1e-9)
 
 
 def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
@@ -82,17 +95,18 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
         s0, c0 = math.sin(theta), math.cos(theta)
         b, w, j = derivatives(v0, a0, s0, c0, K)
         M4 = fourth_derivative_bound(w, j, s0, c0, K)
-        walls = (v0 + 1, 1 - v0, True, True, False, False)
-        tau, dv, a, b, w, j, s, c, _ = march(K.chunk, v0, a0, b, w, j, M4, s0, c0, *walls, 0.0, K)
-        exact = state_at(tau, v0, a0, s0, c0, K)
+        walls, start = Walls(v0 + 1, 1 - v0, True, True, False, False), Launch(v0, a0, s0, c0)
+        now = Flown(0.0, 0.0, 0.0, a0, b, w, j, s0, c0, 1.0, 0.0, 0.0)
+        now, _ = march(K.chunk, v0, now, M4, walls, 0.0, K)
+        exact = state_at(now.tau, start, K)
         scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
-        assert dv == pytest.approx(exact[1], abs=1e-12 * scale)
-        assert a == pytest.approx(exact[2], abs=1e-11 * scale * K.rate)
-        assert j == pytest.approx(exact[5], abs=1e-11 * scale * K.rate**4)
-        assert (s, c) == pytest.approx(exact[6:8], abs=1e-14)
-        marched += tau > 0
-        for time in np.linspace(0, tau, 50):
-            assert abs(v0 + state_at(time, v0, a0, s0, c0, K)[1]) < 1
+        assert now.dv == pytest.approx(exact.dv, abs=1e-12 * scale)
+        assert pytest.approx(exact.F, abs=1e-11 * scale * K.rate) == now.F
+        assert pytest.approx(exact.G3, abs=1e-11 * scale * K.rate**4) == now.G3
+        assert (now.s, now.c) == pytest.approx((exact.s, exact.c), abs=1e-14)
+        marched += now.tau > 0
+        for time in np.linspace(0, now.tau, 50):
+            assert abs(v0 + state_at(time, start, K).dv) < 1
     assert marched > 50
 
 
@@ -104,16 +118,15 @@ def test_no_contact_is_passed_over() -> None:
     for _ in range(300):
         K = constants_of(rng)
         v0, a0, theta = rng.uniform(-0.95, 0.95), rng.uniform(-9, 9), rng.uniform(0, 6.28)
-        s0, c0 = math.sin(theta), math.cos(theta)
-        code, side, tau, *_ = first_exit(
-            K.chunk, v0, a0, s0, c0, v0 + 1, 1 - v0, True, True, False, False, 0.0, 0.0, 0.0, K
-        )
+        start = Launch(v0, a0, math.sin(theta), math.cos(theta))
+        walls = Walls(v0 + 1, 1 - v0, True, True, False, False)
+        code, side, now = first_exit(K.chunk, start, walls, Covariance(0.0, 0.0, 0.0), K)
         assert code in (HIT, NOTHING)
-        before = np.linspace(0, tau, 400)[:-1]
-        assert all(abs(v0 + state_at(time, v0, a0, s0, c0, K)[1]) < 1 for time in before)
+        before = np.linspace(0, now.tau, 400)[:-1]
+        assert all(abs(v0 + state_at(time, start, K).dv) < 1 for time in before)
         if code == HIT:
             hits += 1
-            assert v0 + state_at(tau, v0, a0, s0, c0, K)[1] == pytest.approx(side, abs=1e-13 * (1 + abs(a0)))
+            assert v0 + state_at(now.tau, start, K).dv == pytest.approx(side, abs=1e-13 * (1 + abs(a0)))
     assert hits > 100
 
 
@@ -125,7 +138,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
         s0, c0 = math.sin(theta), math.cos(theta)
-        code, side, tau, _, _, _ = belt_exit(K.period, below, below - belt.J, theta, s0, c0, 0.0, belt, K)
+        code, side, tau, _, _, _ = belt_exit(K.period, Hold(below, below - belt.J, theta, s0, c0), 0.0, belt, K)
         inside = [below + gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
         assert all(0 < force < belt.J for force in inside)
         if code == HIT:
@@ -201,7 +214,7 @@ def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
 
 def test_a_slow_drive_is_passed_in_strides(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half a period of fig6's drive is 31 short steps."""
-    counts = counted(monkeypatch, (first_exit_module, "gap_polynomial"))
+    counts = counted(monkeypatch, (march_module, "gap_polynomial"), (gap_bounds, "gap_polynomial"))
     table = interpreted("fig6", 200)
     assert counts["gap_polynomial"] < 20 * len(table)
 
@@ -212,7 +225,9 @@ def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
     Omega: str, c: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Once the free oscillation is gone the steps are those of the drive, in doubles and in 36 digits."""
-    counts = counted(monkeypatch, (first_exit_module, "gap_polynomial"), (first_exit_module, "state_at"))
+    counts = counted(
+        monkeypatch, (march_module, "gap_polynomial"), (gap_bounds, "gap_polynomial"), (first_exit_module, "state_at")
+    )
     p = Parameters(
         m="1.9", c=c, k=2, A0="-1.8", B0="18.3", Omega=Fraction(Omega), v1=-1, v2="1e-6", mu1=1, mu2="0.8", FN="13.9"
     )

@@ -14,6 +14,7 @@ from touches import tenths
 
 from symosc.engine import first_exit, flow, gap_bounds, touches
 from symosc.engine.start import Start
+from symosc.engine.state import Covariance, FlightEnd, Launch, Walls
 from symosc.simulation.run import Path
 
 
@@ -25,37 +26,37 @@ def taylor(root: float, slope: float, bend: float) -> tuple[float, ...]:
 def test_a_root_is_near_only_if_it_is_the_only_one_there() -> None:
     """Each guard alone says no: a slope that is not down, a loose bound, a turn before what is missing is made up."""
     K = flow.constants(BASE)
-    assert gap_bounds.is_near(0.01, *taylor(0.01, 1.0, 0.0), 4, 0.0, 1.0, K) == (True, True, True)
-    assert not gap_bounds.is_near(0.01, *taylor(0.01, -1.0, 0.0), 4, 0.0, 1.0, K)[0]
-    assert not gap_bounds.is_near(0.01, *taylor(0.01, 0.0, 0.0), 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(0.01, (*taylor(0.01, 1.0, 0.0), 4), 0.0, 1.0, K) == (True, True, True)
+    assert not gap_bounds.is_near(0.01, (*taylor(0.01, -1.0, 0.0), 4), 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(0.01, (*taylor(0.01, 0.0, 0.0), 4), 0.0, 1.0, K)[0]
     # missing = M4 root^4/12 against ISOLATED slope/rate
     edge = 12 * gap_bounds.ISOLATED / (K.rate * 1.0)
-    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 0.0), 4), 0.9 * edge, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 0.0), 4), 1.1 * edge, 1.0, K)[0]
     # 8 SHRINK root bend < slope: the slope keeps its sign on what a safe step leaves open
     edge = 1 / (8 * gap_bounds.SHRINK)
-    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.9 * edge), 4, 0.0, 1.0, K)[0]
-    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 1.1 * edge), 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 0.9 * edge), 4), 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 1.1 * edge), 4), 0.0, 1.0, K)[0]
     # 8 missing (bend root + slope) < slope^2 root
     edge = 12 / (8 * (100.0 + 1.0))
-    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 100.0), 4), 0.9 * edge, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 100.0), 4), 1.1 * edge, 1.0, K)[0]
 
 
 def test_a_root_is_close_if_taylor_reaches_it_and_clear_if_the_gap_is_deep_behind() -> None:
     K = flow.constants(BASE)
     edge = 12 * gap_bounds.NEAR / K.rate
-    assert gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[1]
-    assert not gap_bounds.is_near(1.0, *taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[1]
+    assert gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 0.0), 4), 0.9 * edge, 1.0, K)[1]
+    assert not gap_bounds.is_near(1.0, (*taylor(1.0, 1.0, 0.0), 4), 1.1 * edge, 1.0, K)[1]
     size, bend = 3.0, 2.0  # depth behind the root: slope^2/(2 bend)
     slope = math.sqrt(2 * gap_bounds.CLEAR_DEPTH * size * bend)
-    assert gap_bounds.is_near(1e-6, *taylor(1e-6, 1.01 * slope, bend), 4, 0.0, size, K)[2]
-    assert not gap_bounds.is_near(1e-6, *taylor(1e-6, 0.99 * slope, bend), 4, 0.0, size, K)[2]
+    assert gap_bounds.is_near(1e-6, (*taylor(1e-6, 1.01 * slope, bend), 4), 0.0, size, K)[2]
+    assert not gap_bounds.is_near(1e-6, (*taylor(1e-6, 0.99 * slope, bend), 4), 0.0, size, K)[2]
     # a divided polynomial: the gap is root times it for each degree that is missing
     far = 1e-3
     slope = math.sqrt(2 * gap_bounds.CLEAR_DEPTH * size * bend / far)
-    assert gap_bounds.is_near(far, *taylor(far, 1.01 * slope, bend), 3, 0.0, size, K)[2]
-    assert not gap_bounds.is_near(far, *taylor(far, 0.99 * slope, bend), 3, 0.0, size, K)[2]
+    assert gap_bounds.is_near(far, (*taylor(far, 1.01 * slope, bend), 3), 0.0, size, K)[2]
+    assert not gap_bounds.is_near(far, (*taylor(far, 0.99 * slope, bend), 3), 0.0, size, K)[2]
 
 
 def test_what_is_missing_counts_the_rest_of_the_polynomial() -> None:
@@ -63,10 +64,10 @@ def test_what_is_missing_counts_the_rest_of_the_polynomial() -> None:
     K = flow.constants(BASE)
     off = 0.9 * gap_bounds.ISOLATED / K.rate
     p0, *others = taylor(1.0, 1.0, 0.0)
-    assert gap_bounds.is_near(1.0, p0 + off, *others, 4, 0.0, 1.0, K)[0]
-    assert gap_bounds.is_near(1.0, p0 - off, *others, 4, 0.0, 1.0, K)[0]
-    assert not gap_bounds.is_near(1.0, p0 + 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
-    assert not gap_bounds.is_near(1.0, p0 - 1.3 * off, *others, 4, 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, (p0 + off, *others, 4), 0.0, 1.0, K)[0]
+    assert gap_bounds.is_near(1.0, (p0 - off, *others, 4), 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, (p0 + 1.3 * off, *others, 4), 0.0, 1.0, K)[0]
+    assert not gap_bounds.is_near(1.0, (p0 - 1.3 * off, *others, 4), 0.0, 1.0, K)[0]
 
 
 def test_a_quartic_start_has_no_root_where_it_says() -> None:
@@ -84,7 +85,7 @@ def test_a_quartic_start_has_no_root_where_it_says() -> None:
         assert reach > 0
         for part in (0.01, 0.3, 0.7, 1.0):
             tau = reach * part
-            gain = flow.state_at(tau, v, 0.0, s0, c0, K)[1]
+            gain = flow.state_at(tau, Launch(v, 0.0, s0, c0), K).dv
             expected = j * tau**4 / 24
             assert gain * expected > 0
             checked += abs(gain - expected) <= 0.9 * abs(expected)
@@ -128,7 +129,7 @@ def test_the_reach_of_a_quartic_start_at_resonance_is_no_longer_than_its_bound_h
 # -- a step that goes too far ------------------------------------------------------------------------------------------
 
 
-def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True) -> tuple[Any, ...]:
+def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True) -> FlightEnd:
     """Return what a search ends with towards one of two walls, if its first step goes past the belt.
 
     In real arithmetic no step does; by rounding one may, and it has to be noticed.
@@ -145,16 +146,16 @@ def searched(side: int, monkeypatch: pytest.MonkeyPatch, overshoot: bool = True)
         monkeypatch.setattr(first_exit, "positive_on", lambda *_: True)
     K = K._replace(apart=False)  # no marching
     # v = side * sin(tau): it meets the wall side * 1/2 at pi/6, the other one never
-    return first_exit.first_exit(3.0, 0.0, float(side), 0.0, 1.0, 0.5 if side < 0 else 9.0, 0.5 if side > 0 else 9.0,
-                             True, True, False, False, 0.0, 0.0, 0.0, K)  # fmt: skip
+    walls = Walls(0.5 if side < 0 else 9.0, 0.5 if side > 0 else 9.0, True, True, False, False)
+    return first_exit.first_exit(3.0, Launch(0.0, float(side), 0.0, 1.0), walls, Covariance(0.0, 0.0, 0.0), K)
 
 
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_step_past_a_belt_goes_back_to_the_contact(side: int, monkeypatch: pytest.MonkeyPatch) -> None:
     for overshoot in (False, True):
-        code, found, tau, *_ = searched(side, monkeypatch, overshoot)
+        code, found, now = searched(side, monkeypatch, overshoot)
         assert (code, found) == (first_exit.HIT, side)
-        assert abs(tau - math.pi / 6) < 1e-14
+        assert abs(now.tau - math.pi / 6) < 1e-14
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -174,4 +175,4 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
     assert asked[-1] == (1.0, 0.0, side)
     assert found[:2] == (code, side)
     if verdict == first_exit.TANGENCY:
-        assert found[2] == 0.25
+        assert found.now.tau == 0.25

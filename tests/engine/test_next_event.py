@@ -17,6 +17,7 @@ from symosc.engine import compiled_loop, next_event, touches
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants, state_at
 from symosc.engine.next_event import passing_time
+from symosc.engine.state import Covariance, FlightEnd, Flown, Launch, State
 from symosc.engine.switching import carried_error
 from symosc.simulation import run
 from symosc.simulation.trajectory import Event
@@ -31,8 +32,8 @@ def random_constants(rng: random.Random) -> Constants:
 def flow(tau: float, x: float, v: float, theta: float, K: Constants) -> tuple[float, float]:
     s, c = sin(theta), cos(theta)
     a = K.A2 + K.f0 * c - K.cm * v - K.w0sq * x
-    dx, dv, *_ = state_at(tau, v, a, s, c, K)
-    return x + dx, v + dv
+    now = state_at(tau, Launch(v, a, s, c), K)
+    return x + now.dx, v + now.dv
 
 
 def test_a_covariance_is_carried_as_two_nearby_flows_part() -> None:
@@ -50,8 +51,8 @@ def test_a_covariance_is_carried_as_two_nearby_flows_part() -> None:
         )
         correlation = rng.uniform(-1, 1)
         S = np.array([[4.0, 2 * 0.5 * correlation], [2 * 0.5 * correlation, 0.25]])
-        E0, E1, E2 = state_at(tau, v, 0.0, 0.0, 1.0, K)[8:]
-        found = carried_error(S[0, 0], S[0, 1], S[1, 1], E0, E1, E2, 0.3, 0.2, K)
+        now = state_at(tau, Launch(v, 0.0, 0.0, 1.0), K)
+        found = carried_error(Covariance(S[0, 0], S[0, 1], S[1, 1]), now, 0.3, 0.2, K)
         expected = J @ S @ J.T + np.diag([0.09, 0.04])
         scale = np.abs(expected).max()
         assert found == pytest.approx((expected[0, 0], expected[0, 1], expected[1, 1]), abs=1e-9 * scale, rel=1e-8)
@@ -62,11 +63,11 @@ def test_the_tolerance_of_a_gap_is_the_error_of_its_velocity() -> None:
     for _ in range(100):
         K = random_constants(rng)
         tau, correlation = 10 ** rng.uniform(-2, 0.7), rng.uniform(-1, 1)
-        E0, E1, E2 = state_at(tau, 0.0, 0.0, 0.0, 1.0, K)[8:]
-        S = (4.0, correlation, 0.25)
-        expected = sqrt(carried_error(*S, E0, E1, E2, 0.0, 0.0, K)[2])
-        assert touches.tolerance(tau, E0, E1, 0.0, 0.0, 0.0, *S, K) == pytest.approx(K.sigmas * expected, rel=1e-9)
-        rounding = touches.tolerance(tau, E0, E1, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, K._replace(fB=0.0))
+        start, S = Launch(0.0, 0.0, 0.0, 1.0), Covariance(4.0, correlation, 0.25)
+        now = state_at(tau, start, K)
+        expected = sqrt(carried_error(S, now, 0.0, 0.0, K).S22)
+        assert touches.tolerance(now, 0.0, start, S, K) == pytest.approx(K.sigmas * expected, rel=1e-9)
+        rounding = touches.tolerance(now, 3.0, start, Covariance(0.0, 0.0, 0.0), K._replace(fB=0.0))
         assert rounding == pytest.approx(touches.ROUNDING * touches.EPS * 3.0)
 
 
@@ -188,9 +189,14 @@ def test_errors_travel_through_events_as_pushed_starts_do() -> None:
 # -- contacts that rounding hides -------------------------------------------------------------------------------------
 
 
-def state_in(mode: int, v: float, a: float, p: Parameters = BASE) -> tuple[tuple[Any, ...], Constants]:
+def state_in(mode: int, v: float, a: float, p: Parameters = BASE) -> tuple[State, Constants]:
     """Return a state between the belts, and constants."""
-    return (mode, 0, 0, 1.0, 0.0, v, a, a, 0.0, 0.0, 0.0, 0.0, 0.0), Arithmetic(p).K
+    return State(mode, 0, 0, 1.0, 0.0, v, a, a, Covariance(0.0, 0.0, 0.0), 0.0, 0.0), Arithmetic(p).K
+
+
+def hit_at(side: int, tau: float, F: float, s: float = 0.0, c: float = 1.0) -> FlightEnd:
+    """Return a hit with the acceleration F."""
+    return FlightEnd(touches.HIT, side, Flown(tau, 0.0, float(side), F, 0.0, 0.0, 0.0, s, c, 1.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize(("mode", "side"), [(1, 1), (2, -1), (2, 1), (3, -1)])
@@ -201,12 +207,12 @@ def test_a_hit_whose_speed_is_lost_in_rounding_is_in_doubt(
     belt = BASE.belt(mode - 1 if side < 0 else mode)
     state, K = state_in(mode, float(belt) - side, 0.0)
     away = -side * 1e-3
-    hit = (touches.HIT, side, 1e-3 / K.rate, 0.0, side, away, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0)
+    hit = hit_at(side, 1e-3 / K.rate, away, 1.0, 0.0)
     monkeypatch.setattr(next_event, "first_exit", lambda *_: hit)
-    code, boundary, decided, *after = next_event.advance(*state, 9.0, 0.0, K)
+    code, boundary, decided, _, after = next_event.advance(state, 9.0, 0.0, K)
     assert (code, boundary, decided) == (next_event.GRAZE, mode - 1 if side < 0 else mode, False)
-    assert after[1:3] == [mode, boundary]
-    assert after[7] == after[8] == 0.0
+    assert (after.mode, after.at) == (mode, boundary)
+    assert after.Fb == after.Fa == 0.0
 
 
 @pytest.mark.parametrize(("mode", "side"), [(1, 1), (2, -1), (2, 1), (3, -1)])
@@ -221,19 +227,19 @@ def test_a_force_on_the_far_side_within_its_error_is_in_doubt(
     state, K = state_in(mode, float(p.belt(boundary)) - side, 0.0)
     for error, decided in ((0.0, True), (1e-3, False)):
         a = side * J * (1 + 1e-6)  # what is left beyond the belt: 1e-6 of the friction
-        hit = (touches.HIT, side, 1e-3 / K.rate, 0.0, side, a, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0)
+        hit = hit_at(side, 1e-3 / K.rate, a, 1.0, 0.0)
         monkeypatch.setattr(next_event, "first_exit", lambda *_, hit=hit: hit)
-        with_error = (*state[:8], error**2 / K.w0sq**2, 0.0, 0.0, 0.0, 0.0)
-        found = next_event.advance(*with_error, 9.0, 0.0, K)
-        assert found[2] is decided
+        with_error = state._replace(S=Covariance(error**2 / K.w0sq**2, 0.0, 0.0))
+        found = next_event.advance(with_error, 9.0, 0.0, K)
+        assert found.decided is decided
         if decided:
-            assert found[0] == next_event.CROSS
+            assert found.code == next_event.CROSS
         for towards in (1, -1):  # a force of 0 there: the next G-function decides
             s = -side * towards * 1.0  # B0 Omega > k |v|: G^(1) has the sign of -sin(theta)
-            turning = (*hit[:7], s, 0.0, *hit[9:])
+            turning = hit_at(side, 1e-3 / K.rate, a, s, 0.0)
             monkeypatch.setattr(next_event, "first_exit", lambda *_, hit=turning: hit)
-            found = next_event.advance(*with_error, 9.0, 0.0, K)
-            assert found[0] == (next_event.CROSS if decided or towards > 0 else next_event.STICK)
+            found = next_event.advance(with_error, 9.0, 0.0, K)
+            assert found.code == (next_event.CROSS if decided or towards > 0 else next_event.STICK)
 
 
 @pytest.mark.parametrize(("mode", "side"), [(1, 1), (2, -1), (2, 1), (3, -1)])
@@ -243,10 +249,9 @@ def test_a_triple_contact_leaves_no_acceleration(mode: int, side: int, monkeypat
     v = float(BASE.belt(boundary))
     state, K = state_in(mode, v - side, 0.0)
     F, s, c = side * 1e-12, -K.w0sq * v / K.fB, -float(side)  # G1 = 0, G2 on the side of the belt
-    hit = (touches.HIT, side, 1.0 / K.rate, 0.0, float(side), F, 0.0, s, c, 1.0, 0.0, 0.0)
+    hit = hit_at(side, 1.0 / K.rate, F, s, c)
     monkeypatch.setattr(next_event, "first_exit", lambda *_: hit)
     monkeypatch.setattr(next_event, "acceleration", lambda *_: F)
-    found = next_event.advance(*state[:10], 1e-18, 0.0, 0.0, 9.0, 0.0, K)
+    found = next_event.advance(state._replace(S=Covariance(0.0, 0.0, 1e-18)), 9.0, 0.0, K)
     assert found[:3] == (next_event.STICK, boundary, False)
-    Fb, Fa = found[10:12]
-    assert (Fb if side > 0 else Fa) == 0.0
+    assert (found.state.Fb if side > 0 else found.state.Fa) == 0.0

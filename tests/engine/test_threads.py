@@ -54,6 +54,7 @@ def scenario(seed: int) -> tuple[Parameters, dict[str, Any], int]:
     return p, {**start, "t_end": start["t0"] + 3}, dice.choice((17, 25, 35, 50))
 
 
+@pytest.mark.slow
 def test_trajectories() -> None:
     def job(seed: int) -> Any:
         p, start, digits = scenario(seed)

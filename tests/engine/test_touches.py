@@ -9,11 +9,12 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from touches import SIDES, Touching, at_a_seam, free, ordinary, undriven, wild
+from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, wild
 
 from symosc import Parameters, simulate
 from symosc.engine import first_exit, next_event, stick_exit, touches
 from symosc.engine.start import Start
+from symosc.engine.state import FlightEnd, Flown, StickEnd
 from symosc.simulation.run import Path
 
 KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
@@ -48,7 +49,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> None:
     for seed in range(3 if kind == "ordinary" else 1):
@@ -58,7 +59,7 @@ def test_every_touch_is_found(kind: str, mapping: str, digits: int | None) -> No
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_touch_of_many_is_found(kind: str, mapping: str, digits: int | None) -> None:
     """Digits decide all of them; doubles nearly all, and never end before the end without saying so."""
@@ -110,7 +111,7 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_many_touches_where_two_searches_meet(offset: float, mapping: str, digits: int | None) -> None:
     for seed in range(100, 110):
@@ -128,7 +129,7 @@ LIMITS = [
     (touches, "MOST_DESCENTS", 2),
     (first_exit, "MOST_HALVINGS", 1),
     (first_exit, "MOST_NEWTON", 0),
-    (stick_exit, "MOST_STEPS", 1),
+    (stick_exit, "MOST_STICK_STEPS", 1),
 ]
 ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
 
@@ -159,7 +160,7 @@ def test_a_search_that_fails_is_no_end(
             assert_part_of(simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits), expected)
 
 
-@pytest.mark.parametrize("mapping", SIDES)
+@pytest.mark.parametrize("mapping", NEIGHBOURS)
 def test_a_minimum_that_is_not_found_is_no_end(mapping: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = ordinary(random.Random(f"no minimum {mapping}"), mapping)
     for module in (first_exit, touches):
@@ -174,7 +175,8 @@ def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytes
     """A search that gave up may have wandered anywhere: its time says nothing, and it is no end."""
     scene = undriven(random.Random(3), "P3")
     path = Path(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
-    gave_up = (touches.STALLED, -1, behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    now = Flown(behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    gave_up = FlightEnd(touches.STALLED, -1, now)
     monkeypatch.setattr(next_event, "first_exit", lambda *_: gave_up)
     path.step()
     assert (path.code, path.decided) == (next_event.FAILED, False)
@@ -185,7 +187,7 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
     start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
     path = Path(start)
     assert path.state.mode == 4
-    monkeypatch.setattr(next_event, "belt_exit", lambda *_: (touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
+    monkeypatch.setattr(next_event, "belt_exit", lambda *_: StickEnd(touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
     path.step()
     assert (path.code, path.decided) == (next_event.FAILED, False)
 

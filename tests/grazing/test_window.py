@@ -18,13 +18,11 @@ import pytest
 import sympy as sp
 from samples import sample_of
 from sympy import Interval, Rational, S, asin, pi
+from window_samples import parameters
 
 from symosc.errors import ParameterError
-from symosc.grazing import window_ends
 from symosc.grazing.sweep import grazing_windows
 from symosc.grazing.window import GrazingWindow, grazing_window
-from symosc.kernels import double_double
-from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC
 from symosc.model import Parameters
 from symosc.scenes import load_scene, scene_names
 from symosc.symbolic.theorem7 import CIRCLE, theorem7
@@ -37,27 +35,6 @@ NO_BOTTOM = Interval.Ropen(0, 3 * pi / 2) + Interval.open(3 * pi / 2, 2 * pi)
 
 mp = mpmath.mp.clone()
 mp.dps = 50
-
-
-def parameters(rng: random.Random) -> Parameters:
-    """Random rational parameters; about a third at or next to |k v| = |B0| Omega, on one of the belts, or at zero."""
-
-    def number(low: int, high: int) -> Fraction:
-        return Fraction(rng.randint(low, high), rng.randint(1, 30))
-
-    values = {"m": number(1, 90), "c": number(0, 40), "k": number(0, 90), "A0": number(-99, 99), "B0": number(-99, 99)}
-    values |= {"Omega": number(1, 90), "v1": number(-90, 60), "mu1": number(0, 30), "mu2": number(0, 30)}
-    values |= {"FN": number(0, 90)}
-    values["v2"] = values["v1"] + number(1, 90)
-    style = rng.randrange(12)
-    belt = values[rng.choice(["v1", "v2"])]
-    if style < 6 and values["k"] * belt:
-        off = [0, 0, 0, 0, Fraction(1, 10**9), Fraction(-1, 10**20)][style]
-        values["B0"] = rng.choice([1, -1]) * values["k"] * belt / values["Omega"] * (1 + off)
-    if style == 6:
-        values[rng.choice(["k", "B0", "v1", "v2"])] = Fraction(0)
-        values["v2"] = max(values["v2"], values["v1"] + 1)
-    return Parameters(**values)
 
 
 def forces(p: Parameters, mapping: str, theta: Any) -> list[Any]:
@@ -389,133 +366,3 @@ def test_an_exact_query_takes_milliseconds() -> None:
         times.append(time.process_time() - start)
         assert None not in asked
     assert sorted(times)[30] < 5e-3
-
-
-# -- sweeps ----------------------------------------------------------------------------------------------------------
-
-
-def exact_ends(level: Any, swing: Any) -> set[Any]:
-    """Return theta_cr, pi - theta_cr and theta_cr + 2 pi with 100 digits."""
-    big = mp.clone()
-    big.dps = 150
-    level, swing = big.mpf(level.numerator) / level.denominator, big.mpf(swing.numerator) / swing.denominator
-    cut = big.asin(-level / swing)
-    return {cut, big.pi - cut, cut + 2 * big.pi}
-
-
-def ulps(found: float, ends: set[Any]) -> float:
-    return float(min(abs(found - end) for end in ends) / math.ulp(found))
-
-
-@pytest.mark.parametrize("mapping", ["P2", "P6"])
-def test_sweep_ends_are_within_one_unit_in_the_last_place(mapping: str) -> None:
-    rng = np.random.default_rng(5)
-    n = 800
-    k, v, B0 = rng.uniform(0.1, 5, n), rng.uniform(-3, 3, n), rng.uniform(-9, 9, n)
-    ratio = rng.choice([-1, 1], n) * (1 - 10.0 ** rng.uniform(-16, 0, n))
-    ratio[:200] = 10.0 ** rng.uniform(-45, 0, 200)
-    Omega = np.abs(k * v / B0 / ratio)
-    name = "v1" if mapping == "P2" else "v2"
-    p = FIG9.replace(v1=-100, v2=100)
-    found = grazing_windows(p, mapping, k=k, B0=B0, Omega=Omega, **{name: v})
-    worst, arcs = 0.0, 0
-    for i in range(n):
-        if found.kind[i] not in (ARC, WRAPPED_ARC):
-            continue
-        level, swing = Fraction(k[i]) * Fraction(v[i]), Fraction(B0[i]) * Fraction(Omega[i])
-        ends = exact_ends(level, swing)
-        worst = max([worst, *(ulps(float(x), ends) for x in (found.low[i], found.high[i], found.theta_cr[i]))])
-        arcs += 1
-    assert arcs > 700
-    assert worst <= 0.501
-
-
-def test_single_windows_have_the_nearest_doubles() -> None:
-    rng = random.Random(4)
-    for _ in range(200):
-        ratio = rng.choice([1, -1]) * (1 - Fraction(rng.randint(1, 99), 10 ** rng.randint(2, 40)))
-        window = grazing_window(FIG9.replace(k=abs(ratio), v1=1 if ratio > 0 else -1, B0=1, Omega=1), "P2")
-        ends = exact_ends(ratio, Fraction(1))
-        inner = [end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < double_double.TWO_PI[0]]
-        assert inner
-        assert all(ulps(end, ends) <= 0.5001 for end in inner)
-
-
-@pytest.mark.parametrize("mapping", MAPS)
-@pytest.mark.parametrize("order", ORDERS)
-def test_sweeps_agree_with_single_windows(mapping: str, order: str) -> None:
-    rng = random.Random(mapping + order)
-    for _ in range(25):
-        p = parameters(rng)
-        name = rng.choice(["k", "B0", "Omega"])
-        values = [float(abs(getattr(p, name)))] + [rng.uniform(0.1, 9) for _ in range(6)]
-        values = [value if value > 0 else 1.0 for value in values]
-        found = grazing_windows(p, mapping, order, **{name: values})
-        for i, value in enumerate(values):
-            single = grazing_window(p.replace(**{name: Fraction(value)}), mapping, order)
-            assert found.kind[i] == single.kind
-            if single.kind in (ARC, WRAPPED_ARC, ALL_BUT_ONE):
-                assert abs(found.low[i] - single.ends[0]) <= math.ulp(single.ends[0])
-                assert abs(found.high[i] - single.ends[1]) <= math.ulp(single.ends[1])
-
-
-def test_sweep_decides_equality_exactly_with_fractions() -> None:
-    p = FIG9.replace(k="1/3", v1=1, Omega="1/3")  # equality at B0 = +-1, which no double of 1/3 would show
-    values = np.array([-1.0, 1.0, 0.0, math.nextafter(1, 0), math.nextafter(1, 2)])
-    assert list(grazing_windows(p, "P2", "paper", B0=values).kind) == [
-        ALL_BUT_ONE,
-        ALL_BUT_ONE,
-        EVERYTHING,
-        EVERYTHING,
-        WRAPPED_ARC,
-    ]
-    assert list(grazing_windows(p, "P2", "full", B0=values).kind[:2]) == [EVERYTHING, EVERYTHING]
-    assert list(grazing_windows(p, "P3", "full", B0=values).kind) == [EMPTY, EMPTY, EMPTY, EMPTY, ARC]
-    near = FIG9.replace(k=Fraction(1, 3) * (1 - Fraction(1, 2**99)), v1=1, Omega="1/3")
-    doubt = grazing_windows(near, "P2", B0=[1.0])
-    ends = exact_ends(near.k, near.Omega)
-    assert doubt.kind[0] == WRAPPED_ARC
-    assert max(ulps(float(x[0]), ends) for x in (doubt.low, doubt.high, doubt.theta_cr)) <= 0.501
-
-
-def test_sweep_shapes_and_bad_sweeps() -> None:
-    found = grazing_windows(FIG9, "P2", Omega=np.linspace(1, 5, 3)[:, None], B0=np.linspace(-9, 9, 4))
-    assert found.low.shape == found.kind.shape == (3, 4)
-    assert grazing_windows(FIG9, "P2").kind.shape == ()
-    assert grazing_windows(FIG9, "P2", Omega=np.array([])).kind.shape == (0,)
-    bad: list[tuple[str, Any]] = [("c", [1.0]), ("v2", [30.0]), ("Omega", [1.0, 0.0]), ("Omega", "abc"), ("k", [-1.0])]
-    bad += [("k", [math.nan]), ("B0", [math.inf]), ("v1", [26.0]), ("Omega", [[1], [2, 3]])]
-    for name, values in bad:
-        with pytest.raises(ParameterError, match=name):
-            grazing_windows(FIG9, "P2", **{name: values})
-
-
-def test_extreme_magnitudes() -> None:
-    # k v/(B0 Omega) = 0.3, of numbers whose products no double can hold
-    values = np.array([1e-150, 1e-100, 1e40, 1e50])
-    found = grazing_windows(FIG9, "P2", k=values, v1=3e-201, B0=values * 1e-150, Omega=1e-50)
-    assert list(found.kind) == [WRAPPED_ARC] * 4
-    assert found.theta_cr == pytest.approx([-math.asin(0.3)] * 4, rel=1e-14)
-    assert list(grazing_windows(FIG9, "P2", k=1e50, v1=1e-300, Omega=1e-50, B0=1e-201).kind[None]) == [EVERYTHING]
-    assert grazing_windows(FIG9, "P2", k=1e-300, v1=1e-300, Omega=1e50, B0=1e50).kind == WRAPPED_ARC
-
-
-def test_compiled_and_interpreted_sources_agree_to_the_bit() -> None:
-    rng = np.random.default_rng(8)
-    k, B0 = rng.uniform(0, 5, 300), rng.uniform(-2, 2, 300)
-    found = grazing_windows(FIG9, "P2", k=k, B0=B0)
-    one, third = (1.0, 0.0), (4.0, 0.0)
-    for i in range(300):
-        row = window_ends.window(k[i], 0.0, *one, B0[i], 0.0, *third, 1, True)
-        assert tuple(float(column[i]) for column in found) == pytest.approx(row, abs=0, rel=0, nan_ok=True)
-
-
-def test_the_table_of_arctangents() -> None:
-    mp_wide = mp.clone()
-    mp_wide.prec = 120
-    for j in range(9):
-        exact = mp_wide.atan(mp_wide.mpf(j) / 8)
-        assert double_double.ATAN_HI[j] == float(exact)
-        assert double_double.ATAN_LO[j] == float(exact - double_double.ATAN_HI[j])
-    for pair, factor in ((double_double.HALF_PI, 0.5), (double_double.PI, 1), (double_double.TWO_PI, 2)):
-        assert pair == (float(factor * mp_wide.pi), float(factor * mp_wide.pi - pair[0]))

@@ -13,6 +13,7 @@ from samples import sample_of
 from symosc import Parameters
 from symosc.engine.arithmetic import MpArithmetic, mp_context
 from symosc.engine.flow import constants, state_at
+from symosc.engine.state import Launch
 from symosc.kernels import entire
 from symosc.kernels._generated import basis_apart
 from symosc.kernels.entire_mp import BasisMP
@@ -149,8 +150,8 @@ def test_no_cancellation_in_the_flow(count: int) -> None:
             _, E1, E2, R2, I2 = oracle(p, tau)
             x_terms = [v0 * E1, v0 * K.cm * E2, a0 * E2, K.f0 * c0 * R2, -K.f0 * c0 * E2, -K.f0 * s0 * I2]
             v_terms = [a0 * E1, -K.w0sq * v0 * E2, -K.fB * s0 * R2, -K.fB * c0 * I2]
-            found = state_at(float(tau), v0, a0, s0, c0, K)
-            for value, terms in ((found[0], x_terms), (found[1], v_terms)):
+            found = state_at(float(tau), Launch(v0, a0, s0, c0), K)
+            for value, terms in ((found.dx, x_terms), (found.dv, v_terms)):
                 with mpmath.workdps(50):
                     assert abs(value - sum(terms)) <= 50 * ULP * sum(map(abs, terms)), (p, float(tau))
 

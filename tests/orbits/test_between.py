@@ -79,6 +79,7 @@ def test_gaps_of_any_width_are_found(seed):
         assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "word", "low", "high"),
     [(FIG9, "P32", -100, 100), (FIG9, "P32", -(10**5), 10**5), (FIG10, "P4645", -500, 500)],

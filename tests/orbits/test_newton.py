@@ -8,12 +8,12 @@ import mpmath
 import numpy as np
 import pytest
 
-from symosc import ParameterError, find_orbit, load_scene
+from symosc import find_orbit, load_scene
 from symosc.orbits import newton
-from symosc.orbits.behind import look_behind
 from symosc.orbits.closing_equations import ClosingEquations
-from symosc.orbits.curve import CORRECTIONS, Curve
+from symosc.orbits.curve import Curve
 from symosc.orbits.newton import MOST_LINEAR, Solution, polish, solve
+from symosc.words import read_word
 
 FIG9 = load_scene("fig9").parameters
 ORBIT = find_orbit(FIG9, "P32")
@@ -107,53 +107,18 @@ def test_a_correction_that_is_no_number_ends_it_at_once(monkeypatch: pytest.Monk
     assert len(calls) == 1
 
 
-@pytest.mark.parametrize(("distance", "found"), [(0.5, True), (1.5, False)])
-def test_a_root_that_is_far_off_is_another_one(distance: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    along = curve()
-    first = along.first(1.0)
-    begin, normal = along.of(first), np.append(np.zeros(4), 1.0)
-    target = begin + distance * np.array([0, 1.0, 0, 0, 0])
-    monkeypatch.setattr(along, "linearised", lambda z, slope=None: ((z - target)[:4], np.eye(4, 5)))
-    corrected = along.correct(begin, normal)
-    assert (corrected is not None) is found
-    if corrected is not None:
-        assert corrected == pytest.approx(target)
-
-
-def test_corrections_that_do_not_get_smaller_are_no_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    along, calls = curve(), []
-    first = along.first(1.0)
-
-    def forth_and_back(z: np.ndarray, slope: Any = None) -> tuple[np.ndarray, np.ndarray]:
-        calls.append(z)
-        return np.array([0, 0.3 * (-1) ** len(calls), 0, 0]), np.eye(4, 5)
-
-    monkeypatch.setattr(along, "linearised", forth_and_back)
-    assert along.correct(along.of(first), np.append(np.zeros(4), 1.0)) is None
-    assert len(calls) == CORRECTIONS
-
-
-@pytest.mark.parametrize("error", [np.linalg.LinAlgError(), ParameterError("k", 0, "must be > 0"), ZeroDivisionError()])
-def test_what_cannot_be_evaluated_is_no_point(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A parameter out of its range, a piece without length, a singular matrix."""
-    along = curve()
-    first = along.first(1.0)
-
-    def fails(*_: Any, **__: Any) -> Any:
-        raise error
-
-    monkeypatch.setattr(along, "linearised", fails)
-    assert along.correct(along.of(first), first.tangent) is None
-    assert along.accepted(along.of(first), first) is None
-
-
-def test_nothing_is_behind_the_last_system_that_there_is() -> None:
-    """Without friction there is nothing beyond: mu2 < 0 is no system."""
-    orbit = find_orbit(FIG9.replace(mu2=0), "P32")
-    along = Curve(orbit, "mu2", 0.0, 1.0)
-    first = along.first(-1.0)
-    assert first.value == 0
-    with pytest.raises(ParameterError):
-        along.equations(-1e-9)
-    assert look_behind(along, first, -1.0) == (None, "")
-    assert isinstance(along.equations(0.5), ClosingEquations)
+@pytest.mark.parametrize("factor", [0.1, 0.5, 1.0, 2.0, 50.0])
+def test_no_flight_loses_more_than_its_part(factor: float) -> None:
+    """A step that would shorten a flight by more is cut to just that part; any other is taken whole."""
+    equations, rng = ClosingEquations(FIG9, read_word("P32"), 1), np.random.default_rng(3)
+    points = np.array([[x, float(FIG9.Omega) * t] for t, x in ORBIT.points])
+    durations = equations.durations(points)
+    for _ in range(20):
+        step = factor * rng.uniform(-1, 1, points.shape)
+        part = newton._longest(equations, points, step)
+        assert 0 < part <= 1
+        left = equations.durations(points + part * step) / durations
+        assert left.min() >= 1 - newton.SHORTEN - 1e-9
+        if part < 1:
+            assert left.min() == pytest.approx(1 - newton.SHORTEN, abs=1e-9)
+            assert equations.durations(points + step).min() < durations.min()

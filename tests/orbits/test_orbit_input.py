@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -19,10 +20,15 @@ from symosc.words import WordError
 
 P = load_scene("fig9").parameters
 ORBIT = find_orbit(P, "P32")
-BRANCH = symosc.continue_orbit(P, "P32", "Omega", ("3.99", "4.01"), ORBIT)
 DEEP: Any = 1
 for _ in range(50):
     DEEP = [DEEP]
+
+
+@cache
+def branch() -> symosc.Branch:
+    return symosc.continue_orbit(P, "P32", "Omega", ("3.99", "4.01"), ORBIT)
+
 
 #: Nothing of this is a number of digits.
 NO_DIGITS = [0, 4, -5, 10**9, 10**400, 20.0, "20", "", True, 1j, [20], (), {}, np.array([5, 6]), np.array([20]), DEEP]
@@ -30,7 +36,7 @@ NO_DIGITS += [np.array(["20"]), np.array([None, 1]), np.float64(20), float("nan"
 DIGITS: dict[str, Callable[[Any], Any]] = {
     "simulate": lambda digits: symosc.simulate("fig5", digits=digits),
     "find_orbit": lambda digits: find_orbit(P, "P32", digits=digits),
-    "Branch.orbit": lambda digits: BRANCH.orbit(0, digits=digits),
+    "Branch.orbit": lambda digits: branch().orbit(0, digits=digits),
     "grazing_start": lambda digits: symosc.grazing_start(P, "P2", "3.1", digits=digits),
     "solve_grazing": lambda digits: symosc.solve_grazing(P, "P2", theta_j=3, digits=digits),
 }
@@ -52,9 +58,9 @@ def test_whole_numbers_of_orbits(value: Any) -> None:
 
 @pytest.mark.parametrize("value", [None, "0", 1.0, 10**6, -(10**6), True, [0], np.array([0, 1]), 1j, float("nan")])
 def test_points_of_a_branch(value: Any) -> None:
-    refused(lambda: BRANCH.orbit(value), "i")
-    refused(lambda: BRANCH.parameters(value), "i")
-    assert BRANCH.parameters(-1) == BRANCH.parameters(len(BRANCH.values) - 1)
+    refused(lambda: branch().orbit(value), "i")
+    refused(lambda: branch().parameters(value), "i")
+    assert branch().parameters(-1) == branch().parameters(len(branch().values) - 1)
 
 
 NO_GUESSES = [5, "ab", b"ab", (None, None), {}, object(), 10**400, [10**400, 1], [[True, 1], [2, 1]], [1j, 2], DEEP]

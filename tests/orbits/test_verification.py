@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from branches import branch_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate
 from symosc.errors import ParameterError
+from symosc.orbits import verification
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import orbit_at
 from symosc.orbits.floquet import rest_positions
@@ -243,3 +246,22 @@ def test_a_guess_may_have_pieces_that_are_about_to_vanish():
     assert np.allclose(np.array(find_orbit(FIG10, "P4645", guess).points), guess)
     with pytest.raises(ParameterError, match="times must increase"):
         find_orbit(FIG10, "P4645", guess[::-1])
+
+
+def test_the_engine_agrees_up_to_its_tolerance_and_no_further(monkeypatch):
+    """Positions relative to the largest of the orbit and of what a belt runs in a period, times to the period."""
+    orbit = find_orbit(FIG9, "P32")
+    equations = ClosingEquations(FIG9, read_word("P32"), 1)
+    points = [(x, float(FIG9.Omega) * t) for t, x in orbit.points]
+    events = verification._simulated(equations, points, verification._start(equations, points), None)
+    assert agrees(equations, points, None)
+    period = 2 * math.pi / float(FIG9.Omega)
+    size = max(abs(float(x)) for x, _ in points) + period * float(max(abs(FIG9.v1), abs(FIG9.v2)))
+    for name, reach in (("x", 1e-6 * size), ("t", 1e-6 * period)):
+        for part, found in ((0.9, True), (-0.9, True), (1.1, False), (-1.1, False)):
+            moved = [replace(event, **{name: getattr(event, name) + part * reach}) for event in events]
+            monkeypatch.setattr(verification, "_simulated", lambda *_, moved=moved: moved)
+            assert agrees(equations, points, None) is found, (name, part)
+    due = verification._expected(equations, points, verification._start(equations, points))
+    monkeypatch.setattr(verification, "_simulated", lambda *_: events[: len(due) - 1])
+    assert not agrees(equations, points, None)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from symosc.paper.claims import FOLDER, PARTS
+from symosc.paper.claims import ERRATA, FOLDER, PARTS, UNJUDGED
 from symosc.paper.mathematics import chapter_html
 from symosc.paper.typeset import typeset
 
@@ -44,4 +44,4 @@ def test_derivations_become_html_without_a_rest_of_latex() -> None:
 
 
 def test_parts_are_the_files() -> None:
-    assert {path.stem for path in FOLDER.glob("*.toml")} == set(PARTS)
+    assert {path.stem for path in FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}

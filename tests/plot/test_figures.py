@@ -173,6 +173,7 @@ def test_files_by_suffix_the_same_each_time(suffix: str, tmp_path: Path) -> None
     assert first == second
 
 
+@pytest.mark.slow
 def test_pdf_keeps_text_as_text_and_svg_is_vector(tmp_path: Path) -> None:
     drawing = plot.figure("fig5", panels="b")
     assert b"/Type /Font" in plot.save(drawing, tmp_path / "a.pdf").read_bytes()
@@ -218,6 +219,7 @@ def test_spans_of_the_scenes() -> None:
     assert periods == pytest.approx(figures.PERIODS_SHOWN)
 
 
+@pytest.mark.slow
 def test_digits_and_an_undecided_end_can_be_drawn() -> None:
     assert plot.figure(simulate("fig8", t_end=4, digits=30)).axes
     undecided = simulate("fig8", t_end=160)

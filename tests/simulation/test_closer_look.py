@@ -16,8 +16,8 @@ from touches import ordinary, tenths
 
 from symosc import Parameters, load_scene, simulate
 from symosc.engine import first_exit, flow, start, touches
-from symosc.engine.next_event import MOVED
 from symosc.engine.start import Start
+from symosc.engine.state import MOVED
 from symosc.simulation import closer_look
 from symosc.simulation import simulate as simulate_module
 from symosc.simulation.closer_look import Backup, touch_digits
@@ -72,6 +72,7 @@ def test_more_digits_do_not_help_where_the_start_is_vague() -> None:
     assert simulate_module.attainable(1e-9, vague) == 1e-9
 
 
+@pytest.mark.slow
 def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() -> None:
     """fig8 beyond t = 62.83: the message names the time, the digits that were not enough, and more of them."""
     scene = load_scene("fig8")
@@ -91,6 +92,7 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() ->
         assert (event.kind, event.target) == (right.kind, right.target)
 
 
+@pytest.mark.slow
 def test_digits_that_are_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     """The working precision is raised up to a limit; then the motion ends there, with the events before it."""
     monkeypatch.setattr(simulate_module, "MOST_WORKING", 4)
@@ -250,6 +252,7 @@ def test_a_settled_motion_takes_no_work(monkeypatch: pytest.MonkeyPatch) -> None
         assert count[0] <= 20
 
 
+@pytest.mark.slow
 def test_a_path_moves_on_where_nothing_happens() -> None:
     """A search is no longer than its chunk: the state in between is that of the flow, and the phase goes along."""
     p = Parameters(m=1, c=0, k=400, A0=0, B0=400, Omega="0.1", v1="-20.06", v2="20.06", mu1=1, mu2=1, FN=1)

@@ -69,6 +69,7 @@ def test_one_start_serves_for_all_parameters() -> None:
     assert len(set(table.trajectory.tolist())) == 2
 
 
+@pytest.mark.slow
 def test_a_doubtful_contact_is_looked_at_with_more_digits() -> None:
     """From fig7-exact's start a double cannot tell a graze from a crossing; fig8's sticks shrink until it cannot."""
     assert one("fig7-exact", None).kind.tolist() == ["graze"]

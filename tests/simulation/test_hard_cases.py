@@ -9,6 +9,7 @@ import mpmath
 import pytest
 from agreement import BASE, CONTACTS, NEAR, assert_agrees, oracle_of, simulated
 from oracle import flow_oracle, simulate_oracle
+from samples import few
 
 from symosc import Parameters, simulate
 
@@ -47,7 +48,7 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", few(SCENES, "m = 1e-6, overdamped"))
 def test_hard_scenes(name: str) -> None:
     changes, start, least = SCENES[name]
     p = BASE.replace(**changes)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from samples import few
 
 import symosc
 from symosc import Event, EventTable, Trajectory, load_scene, simulate, simulate_many
@@ -116,7 +117,7 @@ def classes_in(value: Any) -> set[type]:
     return found.union(*(classes_in(each) for each in held))
 
 
-@pytest.mark.parametrize("name", [name for name, call in CALLS.items() if call])
+@pytest.mark.parametrize("name", few([name for name, call in CALLS.items() if call], "continue_orbit", "check_grazing"))
 def test_what_a_public_function_returns_is_public_documented_and_comparable(name: str) -> None:
     call = CALLS[name]
     assert call is not None

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc import Parameters, Scene
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 
 TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
 # After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at once.
@@ -65,7 +65,7 @@ def solve(
     source = 0  # the domain from which a belt was met; 0 at the start
     while t < t_end:
         if at:
-            below, above = SIDES[at]
+            below, above = NEIGHBOURS[at]
             v = speeds[at]
             run.add([t], [x], [v])
             if force(below, t, x, v) > 0 > force(above, t, x, v):

@@ -12,7 +12,7 @@ import mpmath
 from symosc import Parameters
 
 # mapping: domain, belt, and the side of the belt that the motion does not reach
-SIDES = {"P2": (1, 1, 1), "P3": (2, 1, -1), "P5": (2, 2, 1), "P6": (3, 2, -1)}
+NEIGHBOURS = {"P2": (1, 1, 1), "P3": (2, 1, -1), "P5": (2, 2, 1), "P6": (3, 2, -1)}
 # (R, Q) with R^2 + Q^2 = 1: the steady motion x = p + R cos(Omega t) + Q sin(Omega t)
 PYTHAGORAS = [(0, 1), (3, 4), (5, 12), (-3, 4), (-8, 15), (20, 21), (4, 3)]
 
@@ -35,7 +35,7 @@ def tenths(rng: random.Random, low: int, high: int) -> Fraction:
 
 def belts(rng: random.Random, mapping: str, touched: Fraction, away: Fraction) -> dict[str, Fraction]:
     """Return belt speeds and friction, with one belt at `touched` and the other `away` from it."""
-    alpha, boundary, _ = SIDES[mapping]
+    alpha, boundary, _ = NEIGHBOURS[mapping]
     below = alpha == 1 or (alpha == 2 and boundary == 1)
     low, high = (touched, touched + away) if below else (touched - away, touched)
     mu1, mu2 = tenths(rng, 0, 10), tenths(rng, 0, 10)
@@ -58,7 +58,7 @@ def steady(
     With k - m Omega^2 = kappa R and c Omega = kappa Q it is x = p + R cos(Omega t) + Q sin(Omega t) for
     B0 = kappa (R^2 + Q^2). None if k would be negative.
     """
-    alpha, boundary, side = SIDES[mapping]
+    alpha, boundary, side = NEIGHBOURS[mapping]
     R, Q = direction[0] * radius, direction[1] * radius
     kappa = c * Omega / Q
     k = m * Omega**2 + kappa * R
@@ -129,7 +129,7 @@ def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50)
 
     A search is `length` over the natural frequency long (`symosc.engine.flow.LONGEST_PHASE`); so the spring is chosen.
     """
-    side = SIDES[mapping][2]
+    side = NEIGHBOURS[mapping][2]
     n = rng.randint(1000, 9000)  # R/Q large: the motion is nearly that of a spring without a damper
     R, Q = Fraction(n * n - 1, n * n + 1), Fraction(2 * n, n * n + 1)
     Omega, m, searches = tenths(rng, 3, 40), tenths(rng, 2, 30), rng.randint(1, 4)
@@ -145,7 +145,7 @@ def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50)
 
 def undriven(rng: random.Random, mapping: str) -> Touching:
     """Return an undamped mass without drive that leaves its belt with F = 0: it is back there once a period."""
-    alpha, boundary, side = SIDES[mapping]
+    alpha, boundary, side = NEIGHBOURS[mapping]
     m, k, speed = tenths(rng, 1, 50), tenths(rng, 1, 90), side * tenths(rng, 1, 60)
     away = 2 * abs(speed) + tenths(rng, 1, 50)
     p = Parameters(
@@ -158,7 +158,7 @@ def undriven(rng: random.Random, mapping: str) -> Touching:
 
 def free(rng: random.Random, mapping: str) -> Touching:
     """Return a mass without spring and damper: v = v0 + B0/(m Omega) sin(Omega t)."""
-    alpha, boundary, side = SIDES[mapping]
+    alpha, boundary, side = NEIGHBOURS[mapping]
     m, Omega, v0 = tenths(rng, 1, 50), tenths(rng, 3, 40), tenths(rng, -20, 20)
     B0 = tenths(rng, 1, 60) * rng.choice([-1, 1])
     swing = abs(B0) / (m * Omega)

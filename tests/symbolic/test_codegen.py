@@ -295,7 +295,7 @@ def test_long_lines_are_folded() -> None:
     steps = {"y": sum(q * many[0] for q in many[1:])}
     kernel = codegen.Kernel("f", "A test.", {str(q): q for q in many}, steps, ("y",))
     source = codegen.function_source(kernel)
-    assert max(map(len, source.splitlines())) <= codegen.WIDTH
+    assert max(map(len, source.splitlines())) <= codegen.KERNEL_WIDTH
     scope: dict[str, Any] = {}
     exec(source, scope)
     assert scope["f"](*range(2, 42)) == 2 * sum(range(3, 42))
@@ -304,6 +304,7 @@ def test_long_lines_are_folded() -> None:
 # --- writing ---
 
 
+@pytest.mark.slow
 def test_write_brings_the_file_up_to_date(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
     assert "+def motion(" in codegen.check()

@@ -267,6 +267,7 @@ def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
 # --- what is in it ---
 
 
+@pytest.mark.slow
 def test_only_what_the_word_needs_is_there() -> None:
     text = export("P32", "c", name="made")["made.h"]
     assert "double A1;" in text

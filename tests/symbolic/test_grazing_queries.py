@@ -16,7 +16,7 @@ from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
 from symosc.model import Parameters
 from symosc.scenes import load_scene
-from symosc.symbolic.grazing_answers import LETTERS, Answer
+from symosc.symbolic.grazing_answers import QUERY_LETTERS, Answer
 from symosc.symbolic.grazing_queries import THETA, values_containing, values_empty, values_everything
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -137,8 +137,8 @@ def test_answers_with_letters(mapping: str, name: str, order: str) -> None:
     for _ in range(8):
         p = parameters(rng)
         theta = pi * Rational(rng.choice([0, 1, 3, 7, 9, 9, 11]), 6)
-        values = {LETTERS[each]: Rational(getattr(p, each)) for each in ("k", "B0", "Omega", "v1", "v2")}
-        values |= {LETTERS["v"]: Rational(getattr(p, belt(mapping))), THETA: theta}
+        values = {QUERY_LETTERS[each]: Rational(getattr(p, each)) for each in ("k", "B0", "Omega", "v1", "v2")}
+        values |= {QUERY_LETTERS["v"]: Rational(getattr(p, belt(mapping))), THETA: theta}
         for question, answers in zip(questions, lettered, strict=True):
             held = [answer for answer in answers if answer.condition.subs(values) == sp.true]
             assert len(held) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from fractions import Fraction
 from typing import Any
@@ -10,7 +11,9 @@ import pytest
 import sympy as sp
 from sympy import Interval, Rational, S, asin, pi
 
+import symosc
 from symosc.errors import ParameterError
+from symosc.plot.windows import sweep_figure
 from symosc.symbolic.theorem7 import CIRCLE, Case, sign_of, theorem7
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -70,16 +73,21 @@ LACKING = [
 ]
 
 
+def printed(mapping: str, level: Any, amplitude: Any) -> Any:
+    """Return what Theorem 7 says as printed, at the first order."""
+    return theorem7(mapping, level, amplitude, "paper")
+
+
 @pytest.mark.parametrize(("mapping", "number"), ALL_PRINTED)
 def test_printed_case(mapping: str, number: str) -> None:
     level, amplitude, expected = PRINTED[mapping][number]
-    assert theorem7(mapping, level, amplitude) == expected
+    assert printed(mapping, level, amplitude) == expected
     assert _label(mapping, level, amplitude) == f"({EQUATION[mapping]}.{number})"
 
 
 @pytest.mark.parametrize(("mapping", "label", "level", "amplitude", "expected"), LACKING)
 def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitude: int, expected: Any) -> None:
-    assert theorem7(mapping, level, amplitude) == expected
+    assert printed(mapping, level, amplitude) == expected
     assert _label(mapping, level, amplitude) == label
 
 
@@ -89,12 +97,12 @@ def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitu
 def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
     mapping: str, amplitude: int, level: int
 ) -> None:
-    printed, full = theorem7(mapping, level, amplitude), theorem7(mapping, level, amplitude, order="full")
+    first, full = printed(mapping, level, amplitude), theorem7(mapping, level, amplitude)
     graze = level > 0 if mapping in ("P2", "P5") else level < 0
     assert full == (CIRCLE if graze else S.EmptySet)
-    assert full - printed == (sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet)
+    assert full - first == (sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet)
     for other in (3, 0, -3, 7, -7):
-        assert theorem7(mapping, other, amplitude, "full") == theorem7(mapping, other, amplitude)
+        assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
 
 
 @pytest.mark.slow
@@ -103,7 +111,7 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
 @pytest.mark.parametrize("level", [-7, -5, -3, 0, 3, 5, 7])
 def test_the_two_sides_fill_the_circle_but_for_the_critical_phases(mapping: str, amplitude: int, level: int) -> None:
     other = {"P2": "P3", "P3": "P2", "P5": "P6", "P6": "P5"}[mapping]
-    here, there = theorem7(mapping, level, amplitude), theorem7(other, level, amplitude)
+    here, there = printed(mapping, level, amplitude), printed(other, level, amplitude)
     assert sp.Intersection(here, there) == S.EmptySet
     missing = CIRCLE - sp.Union(here, there)
     critical = [pi / 2, 3 * pi / 2, S.Zero, pi, CUT, pi - CUT, pi + CUT, 2 * pi - CUT]
@@ -162,7 +170,7 @@ def test_symbols_with_assumptions_leave_the_cases_that_can_hold() -> None:
 
 def test_one_symbol_and_one_number() -> None:
     g = sp.Symbol("g")
-    cases = theorem7("P3", g, 5)
+    cases = printed("P3", g, 5)
     assert [case.label for case in cases] == ["(56.1)", "(56.2)", "(56.3)", "(56.4)", "(56.5)", "(56.6)"]
     held = [case for case in cases if case.condition.subs(g, -5) == sp.true]
     assert [case.phases for case in held] == [NO_TOP]
@@ -176,7 +184,7 @@ def test_one_symbol_and_one_number() -> None:
 @pytest.mark.parametrize("number", [0.3, "0.3", "3/10", Fraction(3, 10), Rational(3, 10), sp.Float("0.3")], ids=repr)
 def test_numbers_are_read_exactly(number: Any) -> None:
     # 0.1 * 3 == 0.3 in rational numbers only
-    assert theorem7("P2", number, 3 * Fraction("0.1")) == NO_BOTTOM
+    assert printed("P2", number, 3 * Fraction("0.1")) == NO_BOTTOM
 
 
 @pytest.mark.parametrize(
@@ -196,7 +204,7 @@ def test_numbers_are_read_exactly(number: Any) -> None:
     ],
 )
 def test_algebraic_and_other_real_numbers(level: Any, amplitude: Any, expected: Any) -> None:
-    found = theorem7("P2", level, amplitude)
+    found = printed("P2", level, amplitude)
     if expected is None:
         cut = asin(Rational(level, amplitude))
         expected = sp.Union(Interval.Ropen(0, pi + cut), Interval.open(2 * pi - cut, 2 * pi), evaluate=False)
@@ -236,6 +244,13 @@ def test_what_is_no_real_number(bad: Any) -> None:
         theorem7("P2", bad, 1)
     with pytest.raises(ParameterError, match="amplitude"):
         theorem7("P2", 1, bad)
+
+
+def test_every_function_takes_the_full_order_unless_told_otherwise() -> None:
+    public = [getattr(symosc, name) for name in symosc.__all__] + [sweep_figure]
+    functions = [each for each in public if inspect.isfunction(each) and "order" in inspect.signature(each).parameters]
+    assert {each.__name__ for each in functions} >= {"theorem7", "grazing_window", "grazing_windows", "sweep_figure"}
+    assert {inspect.signature(each).parameters["order"].default for each in functions} == {"full"}
 
 
 @pytest.mark.parametrize("order", ["Full", "", None, 1])

@@ -40,7 +40,7 @@ def items(scope: Scope) -> Iterator[Any]:
 
 
 def _title(row: Map) -> str:
-    planes = [rf"\Sigma^{{{plane.side}}}_{{({plane.boundary})}}" for plane in (row.start, row.end)]
+    planes = [rf"\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}" for plane in (row.start, row.end)]
     what = f"stick on belt {row.start.boundary}" if row.sticks else rf"flight in $\Omega_{row.domain}$"
     return rf"$P_{row.label[1]}\colon {planes[0]} \to {planes[1]}$, {what}"
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
@@ -55,9 +57,34 @@ class Forces(NamedTuple):
         return self.below * self.above
 
 
-@cache
+_seen: list[list[Any]] = []
+
+
+@contextmanager
+def recording() -> Iterator[list[Any]]:
+    """Collect the motions, and orbits, that are looked at meanwhile."""
+    _seen.append([])
+    try:
+        yield _seen[-1]
+    finally:
+        _seen.pop()
+
+
+def looked_at(found: Any) -> Any:
+    """Return a motion or orbit, and tell who is recording."""
+    for each in _seen:
+        each.append(found)
+    return found
+
+
 def motion(scene: Scene, t_end: Any = None) -> Trajectory:
     """Return the motion of a scene with 30 digits."""
+    found: Trajectory = looked_at(_motion(scene, t_end))
+    return found
+
+
+@cache
+def _motion(scene: Scene, t_end: Any = None) -> Trajectory:
     return simulate(scene, t_end=t_end, digits=DIGITS)
 
 

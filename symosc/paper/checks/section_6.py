@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from symosc.model import SIDES
 from symosc.paper.checks.contacts import forces, is_zero, sticks, text, verdict
+from symosc.paper.checks.flown_again import flown_again
+from symosc.paper.checks.friction_model import added_force, vector_field
+from symosc.paper.checks.theorems import exact_contacts
 from symosc.paper.evidence import UNDECIDED, Evidence
 from symosc.scenes import Scene, load_scene
 
@@ -48,9 +52,28 @@ def weight(scenes: Sequence[Scene]) -> Evidence:
     if others:
         ratios = ", ".join(text(float(weights[name][0] / weights[name][1]), 4) for name in others)
         finding += f"; in {', '.join(others)} F_N is {ratios} times the weight"
-    return Evidence(verdict(not others, bool(equal)), finding + ".", numbers)
+    return Evidence(verdict(bool(equal)), finding + ".", numbers)
 
 
+def forces_or_accelerations() -> Evidence:
+    """Check what the quantities F are that Section 6 shows as forces: m F is the right side of (5), exactly."""
+    total = wrong = 0
+    for boundary in (1, 2):
+        for contact in exact_contacts(boundary):
+            p = contact.p
+            for alpha in SIDES[boundary]:
+                field = vector_field(p, alpha, contact.x, contact.speed, contact.c)
+                force = p.A0 + added_force(p, alpha) + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
+                total, wrong = total + 1, wrong + (p.m * field != force)
+    masses = {_figure(scene): scene.parameters.m for scene in map(load_scene, PRINTED)}
+    apart = [name for name, mass in masses.items() if mass != 1]
+    numbers = {"exact contacts and domains": str(total), "m F of (9) not the right side of (5)": str(wrong)}
+    numbers |= {f"{name}: m": text(mass) for name, mass in masses.items()}
+    finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}"
+    return Evidence(verdict(not apart and not wrong, not wrong), finding + ".", numbers)
+
+
+@flown_again
 def products() -> Evidence:
     """Check the sign of the force product at all starting and vanishing points of sticks."""
     return force_products([load_scene(name) for name in FOLLOWED])

@@ -26,6 +26,7 @@ from symosc.paper.checks.contacts import (
     text,
     verdict,
 )
+from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.evidence import UNDECIDED, Evidence
 from symosc.scenes import Scene, load_scene
 
@@ -46,6 +47,7 @@ def no_stick(scene: Scene, belt: int) -> Evidence:
     return Evidence(verdict(False), f"There is no stick on belt {belt} that ends.", numbers)
 
 
+@flown_again
 def fig5_onset() -> Evidence:
     """Check that the stick on belt 1 appears some time after the start."""
     return onset_later(load_scene("fig5"), 1)
@@ -69,11 +71,13 @@ def onset_later(scene: Scene, belt: int) -> Evidence:
     return Evidence(verdict(wait > 0), finding, numbers)
 
 
+@flown_again
 def fig5_together() -> Evidence:
     """Check that mass and belt 1 move together from the blue to the green point."""
     return together(load_scene("fig5"), 1)
 
 
+@flown_again
 def fig6_together() -> Evidence:
     """Check that mass and belt 2 move together from the blue to the green point."""
     return together(load_scene("fig6"), 2)
@@ -107,11 +111,13 @@ def together(scene: Scene, belt: int) -> Evidence:
     return Evidence(verdict(bool(lasts > 0 and apart < ZERO and enough)), finding, numbers)
 
 
+@flown_again
 def fig5_forces() -> Evidence:
     """Check F(1) > 0 and F(2) < 0 between the blue and the green point."""
     return forces_hold(load_scene("fig5"), 1)
 
 
+@flown_again
 def fig6_forces() -> Evidence:
     """Check F(2) > 0 and F(3) < 0 during the stick on belt 2."""
     return forces_hold(load_scene("fig6"), 2)
@@ -143,34 +149,7 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
 # --- how it ends, and what follows ---
 
 
-def fig5_end() -> Evidence:
-    """Check through which force the stick of Fig. 5 vanishes: (52) says F(2)."""
-    return ends_above(load_scene("fig5"), 1)
-
-
-def ends_above(scene: Scene, belt: int) -> Evidence:
-    """Check that the first stick ends as (52), (53) say: by the force of the domain above."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, SIDES[belt]
-    at = forces(scene.parameters, end)
-    all_ends = [s.into for s in sticks(scene) if s.belt == belt and s.end is not None]
-    finding = (
-        f"At the green point, t = {text(end.t, 11)}, {force_name(lo)} = {force_text(at.below)} and {force_name(hi)} = "
-        f"{force_text(at.above)}: the mass slips into {mode_text(stick.into)}."
-    )
-    numbers = {
-        f"{force_name(lo)}, {force_name(hi)} at the green point": f"{force_text(at.below)}, {force_text(at.above)}",
-        "t of the green point": text(end.t, 25),
-    }
-    for force, domain in ((lo, f"Omega{lo}"), (hi, f"Omega{hi}")):
-        numbers[f"sticks until t = {text(scene.t_end)} that end by {force_name(force)} = 0"] = str(
-            all_ends.count(domain)
-        )
-    return Evidence(verdict(is_zero(at.above)), finding, numbers)
-
-
+@flown_again
 def fig6_end() -> Evidence:
     """Check F(2) = 0 and F(3) < 0 where the stick of Fig. 6 vanishes."""
     return ends_below(load_scene("fig6"), 2)
@@ -196,11 +175,13 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
     return Evidence(verdict(bool(held)), finding, numbers)
 
 
+@flown_again
 def fig5_after_friction() -> Evidence:
     """Check that after the stick the mass moves under kinetic friction."""
     return flight_after(load_scene("fig5"), 1, (1, 2))
 
 
+@flown_again
 def fig6_after() -> Evidence:
     """Check that after the stick on belt 2 the mass is in domain 2 for some time."""
     return flight_after(load_scene("fig6"), 2, (2,))
@@ -235,6 +216,7 @@ def flight_after(scene: Scene, belt: int, domains: tuple[int, ...]) -> Evidence:
     return Evidence(verdict(bool(held)), finding, numbers)
 
 
+@flown_again
 def fig5_after_product() -> Evidence:
     """Check F(1) x F(2) > 0 after the vanishing of the stick: for how long?"""
     return product_after(load_scene("fig5"), 1)
@@ -277,6 +259,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 # --- the start of Fig. 6 ---
 
 
+@flown_again
 def fig6_start() -> Evidence:
     """Check that the stick on belt 2 appears with the initial conditions."""
     return sticks_at_start(load_scene("fig6"), 2)

@@ -152,7 +152,7 @@ def negative_drive() -> Evidence:
         "a printed case holds and is wrong": str(wrong),
         "no printed case holds": str(without),
     }
-    finding = f"With B₀ ≤ 0 a printed case is wrong at {wrong} of {total} exact contacts, and none holds at {without}"
+    finding = "With B₀ < 0 and B₀ = 0 there are cases that hold as printed and are wrong, and γ for which none holds"
     return Evidence(CORRECTED if wrong or without else CONFIRMED, f"{finding}.", numbers)
 
 

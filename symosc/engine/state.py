@@ -1,0 +1,140 @@
+"""The words of the engine: its numbers, its codes, and the tuples that it passes on.
+
+Codes are plain integers and states are NamedTuples, because numba compiles both into numbers in registers. Every
+NamedTuple here is made of numbers, whole numbers and flags only, so it serves floats and mpmath numbers alike.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from symosc.aliases import Number
+
+# Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a stick on belt 1 and 2.
+ON_BELT = 3
+
+# What a step ends with; the first four are the kinds of events.
+CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
+
+# What a search along a flight or a stick ends with; LOST is a gap that is 0 as far as this precision tells, for good.
+NOTHING, HIT, TANGENCY, STALLED, LOST = 0, 1, 2, 3, 4
+
+# Where a motion goes from a point of a belt.
+DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
+
+# What a trajectory of a batch ended with, beside the codes of a step.
+RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
+
+
+class Covariance(NamedTuple):
+    """Covariance of the error of (x, v) at a fixed time."""
+
+    S11: Number
+    S12: Number
+    S22: Number
+
+
+class State(NamedTuple):
+    """The state between events.
+
+    Phase and time are carried one beside the other: Omega t never loses digits however large t becomes, and t none
+    however slow the drive is.
+    """
+
+    mode: int
+    at: int  # 1, 2 if the state is on that belt at the beginning of a flight or during a stick, else 0
+    n: int  # forcing periods completed
+    theta: Number  # Omega t mod 2 pi
+    x: Number
+    v: Number
+    Fb: Number  # acceleration; on a belt F^(below) and F^(above), the accelerations of both sides
+    Fa: Number
+    S: Covariance
+    t: Number  # time, in two parts whose sum is right to far below an ulp
+    t_low: Number
+
+
+class NextEvent(NamedTuple):
+    """What a step ends with: its code, the belt (0: none), how sure that is, and the state behind it."""
+
+    code: int
+    boundary: int
+    decided: bool  # False where the outcome depends on less than the rounding error
+    t_error: Number  # standard error of the event's time
+    state: State
+
+
+class Launch(NamedTuple):
+    """A point of a flight from which it is computed: velocity, acceleration, sine and cosine of the phase."""
+
+    v: Number
+    F: Number
+    s: Number
+    c: Number
+
+
+class Flown(NamedTuple):
+    """A flight at `tau` after its launch."""
+
+    tau: Number
+    dx: Number  # what x and v have gained
+    dv: Number
+    F: Number  # first to fourth derivative of v
+    G1: Number
+    G2: Number
+    G3: Number
+    s: Number  # sine and cosine of the phase
+    c: Number
+    E0: Number  # the entire functions of `symosc.kernels.entire`, which carry errors
+    E1: Number
+    E2: Number
+
+
+class Walls(NamedTuple):
+    """The belts around a domain, as a flight sees them at its launch."""
+
+    below: Number  # v minus the lower belt's speed; exact 0 at a launch from it
+    above: Number  # the upper belt's speed minus v
+    has_below: bool
+    has_above: bool
+    on_below: bool  # whether the launch is on that belt
+    on_above: bool
+
+
+class FlightEnd(NamedTuple):
+    """What a search along a flight ends with: its code, the side (-1 the lower wall, 1 the upper), and where."""
+
+    code: int
+    side: int
+    now: Flown
+
+
+class Hold(NamedTuple):
+    """The beginning of a stick: the accelerations of both sides, the phase, its sine and cosine."""
+
+    Fb: Number
+    Fa: Number
+    theta: Number
+    s: Number
+    c: Number
+
+
+class Stretch(NamedTuple):
+    """A part of a stick on which the forces are monotone: from `low` to `high`, and what is known at `low`."""
+
+    low: Number
+    high: Number
+    Delta: Number
+    s: Number
+    c: Number
+
+
+class StickEnd(NamedTuple):
+    """What a search along a stick ends with: its code, the side that it slips to, and where."""
+
+    code: int
+    side: int
+    tau: Number
+    Delta: Number  # what both forces have gained, and its first two derivatives
+    slope: Number
+    bend: Number

@@ -1,0 +1,129 @@
+"""`symosc bench`: what it runs, prints and writes; the measuring itself is replaced, it takes minutes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+from matplotlib.figure import Figure
+
+from symosc.bench import error_map, hard, plot_error_map, plot_work, results, speed, work_precision, work_table
+from symosc.cli.app import main
+
+MARKS = "<!-- results: begin -->\nold\n<!-- results: end -->\n"
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, ["bench", *arguments], prog_name="symosc")
+
+
+def good(*arguments: str) -> str:
+    result = run(*arguments)
+    assert (result.exit_code, result.stderr) == (0, ""), result.output
+    return result.stdout
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Replace what takes long; return the names of what is run."""
+    names: list[str] = []
+
+    def measured(name: str) -> Callable[..., dict[str, Any]]:
+        def run(quick: bool, progress: Callable[..., Iterable[int]] = iter) -> dict[str, Any]:
+            names.append(name)
+            steps = list(progress([1, 2]))
+            about: dict[str, Any] = {"machine": None, "solvers": [{"raw": True}], "ok": True}
+            return about | {"name": name, "quick": quick, "steps": steps, "empty": float("nan")}
+
+        return run
+
+    def drawn(result: dict[str, Any]) -> Figure:
+        drawing = Figure()
+        drawing.text(0, 0, "x", gid=f"picture of {result['name']}")
+        return drawing
+
+    for module in (speed, work_precision, hard, error_map):
+        name = module.__name__.rpartition(".")[2]
+        monkeypatch.setattr(module, "run", measured(name))
+    for module in (speed, work_table, hard):
+        monkeypatch.setattr(module, "table", lambda result, **options: f"table of {result['name']} {options}")
+    monkeypatch.setattr(hard, "legend", lambda result: ["legend"])
+    for module in (plot_work, plot_error_map):
+        monkeypatch.setattr(module, "figure", drawn)
+    return names
+
+
+@pytest.mark.usefixtures("calls")
+def test_tables() -> None:
+    assert good("--quick") == "table of speed {}\n\ntable of work_precision {}\n"
+    assert good("--hard") == "table of hard {}\n\nThe peers as they come:\n\ntable of hard {'raw': True}\n\nlegend\n"
+
+
+def test_json_of_all_that_was_measured(calls: list[str]) -> None:
+    data = json.loads(good("--json"))
+    assert calls == ["speed", "work_precision"]
+    assert list(data) == ["quick", *calls]
+    assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
+    assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
+    assert list(json.loads(good("--json", "--hard", "--quick"))) == ["quick", "hard"]
+
+
+@pytest.mark.usefixtures("calls")
+@pytest.mark.parametrize("options", [[], ["--json"]], ids=["table", "JSON"])
+def test_an_error_of_ours_above_its_bound_is_a_failure(options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = hard.run
+    monkeypatch.setattr(hard, "run", lambda **options: {**kept(**options), "ok": False})
+    assert run("--hard", *options).exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "drawn"), [([], "work_precision"), (["--hard"], "error_map")], ids=["work", "errors"]
+)
+def test_the_picture(options: list[str], drawn: str, calls: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "picture.svg"
+    assert good(*options, "-o", str(path)).splitlines()[-1] == f"wrote {path}"
+    assert calls[-1] == drawn
+    assert f"picture of {drawn}" in path.read_text()
+
+
+def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for part in ("brief", "overview"):
+        monkeypatch.setattr(results, part, lambda result: f"{sorted(result)}\n")
+    monkeypatch.setattr(results, "sentence", lambda about: "a machine")
+    readme = tmp_path / "README.md"
+    readme.write_text(MARKS)
+    lines = good("--quick", "--results", str(readme)).splitlines()
+    assert sorted(calls) == ["error_map", "hard", "speed", "work_precision"]
+    assert readme.read_text() == MARKS.replace("old", str(sorted([*calls, "quick"])))
+    assert lines[0] == f"wrote {readme}"
+    assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(
+        (tmp_path / results.RESULTS_FOLDER).iterdir()
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-o", "work.eps"], ".pdf, .svg or .png"),
+        (["--results", "none.md"], "cannot write none.md: No such file"),
+        (["--results", "plain.md"], "cannot write plain.md: needs the lines '<!-- results: begin -->'"),
+        (["--results", "marked.md", "--hard"], "leave out --hard and -o"),
+        (["--results", "marked.md", "-o", "work.svg"], "leave out --hard and -o"),
+    ],
+    ids=["suffix", "no README", "no marks", "hard", "picture"],
+)
+def test_bad_input_costs_no_measuring(
+    arguments: list[str], message: str, calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plain.md").write_text("nothing")
+    Path("marked.md").write_text(MARKS)
+    result = run(*arguments)
+    assert (result.exit_code, result.stdout, calls) == (2, "", [])
+    assert result.stderr.count("\n") == 1
+    assert message in result.stderr
+    assert Path("marked.md").read_text() == MARKS

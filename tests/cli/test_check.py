@@ -1,0 +1,145 @@
+"""symosc check: exit codes, summary, JSON, figure and bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from symosc import simulate
+from symosc.cli.app import CommandLine
+from symosc.cli.check import check
+
+main = CommandLine(commands={"check": check})
+
+
+def run(*words: Any) -> Result:
+    return CliRunner().invoke(main, ["check", *map(str, words)])
+
+
+def write(path: Path, t: Any, x: Any, v: Any, head: str = "t,x,v") -> Path:
+    np.savetxt(path, np.column_stack([t, x, v]), fmt="%.17g", delimiter=",", header=head, comments="")
+    return path
+
+
+@pytest.fixture
+def samples() -> tuple[Any, Any, Any]:
+    t = np.linspace(0.1324, 6, 400)
+    return (t, *simulate("fig9", t_end=6)(t))
+
+
+def test_a_right_solution_passes(tmp_path: Path, samples: Any) -> None:
+    result = run(write(tmp_path / "run.csv", *samples), "--scene", "fig9")
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("ok: 400 samples")
+    assert "7 matched, 0 missed, 0 invented" in result.output
+
+
+@pytest.mark.slow
+def test_a_wrong_one_fails_and_is_drawn(tmp_path: Path, samples: Any) -> None:
+    t, x, v = samples
+    v[200] += 0.5
+    figure = tmp_path / "errors.pdf"
+    words = (write(tmp_path / "run.csv", t, x, v), "--scene", "fig9", "-o", figure)
+    result = run(*words)
+    assert result.exit_code == 1
+    assert result.output.startswith("FAILED")
+    assert "first wrong step: 199" in result.output
+    assert "a sample off by itself" in result.output
+    assert figure.read_bytes().startswith(b"%PDF-")
+    data = json.loads(run(*words, "--json").output)
+    assert data["ok"] is False
+    assert data["wrong_steps"] == [199, 200]
+    assert data["first_wrong"]["reason"] == "outlier"
+    assert data["max_defect_v"] == pytest.approx(0.5, rel=0.1)
+
+
+@pytest.mark.slow
+def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
+    t, x, v = samples
+    path = write(tmp_path / "run.csv", t, x + 1e-6 * np.sin(1e3 * t), v, "time,pos,v")
+    names = ("--columns", "t=time,x=pos")
+    assert run(path, "--scene", "fig9", *names).exit_code == 1
+    assert run(path, "--scene", "fig9", *names, "--tolerance", "1e-5").exit_code == 0
+    events = [[5.5, "stick"]]
+    listed = tmp_path / "run.json"
+    listed.write_text(json.dumps({"t": t.tolist(), "x": x.tolist(), "v": v.tolist(), "events": events}))
+    result = run(listed, "--scene", "fig9")
+    assert result.exit_code == 1
+    assert "invented: stick at t = 5.5" in result.output
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig99"), "fig99"),
+        ("t,x\n0,1\n1,1\n", ("--scene", "fig9"), "column = 'v': is missing"),
+        ("t,x,v\n1,1,2\n0,1,2\n", ("--scene", "fig9"), "must increase"),
+        ("t,x,v\n0,1,2\n1,nan,2\n", ("--scene", "fig9"), "must be finite"),
+        ("t,x,v\n0,1,2\n1,1,2\n", (), "--scene"),
+        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "--columns", "y=a"), "is not t=NAME"),
+        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "--tolerance", "0"), "must be > 0"),
+        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "-o", "errors.doc"), ".svg"),
+    ],
+)
+def test_bad_input_is_one_line(text: str, options: tuple[str, ...], words: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text(text)
+    result = run(path, *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not result.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', (), "t[0] = 'abc'"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2], "events": 5}', (), "events = 5"),
+        ("[" * 100_000 + "]" * 100_000, (), "nested too deeply"),
+        ("", (), "is empty"),
+        ('{"\\ud800": 1}', (), "is missing"),
+        ('{"t": [1, 1], "x": [1, 2], "v": [1, 2]}', (), "is repeated"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", ""), "--columns"),
+        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", "t=x"), "three columns"),
+    ],
+)
+def test_bad_json_is_one_line(text: str, options: tuple[str, ...], words: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    path.write_text(text)
+    result = run(path, "--scene", "fig9", *options)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not result.stdout
+
+
+@pytest.mark.slow
+def test_json_has_no_nan(tmp_path: Path) -> None:
+    """A step that cannot be decided has no defect."""
+    path = write(tmp_path / "run.csv", [0.1324, 1e6], [4.5447, 1], [1, 1])
+    data = json.loads(run(path, "--scene", "fig9", "--json").output, parse_constant=pytest.fail)
+    assert data["max_defect_x"] is None
+    assert data["first_wrong"]["defect_x"] is None
+
+
+@pytest.mark.slow
+def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
+    path = tmp_path / "run.csv"
+    np.savetxt(path, np.column_stack(samples), fmt="%.6g", delimiter=",", header="t,x,v", comments="")
+    result = run(path, "--scene", "fig9")
+    assert result.exit_code == 0, result.output
+    assert "x to 6 significant digits, v to 6 significant digits; they are judged" in result.output
+
+
+def test_help_has_an_example() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    assert "symosc check run.csv --scene fig9" in result.output
+    assert isinstance(check, click.Command)

@@ -1,0 +1,54 @@
+"""What a cross-check says: every finding is in the summary and in the plain data, long lists are cut."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from symosc import crosscheck, simulate
+
+
+def test_a_right_solution_in_words() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    result = crosscheck("fig5", t, x, v)
+    lines = result.summary().splitlines()
+    assert lines[0] == "ok: 200 samples, tolerance 1e-08 per step"
+    assert "wrong steps: 0 of 199" in lines[1]
+    assert lines[3] == f"events: {len(simulate('fig5', t_end=7).events)} matched, 0 missed, 0 invented, " + (
+        "0 within the global error"
+    )
+
+
+def test_long_lists_are_cut_and_counted() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    given = [(0.3 + 0.1 * i, "cross") for i in range(8)]
+    result = crosscheck("fig5", t, x, v, events=given)
+    exact = simulate("fig5", t_end=7).events
+    assert not result.ok
+    assert len(result.invented) == 8
+    assert len(result.missed) == len(exact)
+    lines = result.summary().splitlines()
+    assert lines[0].startswith("FAILED")
+    assert [line for line in lines if line.startswith("invented")] == [
+        *(f"invented: cross at t = {time:.10g}" for time, _ in given[:5]),
+        "invented: and 3 more",
+    ]
+    missed = [f"missed: {event.kind} on belt {event.boundary} at t = {event.t:.10g}" for event in exact]
+    assert [line for line in lines if line.startswith("missed")] == missed[:5]
+
+
+def test_plain_data_is_the_result() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    v[100] += 0.1
+    result = crosscheck("fig5", t, x, v)
+    data = json.loads(json.dumps(result.as_dict()))
+    assert data["ok"] is False
+    assert data["wrong_steps"] == [99, 100]
+    assert data["first_wrong"]["words"] == "without sample 100 the step from 99 to 101 is right"
+    assert len(data["matched"]) == len(result.matched)
+    assert data["max_error_v"] == result.max_error_v
+    assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()

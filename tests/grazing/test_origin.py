@@ -1,0 +1,58 @@
+"""Where the flow into a tangency came from: the oracle's flow from there ends in it."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction
+
+import mpmath
+import pytest
+from grazing_starts import BELT, DOMAIN
+from oracle import flow_oracle
+
+from symosc import ParameterError, grazing_window, load_scene
+from symosc.grazing.backward_flow import CONTACT, REACHED
+from symosc.grazing.origin import Origins
+
+FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
+
+
+@pytest.mark.parametrize("part", ["0.2", "0.5", "0.9"])
+@pytest.mark.parametrize("mapping", sorted(BELT))
+def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -> None:
+    low, high = map(Fraction, grazing_window(FIG9, mapping).intervals[0][:2])
+    origins, theta = Origins(FIG9, mapping), low + (high - low) * Fraction(part)
+    arrival, flights = origins.exact(theta, 1, lambda flights: flights.number(Fraction(1, 4)), 40)
+    assert arrival.kind in (CONTACT, REACHED)
+    x_m = flights.contact(flights.number(theta))
+    t_m, tau = theta / FIG9.Omega, Fraction(mpmath.nstr(arrival.tau, 60))
+    x0, v0 = (Fraction(mpmath.nstr(value, 60)) for value in (x_m + arrival.dx, arrival.v))
+    x, v, a = flow_oracle(FIG9, DOMAIN[mapping], t_m - tau, x0, v0, tau, 60)[:3]
+    assert abs(x - x_m) < 1e-35
+    assert abs(v - flights.number(FIG9.belt(BELT[mapping]))) < 1e-35
+    assert abs(a) < 1e-35
+    assert max(arrival.x_error, arrival.v_error) < 1e-40
+    rough = origins.arrival(theta, far=0.25)
+    assert rough.kind == arrival.kind
+    assert float(rough.tau) == pytest.approx(float(arrival.tau), abs=1e-12)
+
+
+def test_origins_go_to_other_processes() -> None:
+    origins = Origins(FIG9, "P5")
+    again = pickle.loads(pickle.dumps(origins))
+    assert (again.p, again.mapping) == (origins.p, origins.mapping)
+    assert again.arrival(5.5, far=1.0) == origins.arrival(5.5, far=1.0)
+
+
+def test_flights_are_made_once() -> None:
+    origins = Origins(FIG9, "P5")
+    assert origins.flights(30) is origins.flights(30)
+    assert origins.flights(30).digits == 30
+    assert origins.flights(31) is not origins.flights(30)
+
+
+def test_without_a_spring_and_without_a_graze() -> None:
+    with pytest.raises(ParameterError, match=r"^k = .*must be > 0"):
+        Origins(FIG9.replace(k=0), "P2")
+    with pytest.raises(ParameterError, match="leads from v2 to v1"):
+        Origins(FIG9, "P7")

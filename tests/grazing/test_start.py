@@ -1,0 +1,163 @@
+"""Grazing starts, against the oracle that knows only the ODE."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from math import pi, sin
+from typing import Any
+
+import mpmath
+import pytest
+import sympy
+from grazing_starts import BELT, DOMAIN, assert_oracle_grazes
+from oracle import flow_oracle
+
+from symosc import ParameterError, Parameters, load_scene, simulate
+from symosc.grazing.backward_flow import first_root
+from symosc.grazing.curve import grazing_curve
+from symosc.grazing.start import GrazingStart, grazing_start
+
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+
+@pytest.mark.parametrize(("scene", "mapping", "theta"), [("fig7-exact", "P2", sympy.pi), ("fig8-exact", "P3", 0)])
+def test_starts_of_the_papers_grazing_figures(scene: str, mapping: str, theta: Any) -> None:
+    expected = load_scene(scene)
+    for given in ({"t_m": sympy.pi}, {"t_m": "pi"}, {"theta": theta}):
+        start = grazing_start(expected.parameters, mapping, **given, t0="2.5", digits=50)
+        assert start.found
+        assert abs(Fraction(start.start["x0"]) - expected.x0) < Fraction(1, 10**40)
+        assert abs(Fraction(start.start["v0"]) - expected.v0) < Fraction(1, 10**40)
+        assert abs(start.t_m - mpmath.pi) < 1e-15
+    events = simulate(expected.parameters, **start.start, t_end=4).events
+    assert [event.kind for event in events] == ["graze"]
+    assert abs(events[0].t - pi) < 1e-12
+
+
+@pytest.mark.parametrize(("mapping", "theta"), [("P2", "0.42"), ("P5", "5.84"), ("P6", "4.1")])
+@pytest.mark.parametrize("changes", [{"k": "1.69", "c": 0}, {"c": "2.8284271247461903", "v1": "-0.2"}, {}], ids=str)
+def test_default_starts_have_forty_digits(changes: dict[str, Any], mapping: str, theta: str) -> None:
+    # Newton's method once stopped at 34 of them, after a halving of its bracket
+    p = BASE.replace(**changes)
+    start, finer = grazing_start(p, mapping, theta), grazing_start(p, mapping, theta, digits=70)
+    for name in ("t0", "x0"):
+        assert abs(Fraction(start.start[name]) - Fraction(finer.start[name])) <= Fraction(1, 10**40)
+
+
+def test_newton_keeps_all_digits() -> None:
+    rng = random.Random(5)
+    context = mpmath.mp.clone()
+    context.dps = 60
+    for _ in range(200):
+        root, other = context.mpf(rng.random()), context.mpf(rng.uniform(1.5, 3))
+        p = [root * other, -(root + other), context.mpf(1)]
+        _, found = first_root(p, context.mpf(10) ** -55, context.eps)
+        assert abs(found - root) < 1e-55
+
+
+def test_digits_are_correct() -> None:
+    for digits in (10, 60):
+        start = grazing_start(BASE, "P2", "2", digits=digits)
+        finer = grazing_start(BASE, "P2", "2", digits=90)
+        with mpmath.workdps(100):
+            for name in ("t", "x", "theta"):
+                assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"c": 0},
+        {"c": "5"},
+        {"c": "2.8284271247461903", "v1": "-0.2"},
+        {"k": "1.69", "c": 0},
+        {"B0": -4, "Omega": "2.7"},
+        {"v1": "0.3", "FN": 1},
+    ],
+    ids=str,
+)
+def test_the_oracle_grazes_from_random_starts(changes: dict[str, Any]) -> None:
+    p, rng = BASE.replace(**changes), random.Random(str(changes))
+    answers = []
+    for mapping in DOMAIN:
+        starts = [start for _ in range(12) if (start := random_start(p, mapping, rng)) is not None][:3]
+        for start in starts:
+            answers.append(start.found)
+            if start.found:
+                assert_oracle_grazes(p, start)
+            else:
+                assert_came_from_elsewhere(p, start)
+    assert sum(answers) >= 2, answers
+    assert not all(answers), answers
+
+
+def random_start(p: Parameters, mapping: str, rng: random.Random) -> GrazingStart | None:
+    """Return what grazing_start says at a random phase, None outside the window."""
+    theta = Fraction(rng.randrange(628), 100)
+    slope = float(p.k * p.belt(BELT[mapping])) + float(p.B0 * p.Omega) * sin(theta)
+    if (slope > 0) != (mapping in ("P2", "P5")) or abs(slope) < 1e-3:
+        return None
+    return grazing_start(p, mapping, theta)
+
+
+def assert_came_from_elsewhere(p: Parameters, start: GrazingStart) -> None:
+    """Between the point that the reason names and the tangency, the exact flow by matrix exponential stays inside."""
+    domain, own = DOMAIN[start.mapping], BELT[start.mapping]
+    assert start.reason
+    back = 5.0 if start.t is None else float(start.t_m) - float(start.t)
+    walls = [(float(p.belt(b)), 1 if b == domain - 1 else -1) for b in (1, 2) if b in (domain - 1, domain)]
+    t_m, x_m = Fraction(str(start.t_m)), Fraction(str(start.x_m))
+    for j in range(1, 16):
+        tau = Fraction(-back * j / 16).limit_denominator(10**6)
+        v = float(flow_oracle(p, domain, t_m, x_m, p.belt(own), tau, dps=20)[1])
+        assert all(inward * (v - wall) > -1e-9 for wall, inward in walls), (start.reason, tau)
+    if start.t is not None:
+        assert start.boundary == 3 - own
+        state = flow_oracle(p, domain, t_m, x_m, p.belt(own), Fraction(str(start.t)) - t_m, dps=20)
+        assert abs(float(state[1]) - float(p.belt(start.boundary))) < 1e-8
+        assert abs(float(state[0]) - float(start.x)) < 1e-8 * max(1.0, abs(start.x))
+
+
+def test_a_quartic_tangency_has_a_start() -> None:
+    p = load_scene("fig7-exact").parameters
+    start = grazing_start(p, "P2", 3 * sympy.pi / 2)
+    assert start.found
+    events = simulate(p, **start.start, t_end=5).events
+    assert [event.kind for event in events] == ["graze"]
+    assert abs(events[0].t - 1.5 * pi) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"mapping": "P1", "theta": 1}, "mapping"),
+        ({"mapping": "P8", "theta": 1}, "mapping"),
+        ({"mapping": "P2", "theta": "5"}, "theta"),
+        ({"mapping": "P2", "theta": sympy.asin(sympy.Rational(5, 13))}, "theta"),
+        ({"mapping": "P2", "theta": "one"}, "theta"),
+        ({"mapping": "P2", "theta": "pi**pi"}, "theta"),
+        ({"mapping": "P2", "theta": sympy.Symbol("x")}, "theta"),
+        ({"mapping": "P2", "theta": sympy.I}, "theta"),
+        ({"mapping": "P2", "theta": float("nan")}, "theta"),
+        ({"mapping": "P2"}, "theta"),
+        ({"mapping": "P2", "theta": 1, "t_m": 1}, "theta"),
+        ({"mapping": "P2", "t_m": 2, "t0": 3}, "t0"),
+        ({"mapping": "P2", "theta": 2, "digits": 2}, "digits"),
+    ],
+)
+def test_bad_input(arguments: dict[str, Any], name: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        grazing_start(BASE, **arguments)
+    assert caught.value.name == name
+
+
+def test_without_a_spring_there_is_no_contact_curve() -> None:
+    for call in (grazing_start, grazing_curve):
+        with pytest.raises(ParameterError, match="spring"):
+            call(BASE.replace(k=0), "P2", 20)  # type: ignore[operator]
+
+
+# -- the curve -------------------------------------------------------------------------------------------------------

@@ -1,0 +1,63 @@
+"""Theorem 6 at a state, against the oracle that knows only the ODE."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from math import cos
+
+import mpmath
+import pytest
+import sympy
+from grazing_starts import BELT, DOMAIN
+from oracle import flow_oracle
+from samples import sample_of
+
+from symosc import Parameters, load_scene
+from symosc.grazing.state import is_grazing
+
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+
+def test_theorem_6_at_states() -> None:
+    p = load_scene("fig7-exact").parameters
+    x_m = Fraction("-0.5855")  # (A0 + 0.9 FN - B0 - c v1)/k
+    verdict = is_grazing(p, "P2", x_m, sympy.pi)
+    assert (verdict.grazing, verdict.order) == (True, 1)
+    assert abs(verdict.values[1] + 10) < 1e-12  # -(k v1/m + (B0 Omega/m) sin)
+    beside = is_grazing(p, "P2", x_m + Fraction(1, 1000), sympy.pi)
+    assert (beside.grazing, beside.order) == (False, 0)
+    assert abs(beside.values[0] + 0.002) < 1e-12
+    assert is_grazing(p, "P2", x_m + Fraction(1, 1000), sympy.pi, tolerance=1e-2).grazing
+    quartic = is_grazing(p, "P2", Fraction("4.4145"), 3 * sympy.pi / 2)
+    assert (quartic.grazing, quartic.order) == (True, 3)
+
+
+def test_theorem_6_at_an_inflection() -> None:
+    p = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
+    theta = -sympy.asin(sympy.Rational(1, 12))
+    for mapping, A in (("P2", p.A(1)), ("P3", p.A(2))):
+        x = sympy.Rational(A - p.c) / 3 + 3 * sympy.cos(theta)
+        verdict = is_grazing(p, mapping, x, theta)
+        assert (verdict.grazing, verdict.order) == (False, 2)
+
+
+@pytest.mark.slow
+@sample_of(12, 40)
+def test_theorem_6_is_what_the_flow_does(count: int) -> None:
+    rng = random.Random(3)
+    for _ in range(count):
+        theta = Fraction(rng.randrange(628), 100)
+        for mapping, domain in DOMAIN.items():
+            belt = BASE.belt(BELT[mapping])
+            force = BASE.A(domain) - BASE.c * belt
+            x = (float(force) + 4 * cos(theta)) / 2
+            grazes = is_grazing(BASE, mapping, x, theta, tolerance=1e-10).grazing
+            with mpmath.workdps(30):
+                exact = (mpmath.mpf(force.numerator) / force.denominator + 4 * mpmath.cos(float(theta))) / 2
+                x30 = Fraction(str(exact))
+            t_m = theta / BASE.Omega
+            flows = [flow_oracle(BASE, domain, t_m, x30, belt, tau, dps=30)[1] for tau in ("-1e-4", "1e-4")]
+            gaps = [float(v - mpmath.mpf(belt.numerator) / belt.denominator) for v in flows]
+            inward = 1 if domain > BELT[mapping] else -1
+            assert grazes == all(inward * gap > 0 for gap in gaps), (mapping, theta, gaps)

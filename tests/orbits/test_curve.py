@@ -1,0 +1,59 @@
+"""Steps along a curve of orbits: where there is no point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from symosc import ParameterError, find_orbit, load_scene
+from symosc.orbits.curve import CORRECTIONS, Curve
+
+FIG9 = load_scene("fig9").parameters
+
+ORBIT = find_orbit(FIG9, "P32")
+
+
+def curve() -> Curve:
+    return Curve(ORBIT, "Omega", 3.0, 5.0)
+
+
+@pytest.mark.parametrize(("distance", "found"), [(0.5, True), (1.5, False)])
+def test_a_root_that_is_far_off_is_another_one(distance: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    along = curve()
+    first = along.first(1.0)
+    begin, normal = along.of(first), np.append(np.zeros(4), 1.0)
+    target = begin + distance * np.array([0, 1.0, 0, 0, 0])
+    monkeypatch.setattr(along, "linearised", lambda z, slope=None: ((z - target)[:4], np.eye(4, 5)))
+    corrected = along.correct(begin, normal)
+    assert (corrected is not None) is found
+    if corrected is not None:
+        assert corrected == pytest.approx(target)
+
+
+def test_corrections_that_do_not_get_smaller_are_no_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    along, calls = curve(), []
+    first = along.first(1.0)
+
+    def forth_and_back(z: np.ndarray, slope: Any = None) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(z)
+        return np.array([0, 0.3 * (-1) ** len(calls), 0, 0]), np.eye(4, 5)
+
+    monkeypatch.setattr(along, "linearised", forth_and_back)
+    assert along.correct(along.of(first), np.append(np.zeros(4), 1.0)) is None
+    assert len(calls) == CORRECTIONS
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError(), ParameterError("k", 0, "must be > 0"), ZeroDivisionError()])
+def test_what_cannot_be_evaluated_is_no_point(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A parameter out of its range, a piece without length, a singular matrix."""
+    along = curve()
+    first = along.first(1.0)
+
+    def fails(*_: Any, **__: Any) -> Any:
+        raise error
+
+    monkeypatch.setattr(along, "linearised", fails)
+    assert along.correct(along.of(first), first.tangent) is None
+    assert along.accepted(along.of(first), first) is None

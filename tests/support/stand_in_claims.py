@@ -1,0 +1,25 @@
+"""Checks and claims that stand in for the paper's."""
+
+from __future__ import annotations
+
+CHECKS = """
+import os
+import time
+from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED, Evidence
+def right(): return Evidence(CONFIRMED, "It is 1 <2>.", {"a|b": "1e-20", "F(1)": "-3"})
+def wrong(): return Evidence(NOT_AS_PRINTED, "It is 3.", {"x": "3"})
+def raises(): raise ZeroDivisionError("by nothing")
+def dies(): os._exit(7)
+def no_evidence(): return True
+def hangs(): time.sleep(600)
+def slow(): time.sleep(1); return Evidence(CONFIRMED, "Done.", {"process": str(os.getpid())})
+"""
+
+CLAIM = """
+[[claim]]
+id = "{id}"
+source = "Section 9, Fig. 1"
+says = "1 < 2"
+check = "stand_ins.{check}"
+verdict = "confirmed"
+"""

@@ -1,0 +1,113 @@
+"""Tests mirror the source: each module is tested by a file of its name, or stands below with what tests it and why."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import symosc
+
+TESTS, ROOT = Path(__file__).parent, Path(symosc.__file__).parent
+
+CHAPTERS = "a chapter is steps, each with a check of its own; one test runs the checks and breaks the signs of all"
+CHECKS = "a check is what a claim names; its verdict is compared for all claims, and turned by other motions"
+SOLVERS = "the adapters of other people's solvers have to pass the same tests"
+ENGINE = "its numbers are those that the event search returns, at every event"
+SAME = "one formula in another arithmetic: it must give the same numbers, which one test compares"
+QUERIES = "a step of solve_grazing, whose answers are judged by the flow"
+PICTURES = "it draws; what is drawn is looked up in the finished pictures"
+COMMAND = "the command has options of its own subject, and is tested with it"
+PAPER = "what it makes is a part of the report, and is looked at there"
+
+#: Modules without a test file of their name: where their tests are, and why there.
+ELSEWHERE: dict[str, tuple[str, str]] = {
+    "bench.formulas": ("bench/test_speed.py", "it only measures; what is printed of it is tested"),
+    "bench.hard_table": ("bench/test_hard.py", "the table is that of the run"),
+    "bench.ours": ("bench/test_hard.py", "our own solver, whose errors are tested there"),
+    "bench.peers_cvode": ("bench/test_peers_scipy.py", SOLVERS),
+    "bench.peers_numba": ("bench/test_peers_heyoka.py", SOLVERS),
+    "bench.peers_scan": ("bench/test_peers_heyoka.py", SOLVERS),
+    "bench.plot_error_map": ("bench/test_error_map.py", PICTURES),
+    "bench.plot_work": ("bench/test_work_precision.py", PICTURES),
+    "bench.scalar_logic": ("bench/test_peers_heyoka.py", SOLVERS),
+    "bench.solvers": ("bench/test_peers_scipy.py", SOLVERS),
+    "bench.work_table": ("bench/test_work_precision.py", "the table is that of the run"),
+    "cli.app": ("cli/test_errors.py", "what all commands share is how they end"),
+    "cli.derive": ("derive/test_document.py", COMMAND),
+    "cli.orbit": ("orbits/test_continuation.py", COMMAND),
+    "cli.reproduce": ("paper/test_run.py", COMMAND),
+    "derive.chapters.*": ("derive/test_document.py", CHAPTERS),
+    "derive.latex": ("derive/test_document.py", "what is printed is read back there, formula by formula"),
+    "derive.line_breaks": ("derive/test_document.py", "lines are measured in the finished chapters"),
+    "derive.scope": ("derive/test_document.py", "what a scene leaves out is seen in the finished chapters"),
+    "derive.steps": ("derive/test_document.py", CHAPTERS),
+    "engine.arithmetic": ("engine/test_binding.py", ENGINE),
+    "engine.compiled_loop": ("simulation/test_one_engine.py", "it must give what one trajectory after the other gives"),
+    "engine.flow": ("engine/test_first_exit.py", ENGINE),
+    "engine.stick_exit": ("engine/test_first_exit.py", ENGINE),
+    "grazing.newton": ("grazing/test_solve.py", QUERIES),
+    "grazing.tracer": ("grazing/test_solve.py", QUERIES),
+    "kernels._generated": ("symbolic/test_codegen.py", "generated; compared with what generates it"),
+    "kernels.entire_array": ("kernels/test_entire.py", SAME),
+    "kernels.entire_branchless": ("mappings/test_compiled.py", SAME),
+    "kernels.entire_mp": ("kernels/test_entire.py", SAME),
+    "kernels.mapping": ("mappings/test_equations.py", SAME),
+    "kernels.mapping_loops": ("mappings/test_compiled.py", SAME),
+    "kernels.repeated": ("mappings/test_equations.py", SAME),
+    "paper.checks.*": ("paper/test_theory.py", CHECKS),
+    "paper.captions": ("paper/test_pictures.py", PICTURES),
+    "paper.drawings": ("paper/test_theory.py", PICTURES),
+    "paper.paper_figures": ("paper/test_pictures.py", PICTURES),
+    "paper.views": ("paper/test_pictures.py", PICTURES),
+    "paper.window_figures": ("paper/test_theory.py", PICTURES),
+    "paper.evidence": ("paper/test_figures_claims.py", "a record that the checks return"),
+    "paper.mathematics": ("paper/test_report_texts.py", PAPER),
+    "paper.report": ("paper/test_run.py", PAPER),
+    "paper.typeset": ("paper/test_report_texts.py", PAPER),
+    "plot.branch": ("orbits/test_continuation.py", PICTURES),
+    "plot.curve": ("grazing/test_curve.py", PICTURES),
+    "plot.panels": ("plot/test_figures.py", PICTURES),
+    "plot.windows": ("cli/test_grazing.py", PICTURES),
+    "symbolic.export_program": ("symbolic/test_export.py", "a part of each exported program, which is run"),
+    "symbolic.languages": ("symbolic/test_export.py", "every language is run, or read, there"),
+    "simulation.run": ("simulation/test_simulate.py", "the inner loop of simulate"),
+    "simulation.trajectory": ("simulation/test_simulate.py", "what simulate returns"),
+}
+
+
+def modules() -> list[str]:
+    """Return the modules that say more than what they import."""
+    found = []
+    for path in sorted(ROOT.rglob("*.py")):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        if any(isinstance(node, (ast.FunctionDef, ast.ClassDef)) for node in body) and path.stem != "__main__":
+            found.append(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
+    return found
+
+
+def own_file(module: str) -> Path:
+    *packages, name = module.split(".")
+    return TESTS.joinpath(*packages, f"test_{name}.py")
+
+
+def elsewhere(module: str) -> str | None:
+    """Return the line of ELSEWHERE that speaks of a module."""
+    parent = module.rpartition(".")[0]
+    return module if module in ELSEWHERE else f"{parent}.*" if f"{parent}.*" in ELSEWHERE else None
+
+
+@pytest.mark.parametrize("module", modules())
+def test_a_module_is_tested_by_a_file_of_its_name(module: str) -> None:
+    has_file, line = own_file(module).is_file(), elsewhere(module)
+    assert has_file or line, f"write {own_file(module).relative_to(TESTS.parent)}"
+    assert not (has_file and line), f"{module} has a file of its own now: take it from ELSEWHERE"
+
+
+def test_files_that_stand_in_are_there() -> None:
+    lines = {elsewhere(module) for module in modules()}
+    assert set(ELSEWHERE) == lines - {None}, "ELSEWHERE names what is no module"
+    for file, reason in ELSEWHERE.values():
+        assert (TESTS / file).is_file(), file
+        assert len(reason) > 10
