@@ -9,12 +9,12 @@ import pytest
 
 from symosc import find_orbit, load_scene, simulate
 from symosc.paper.checks import contacts, flown_again, stick_figures
-from symosc.paper.checks.flown_again import Opinion, Stretch, fly_again, stretches_of, stretches_of_orbit
+from symosc.paper.checks.flown_again import Opinion, FlownPiece, fly_again, stretches_of, stretches_of_orbit
 from symosc.paper.evidence import CONFIRMED, UNDECIDED
 from symosc.simulation.trajectory import Trajectory
 
 
-def stretches(name: str) -> tuple[Any, list[Stretch]]:
+def stretches(name: str) -> tuple[Any, list[FlownPiece]]:
     motion = simulate(load_scene(name))
     return motion.parameters, stretches_of(motion)
 
@@ -47,7 +47,7 @@ def test_a_missed_contact_is_found_out() -> None:
     long = motion[0].start[0] + 2 * motion[0].end[0]
     t = np.array([long])
     x, v = flown_again.flow(p, p.A(motion[0].where), motion[0].start, t)
-    one = Stretch(motion[0].where, motion[0].start, (long, float(x[0]), float(v[0])))
+    one = FlownPiece(motion[0].where, motion[0].start, (long, float(x[0]), float(v[0])))
     assert fly_again(p, [one]).outside == 1
 
 

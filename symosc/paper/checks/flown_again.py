@@ -26,7 +26,7 @@ AGREEMENT = 1e-9
 SAMPLES = 101
 
 
-class Stretch(NamedTuple):
+class FlownPiece(NamedTuple):
     """A motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next contact."""
 
     where: int
@@ -57,21 +57,21 @@ class Opinion:
         )
 
 
-def stretches_of(path: Trajectory) -> list[Stretch]:
+def stretches_of(path: Trajectory) -> list[FlownPiece]:
     """Return the stretches of a motion."""
     found = []
     start: tuple[float, ...] = (float(path.t_start), *map(float, path(path.t_start)))
     for segment, event in zip(path.segments, path.events, strict=False):
         end: tuple[float, ...] = (float(event.t), float(event.x), float(event.v))
-        found.append(Stretch(_where(segment.mode), start, end))
+        found.append(FlownPiece(_where(segment.mode), start, end))
         start = end
     if len(path.segments) > len(path.events):
         end = float(path.t_end), *map(float, path(path.t_end))
-        found.append(Stretch(_where(path.segments[-1].mode), start, end))
+        found.append(FlownPiece(_where(path.segments[-1].mode), start, end))
     return found
 
 
-def stretches_of_orbit(orbit: PeriodicOrbit) -> list[Stretch]:
+def stretches_of_orbit(orbit: PeriodicOrbit) -> list[FlownPiece]:
     """Return the stretches of one period of an orbit, the last one back to the first point."""
     p, found = orbit.parameters, []
     points = [*orbit.points, (orbit.points[0][0] + orbit.period, orbit.points[0][1])]
@@ -79,11 +79,11 @@ def stretches_of_orbit(orbit: PeriodicOrbit) -> list[Stretch]:
         row = MAPS[label]
         speeds = [float(p.belt(plane.boundary)) for plane in (row.start, row.end)]
         where = row.domain or -row.start.boundary
-        found.append(Stretch(where, (float(t), float(x), speeds[0]), (float(t_end), float(x_end), speeds[1])))
+        found.append(FlownPiece(where, (float(t), float(x), speeds[0]), (float(t_end), float(x_end), speeds[1])))
     return found
 
 
-def fly_again(p: Parameters, stretches: Iterable[Stretch]) -> Opinion:
+def fly_again(p: Parameters, stretches: Iterable[FlownPiece]) -> Opinion:
     """Fly stretches again, and decide anew what follows each of them but the last."""
     stretches = list(stretches)
     opinion = Opinion()
@@ -98,7 +98,7 @@ def _where(mode: str) -> int:
     return int(mode[-1]) * (-1 if mode.startswith("belt") else 1)
 
 
-def _one(p: Parameters, stretch: Stretch) -> Opinion:
+def _one(p: Parameters, stretch: FlownPiece) -> Opinion:
     (t0, x0, v0), (t1, x1, v1) = stretch.start, stretch.end
     t = np.linspace(t0, t1, SAMPLES)
     if stretch.where > 0:
@@ -122,7 +122,7 @@ def _force(p: Parameters, alpha: int, t: np.ndarray, x: np.ndarray, v: np.ndarra
     return np.asarray((A + B0 * np.cos(Omega * t) - k * x - c * v) / m)
 
 
-def _follows(p: Parameters, stretch: Stretch, then: int) -> bool:
+def _follows(p: Parameters, stretch: FlownPiece, then: int) -> bool:
     """Tell whether Theorems 4 and 5 let a stretch be followed by another; where a force is 0 they leave it open."""
     t, x, v = map(np.asarray, stretch.end)
     belt = 1 if abs(float(v) - float(p.v1)) < abs(float(v) - float(p.v2)) else 2
