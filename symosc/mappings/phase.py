@@ -18,13 +18,15 @@ from symosc.exact import LARGEST, read_exact
 
 # Longer texts are no angles that somebody means.
 LONGEST_TEXT = 200
-FORMS = "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
-NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)", re.ASCII)
-EXPRESSION = re.compile(r"(?:pi|[\d.\s()+\-*/])+", re.ASCII)
+PHASE_FORMS = (
+    "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
+)
+PHASE_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)", re.ASCII)
+PHASE_TEXT = re.compile(r"(?:pi|[\d.\s()+\-*/])+", re.ASCII)
 #: The sines that are rational, by the phase in units of pi/6.
-SINES = {0: Fraction(0), 1: Fraction(1, 2), 3: Fraction(1), 5: Fraction(1, 2), 6: Fraction(0)}
-SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
-DIGITS = 30
+RATIONAL_SINES = {0: Fraction(0), 1: Fraction(1, 2), 3: Fraction(1), 5: Fraction(1, 2), 6: Fraction(0)}
+RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
+SINE_DIGITS = 30
 
 
 class ExactPhase(NamedTuple):
@@ -64,15 +66,15 @@ def read_text(name: str, text: str) -> ExactPhase:
     if len(text) > LONGEST_TEXT:
         raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
-    numbers = NUMBER.findall(plain)
-    if not EXPRESSION.fullmatch(plain) or "**" in plain or "//" in plain:
-        raise ParameterError(name, text, FORMS)
+    numbers = PHASE_NUMBER.findall(plain)
+    if not PHASE_TEXT.fullmatch(plain) or "**" in plain or "//" in plain:
+        raise ParameterError(name, text, PHASE_FORMS)
     names = iter(range(len(numbers)))
     try:
-        tree = ast.parse(NUMBER.sub(lambda _: f"n{next(names)}", plain), mode="eval").body
+        tree = ast.parse(PHASE_NUMBER.sub(lambda _: f"n{next(names)}", plain), mode="eval").body
         phase = _value(tree, {"pi": ExactPhase(Fraction(0), Fraction(1))} | _named(numbers))
     except (SyntaxError, ValueError, ZeroDivisionError, RecursionError, MemoryError):
-        raise ParameterError(name, text, FORMS) from None
+        raise ParameterError(name, text, PHASE_FORMS) from None
     if max(map(abs, phase)) > LARGEST:
         raise ParameterError(name, text, f"must be at most {float(LARGEST):g} in size")
     return phase
@@ -123,7 +125,7 @@ def of_sympy(value: Any) -> ExactPhase | None:
 def rational_sine(phase: ExactPhase) -> Fraction | None:
     """Return the sine if it is rational, else None."""
     sixths = phase.multiple * 6 % 12
-    return SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
+    return RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
 
 
 def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
@@ -132,7 +134,7 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     if sine is not None or amplitude == 0:
         total = level + amplitude * (sine or 0)
         return (total > 0) - (total < 0)
-    ratio, digits = level / amplitude, DIGITS
+    ratio, digits = level / amplitude, SINE_DIGITS
     while True:
         context = mp_context(digits + len(str(int(max(map(abs, phase))))))
         value = context.sin(phase.number(context)) + context.mpf(ratio.numerator) / ratio.denominator

@@ -24,7 +24,7 @@ QUERY_LETTERS = {
     "v1": sp.Symbol("v_1", real=True),
     "v2": sp.Symbol("v_2", real=True),
 }
-CONTAINS, NOTHING, EVERYTHING = "contains", "empty", "everything"
+ASKS_PHASES, ASKS_NOTHING, ASKS_EVERYTHING = "contains", "empty", "everything"
 
 
 class Question(NamedTuple):
@@ -46,8 +46,8 @@ class Question(NamedTuple):
 
     def text(self) -> str:
         """Return the property in words."""
-        if self.asked != CONTAINS:
-            return f"{self.mapping} grazes at {'no' if self.asked == NOTHING else 'every'} phase"
+        if self.asked != ASKS_PHASES:
+            return f"{self.mapping} grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
             return f"{self.mapping} grazes at every theta in {interval_text(self.theta.set())}"
         return f"{self.mapping} grazes at theta = {self.theta}"
@@ -55,8 +55,8 @@ class Question(NamedTuple):
     def latex(self) -> str:
         """Return the property as LaTeX."""
         name = f"P_{{{self.mapping.removeprefix('P')}}}"
-        if self.asked != CONTAINS:
-            return rf"{name} \text{{ grazes at {'no' if self.asked == NOTHING else 'every'} phase}}"
+        if self.asked != ASKS_PHASES:
+            return rf"{name} \text{{ grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase}}"
         interval = isinstance(self.theta, PhaseInterval)
         phases = rf"\in {latex(self.theta.set())}" if interval else f"= {latex(self.theta)}"
         return rf"{name} \text{{ grazes at {'every ' if interval else ''}}}\theta {phases}"

@@ -28,9 +28,9 @@ from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
 from symosc.model import Parameters
 from symosc.symbolic.grazing_answers import (
-    CONTAINS,
-    EVERYTHING,
-    NOTHING,
+    ASKS_EVERYTHING,
+    ASKS_NOTHING,
+    ASKS_PHASES,
     QUERY_LETTERS,
     Answer,
     Answers,
@@ -104,7 +104,7 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
         raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
     if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
         raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
-    question = Question(mapping, names, CONTAINS, phases)
+    question = Question(mapping, names, ASKS_PHASES, phases)
     if len(names) == 2:
         return region(p, where, question, full)
     problem = _problem(p, where, names[0])
@@ -125,7 +125,7 @@ def values_empty(p: Parameters | None, mapping: str, name: Any) -> Any:
     Interval.Lopen(0, 1/3)
     """
     where, names = place(mapping), _names(mapping, name, p)
-    question = Question(mapping, names, NOTHING)
+    question = Question(mapping, names, ASKS_NOTHING)
     if len(names) == 2:
         return region(p, where, question, True)
     problem = _problem(p, where, names[0])
@@ -142,7 +142,7 @@ def values_everything(p: Parameters | None, mapping: str, name: Any, order: str 
     Interval.open(0, 1/3)
     """
     where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
-    question = Question(mapping, names, EVERYTHING)
+    question = Question(mapping, names, ASKS_EVERYTHING)
     if len(names) == 2:
         return region(p, where, question, full)
     problem = _problem(p, where, names[0])

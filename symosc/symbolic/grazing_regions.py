@@ -12,7 +12,14 @@ from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.mappings.theorem7_cases import Place, check_parameters
 from symosc.model import Parameters
-from symosc.symbolic.grazing_answers import CONTAINS, EVERYTHING, NOTHING, QUERY_LETTERS, ParameterRegion, Question
+from symosc.symbolic.grazing_answers import (
+    ASKS_EVERYTHING,
+    ASKS_NOTHING,
+    ASKS_PHASES,
+    QUERY_LETTERS,
+    ParameterRegion,
+    Question,
+)
 from symosc.symbolic.phase_interval import PhaseInterval
 from symosc.symbolic.theorem7 import rational, sign_of
 
@@ -33,9 +40,9 @@ def region(p: Parameters | None, where: Place, question: Question, full: bool) -
     level, Omega = level / scale, letters["Omega"] / scale
     drive, size = where.side * letters["B0"] * Omega, sp.Abs(letters["B0"]) * Omega
     condition = {
-        CONTAINS: lambda: _containing(level, drive, question.theta, full),
-        NOTHING: lambda: CLOSED_REGION(-level, size),
-        EVERYTHING: lambda: _everything(level, size, full),
+        ASKS_PHASES: lambda: _containing(level, drive, question.theta, full),
+        ASKS_NOTHING: lambda: CLOSED_REGION(-level, size),
+        ASKS_EVERYTHING: lambda: _everything(level, size, full),
     }[question.asked]()
     return ParameterRegion(question, condition, p)
 

@@ -10,7 +10,7 @@ from symosc.aliases import Expr
 from symosc.errors import ParameterError
 from symosc.symbolic.theorem7 import real, sign_of
 
-FORMS = "must be a phase, or an interval of phases: a pair (low, high) with low < high, or a sympy Interval"
+INTERVAL_FORMS = "must be a phase, or an interval of phases: a pair (low, high) with low < high, or a sympy Interval"
 
 
 class Extreme(NamedTuple):
@@ -77,7 +77,7 @@ def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
         ends, open_ends = (value.start, value.end), (bool(value.left_open), bool(value.right_open))
     elif isinstance(value, tuple | list):
         if len(value) != 2:
-            raise ParameterError(name, value, FORMS)
+            raise ParameterError(name, value, INTERVAL_FORMS)
         ends, open_ends = tuple(value), (False, False)
     else:
         return real(name, value)

@@ -9,7 +9,7 @@ import pytest
 
 from symosc import find_orbit, load_scene, simulate
 from symosc.paper.checks import contacts, flown_again, stick_figures
-from symosc.paper.checks.flown_again import Opinion, FlownPiece, fly_again, stretches_of, stretches_of_orbit
+from symosc.paper.checks.flown_again import FlownPiece, Opinion, fly_again, stretches_of, stretches_of_orbit
 from symosc.paper.evidence import CONFIRMED, UNDECIDED
 from symosc.simulation.trajectory import Trajectory
 
