@@ -11,6 +11,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
+from symosc.derive.words import plain_math
 from symosc.exact import show
 from symosc.symbolic import maps, solution
 
@@ -33,11 +34,30 @@ NAMES = {
 }
 
 #: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
-ORDER = ["a_i", "A_m", "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2"]
+ORDER = [
+    "C_1",
+    "C_2",
+    "D_1",
+    "D_2",
+    "a_i",
+    "A_m",
+    "A",
+    "A_0",
+    "f0",
+    "B_0",
+    "k",
+    "w0sq",
+    "c",
+    "cm",
+    "mu_1",
+    "mu_2",
+    r"\mu_\lambda",
+]
 #: A term with x_i or one of these, and none of `ORDER`, stands in front.
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
 #: What stands in front of a product as a fraction of its own, such as k/m.
 PARAMETERS = {"m", "c", "k", "A", "A_0", "B_0", "Omega", "mu_1", "mu_2", "F_N", "cm", "w0sq", "f0", "h", "v_lambda"}
+PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa"}
 
 
 def named(latex: str, **assumptions: Any) -> Expr:
@@ -46,19 +66,30 @@ def named(latex: str, **assumptions: Any) -> Expr:
 
 
 def _rank(term: Expr) -> tuple[float, bool, Any]:
-    outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add]
+    outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     if not letters:
         letters = {symbol.name for symbol in term.free_symbols}
     first: float = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
     if first == len(ORDER):
-        first = -2 if "x_i" in letters else -1 if letters & SPEEDS else first
+        held = any(name.startswith("F_{s") for name in letters)
+        first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
+        if first == len(ORDER) and not term.could_extract_minus_sign():
+            first = -3 if term.is_number else -1.5 if _is_basis(outside) else first
     return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
 
 
+def _is_basis(outside: list[Expr]) -> bool:
+    """Tell whether a term is a basis function or a wave alone."""
+    bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
+    return bare <= set(solution.BASIS)
+
+
 def terms(expr: Expr) -> list[Expr]:
-    """Return the terms of a sum in the order of printing."""
-    return sorted(sp.Add.make_args(expr), key=_rank)
+    """Return the terms of a sum in the order of printing, a positive one first."""
+    found = sorted(sp.Add.make_args(expr), key=_rank)
+    first = next((term for term in found if not term.could_extract_minus_sign()), found[0])
+    return [first, *(term for term in found if term is not first)]
 
 
 class PaperPrinter(LatexPrinter):
@@ -71,7 +102,9 @@ class PaperPrinter(LatexPrinter):
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
         if expr in NAMES:
             return NAMES[expr]
-        return expr.name if re.search(r"[\\{^]", expr.name) else super()._print_Symbol(expr)
+        if re.search(r"[\\{^]", expr.name):
+            return str(expr.name)
+        return re.sub(r"_\{(\w|\\[a-z]+)\}", r"_\1", super()._print_Symbol(expr))
 
     def _print_Rational(self, expr: Expr) -> str:
         text = show(Fraction(int(expr.p), int(expr.q)))
@@ -86,6 +119,10 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Mul(self, expr: Expr) -> str:
         sign, expr = ("- ", -expr) if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0 else ("", expr)
+        expr, turned = _drag_in_front(expr)
+        if turned:
+            sign = "" if sign else "- "
+        expr = _one_root(expr)
         if not expr.is_Mul:
             return sign + self._print(expr)
         front_above: list[Expr] = []
@@ -110,7 +147,8 @@ class PaperPrinter(LatexPrinter):
                 (front_above if known and not base.is_Add and not base.is_Function else rest_above).append(kept)
         if rest_below or not rest_above:
             return sign + self._fraction([*front_above, *rest_above], [*front_below, *rest_below])
-        if not front_below or (not front_above and len(rest_above) == 1):
+        tall = any(factor.is_Add or factor.base.is_Add for factor in front_below if factor.is_Add or factor.is_Pow)
+        if not front_below or tall or (not front_above and len(rest_above) == 1):
             return sign + self._fraction([*front_above, *rest_above], front_below)
         return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
 
@@ -119,6 +157,8 @@ class PaperPrinter(LatexPrinter):
             return self._product(above)
         top = self._print(above[0]) if len(above) == 1 else self._product(above)
         bottom = self._print(below[0]) if len(below) == 1 else self._product(below)
+        if len(above) == 1 and above[0].is_Add and r"\frac" in top:  # no fractions in fractions
+            return rf"\frac{{1}}{{{bottom}}} {_parentheses(top)}"
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
@@ -147,7 +187,11 @@ class PaperPrinter(LatexPrinter):
         return str(super()._print_Pow(expr))
 
     def _print_ExpBase(self, expr: Expr, exp: Any = None) -> str:
-        return rf"e^{{{self._print(expr.args[0])}}}"
+        above, below = sp.fraction(expr.args[0])
+        if below == 1 or above.is_Add or below.is_Add:
+            return rf"e^{{{self._print(expr.args[0])}}}"
+        bottom = self._print(below)
+        return rf"e^{{{self._print(above)}/{bottom if len(below.args) < 2 else f'({bottom})'}}}"
 
     def _print_sin(self, expr: Expr, exp: Any = None) -> str:
         return self._trig(r"\sin", expr, exp)
@@ -176,7 +220,8 @@ class PaperPrinter(LatexPrinter):
     def _print_Interval(self, expr: Expr) -> str:
         low, high, left_open, right_open = expr.args
         opening, closing = ("(" if left_open else "["), (")" if right_open else "]")
-        return f"{opening} {self._print(low)}, {self._print(high)} {closing}"
+        inside = f"{self._print(low)},\\, {self._print(high)}"
+        return rf"\left{opening}{inside}\right{closing}" if r"\frac" in inside else f"{opening}{inside}{closing}"
 
     def _print_Union(self, expr: Expr) -> str:
         parts = sorted(expr.args, key=lambda part: (part.args[0] != 0, sp.default_sort_key(part)))
@@ -209,14 +254,38 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     if base.is_Add and {symbol.name for symbol in base.free_symbols} <= {"mu_1", "mu_2"}:
         return 0, 1, sp.default_sort_key(factor)
     if base.is_Add:
-        return 2 if factor.is_Pow else 5, 0, sp.default_sort_key(factor)
+        return 2 if factor.is_Pow else 3, 1, sp.default_sort_key(factor)
     if base.is_Function:
         return 4, 0, sp.default_sort_key(factor)
     letters = {symbol.name for symbol in base.free_symbols}
     place = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
+    if letters == {"Omega"}:
+        place += 1  # behind m and a
     if letters <= PARAMETERS:
         return 1, place, sp.default_sort_key(factor)
     return 2, int(not letters & {"x_i", "v_i", "a_i"}), sp.default_sort_key(factor)
+
+
+def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
+    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; the second value tells that it was done."""
+    for factor in sp.Mul.make_args(expr):
+        letters = {symbol.name for symbol in factor.free_symbols}
+        mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)
+        if factor.is_Add and letters == {"mu_1", "mu_2"} and factor.coeff(mu_1) == -1:
+            rest = [other for other in sp.Mul.make_args(expr) if other is not factor]
+            return sp.Mul(*rest, sp.Add(*(-term for term in factor.args)), evaluate=False), True
+    return expr, False
+
+
+def _one_root(expr: Expr) -> Expr:
+    """Write the root of k/m for the quotient of the roots."""
+    halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and f.exp in (sp.S.Half, -sp.S.Half) and f.base.is_Symbol]
+    if not any(f.exp < 0 for f in halves):
+        return expr
+    rest = [f for f in sp.Mul.make_args(expr) if f not in halves]
+    inside = sp.Mul(*(f.base if f.exp > 0 else 1 / f.base for f in halves))
+    root = sp.Symbol(rf"\sqrt{{{latex(inside)}}}", positive=True)
+    return sp.Mul(*rest, root, evaluate=False) if rest else root
 
 
 def _long_names(parts: list[str]) -> bool:
@@ -239,7 +308,8 @@ class PlainPrinter(StrPrinter):
     """sympy's text with the letters of the LaTeX output, without its braces; numbers as decimals where they end."""
 
     def _print_Symbol(self, expr: Expr) -> str:
-        return plain_words(NAMES.get(expr, expr.name))
+        name = NAMES.get(expr, expr.name)
+        return plain_math(name) if re.search(r"[\\{^]", name) else str(name)
 
     def _print_Interval(self, expr: Expr) -> str:
         low, high, left_open, right_open = expr.args
@@ -264,22 +334,9 @@ class PlainPrinter(StrPrinter):
         return text
 
     def _print_Function(self, expr: Expr) -> str:
-        return plain_words(str(super()._print_Function(expr)))
+        return str(super()._print_Function(expr))
 
 
 def plain(expr: Expr) -> str:
     """Return an expression as text."""
     return str(PlainPrinter().doprint(sp.sympify(expr)))
-
-
-def plain_words(text: str) -> str:
-    """Return LaTeX text as readable plain text."""
-    text = re.sub(r"\\ddot\{x\}", "x''", text)
-    text = re.sub(r"\\dot\{x\}", "x'", text)
-    text = re.sub(r"\\t?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)", text)
-    text = re.sub(r"\\(?:text|mathrm|operatorname|emph|textbf)\{([^{}]*)\}", r"\1", text)
-    text = re.sub(r"\\(?:left|right|bigl|bigr|Bigl|Bigr)", "", text)
-    text = re.sub(r"\\[,;!]|~|\\q?quad", " ", text)
-    swaps = {r"\ge": ">=", r"\le": "<=", r"\ne": "!=", r"\to": "->", r"\infty": "inf", r"\cdot": "*", r"\in": "in"}
-    text = re.sub(r"\\([a-zA-Z]+)", lambda found: swaps.get(found[0], found[1]), text)
-    return text.replace("{", "").replace("}", "").replace("$", "").replace("\\", "")

@@ -63,7 +63,7 @@ def _group(tokens: list[str], place: int) -> tuple[float, int]:
 
 
 def _single(token: str) -> float:
-    if token in (r"\left", r"\right", r"\bigl", r"\bigr"):
+    if token in (r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"):
         return 0.3
     if token in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim"):
         return len(token) * 1.0
@@ -123,9 +123,11 @@ def _pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
     for part in terms(longest):
         inner += _pieces(part, decimals, room, first=not inner)
     head = _signed(rest, first) if rest else ("" if first else "+ ")
+    tall = any(r"\frac" in part for part in inner)
+    opening, closing = (r"\biggl(", r"\biggr)") if tall else (r"\bigl(", r"\bigr)")
     if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
-        return [rf"{head} \Bigl(", *inner[:-1], rf"{inner[-1]} \Bigr)"]
-    return [rf"{head} \Bigl( {inner[0]}", *inner[1:-1], rf"{inner[-1]} \Bigr)"]
+        return [f"{head} {opening}", *inner[:-1], f"{inner[-1]} {closing}"]
+    return [f"{head} {opening} {inner[0]}", *inner[1:-1], f"{inner[-1]} {closing}"]
 
 
 def _signed(text: str, first: bool) -> str:

@@ -34,6 +34,11 @@ class Scope:
         """The scene's parameters."""
         return self.scene.parameters if self.scene else None
 
+    @property
+    def decimal(self) -> bool:
+        """Whether numbers are printed as decimals where they end."""
+        return self.scene is not None
+
     @cached_property
     def maps(self) -> tuple[str, ...]:
         """The mappings that occur: those of the scene's structure, or of its simulated motion."""
@@ -97,11 +102,19 @@ class Scope:
 
     def table(self) -> list[tuple[str, str]]:
         """Return the scene's numbers as (LaTeX name, value)."""
-        if self.parameters is None:
-            return []
-        latex = {"A0": "A_0", "B0": "B_0", "Omega": r"\Omega", "v1": "v_1", "v2": "v_2", "FN": "F_N"}
-        latex |= {"mu1": r"\mu_1", "mu2": r"\mu_2"}
-        return [(latex.get(name, name), value) for name, value in self.parameters.as_dict().items()]
+        return latex_names(self.parameters.as_dict()) if self.parameters else []
+
+
+def latex_names(numbers: dict[str, str]) -> list[tuple[str, str]]:
+    """Return parameters as (LaTeX name, value)."""
+    latex = {"A0": "A_0", "B0": "B_0", "Omega": r"\Omega", "v1": "v_1", "v2": "v_2", "FN": "F_N"}
+    latex |= {"mu1": r"\mu_1", "mu2": r"\mu_2"}
+    return [(latex.get(name, name), value) for name, value in numbers.items()]
+
+
+#: Letters of belt lambda, whichever it is: its friction coefficient, and the domains below and above its speed.
+mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
+LOWER, UPPER = r"\lambda", r"\lambda+1"
 
 
 def F(alpha: int | str) -> Expr:

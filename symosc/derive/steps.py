@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -101,6 +101,8 @@ class Step:
         LaTeX text behind the formula, such as a condition.
     decimals : bool
         Print numbers as decimals where they end, also outside scenes.
+    label : str
+        Its name for references, such as "motion-newton" (LaTeX: eq:motion-newton).
     """
 
     statement: Relation
@@ -108,6 +110,7 @@ class Step:
     check: Check
     note: str = ""
     decimals: bool = False
+    label: str = ""
 
     def verify(self) -> StepEvidence:
         """Run the check."""
@@ -121,14 +124,20 @@ class Heading(NamedTuple):
 
 
 class Prose(NamedTuple):
-    """A paragraph between steps (LaTeX text)."""
+    """A paragraph between steps (LaTeX text), with checks of the facts that it states in words."""
 
     text: str
+    facts: tuple[Step, ...] = ()
 
 
-def equation(left: Expr, right: Expr, reason: str, check: Check, note: str = "") -> Step:
+def equation(left: Expr, right: Expr, reason: str, check: Check, note: str = "", label: str = "") -> Step:
     """Return the step left = right."""
-    return Step(Relation(sp.sympify(left), "=", sp.sympify(right)), reason, check, note)
+    return Step(Relation(sp.sympify(left), "=", sp.sympify(right)), reason, check, note, label=label)
+
+
+def fact(left: Expr, op: str, right: Expr, check: Check) -> Step:
+    """Return a step that is checked but not displayed: what a sentence says."""
+    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), "", check)
 
 
 # --- checks ---
@@ -161,6 +170,19 @@ class Exact(Check):
         if rest != 0 and sp.simplify(rest) != 0:
             raise StepError(str(statement), f"the difference {rest} does not vanish")
         return StepEvidence("exact", "0")
+
+
+@dataclass(frozen=True)
+class Each(Check):
+    """The statement passes several checks: one for each thing that its letters stand for, such as the two belts."""
+
+    checks: tuple[Check, ...]
+
+    def run(self, statement: Relation) -> StepEvidence:
+        """See `Check`."""
+        kinds = {each.run(statement).kind for each in self.checks}
+        kind = next(kind for kind in ("numeric", "sign", "exact") if kind in kinds)
+        return StepEvidence(kind, f"{len(self.checks)} cases")
 
 
 @dataclass(frozen=True)
@@ -266,6 +288,21 @@ class AtRoot(Check):
         return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
 
+@dataclass(frozen=True)
+class Near(Check):
+    """The sides are numbers that agree to so many decimals."""
+
+    decimals: int
+
+    def run(self, statement: Relation) -> StepEvidence:
+        """See `Check`."""
+        left, right = (evaluate(side, {}) for side in (statement.left, statement.right))
+        off = abs(left - right)
+        if not off < CONTEXT.mpf(10) ** -self.decimals * max(abs(right), 1):
+            raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
+        return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)
+
+
 # --- tools ---
 
 
@@ -312,7 +349,7 @@ def rounded(number: Any, decimals: int) -> Any:
 
 def _refute(statement: Relation, difference: Expr) -> None:
     """Raise StepError if a difference that should vanish clearly does not: no proof is tried then."""
-    if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*_KNOWN) or difference.has(sp.Derivative):
+    if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
     for point in points(difference, count=REFUTATION_POINTS):
         value = sp.N(difference.subs(point, simultaneous=True), 40, maxn=120)
@@ -320,72 +357,5 @@ def _refute(statement: Relation, difference: Expr) -> None:
             raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
 
 
-_KNOWN = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.sign, sp.asin, sp.Abs)
-
-
-def mutations(step: Step) -> Iterator[Step]:
-    """Yield the step with one sign changed: of a term anywhere in a side, of a side, or with < and > exchanged.
-
-    Changes that change nothing, such as cos(-x), are left out.
-    """
-    statement = step.statement
-    if statement.op not in ("=", "in"):
-        turned = {">": "<", "<": ">", ">=": "<", "<=": ">"}[statement.op]
-        yield replace(step, statement=statement._replace(op=turned))
-        return
-    for name in ("left", "right"):
-        side = getattr(statement, name)
-        if side.is_Symbol:
-            continue
-        for changed in _sign_changes(side):
-            if _differs(side, changed):
-                yield replace(step, statement=statement._replace(**{name: changed}))
-
-
-def _sign_changes(expr: Expr) -> Iterator[Expr]:
-    if isinstance(expr, sp.Expr) and not expr.is_Add and expr != 0:
-        yield -expr
-    yield from _inner_changes(expr)
-
-
-def _inner_changes(expr: Expr) -> Iterator[Expr]:
-    if isinstance(expr, (sp.Derivative, sp.Integral, sp.Limit)):
-        return
-    if isinstance(expr, sp.Set):
-        yield from _set_changes(expr)
-        return
-    if isinstance(expr, sp.Function):
-        yield expr.func(-expr.args[0])
-    if expr.is_Add:
-        for term in expr.args:
-            yield sp.Add(*(-other if other is term else other for other in expr.args))
-    for position, part in enumerate(expr.args):
-        for changed in _inner_changes(part):
-            yield expr.func(*(changed if place == position else other for place, other in enumerate(expr.args)))
-
-
-def _set_changes(phases: Expr) -> Iterator[Expr]:
-    """Yield the set with the sign of one part of an end changed; the empty set becomes everything and vice versa."""
-    circle = sp.Interval.Ropen(0, 2 * sp.pi)
-    if phases in (sp.S.EmptySet, circle):
-        yield circle if phases == sp.S.EmptySet else sp.S.EmptySet
-        return
-    parts = phases.args if isinstance(phases, sp.Union) else (phases,)
-    for place, part in enumerate(parts):
-        for end in (0, 1):
-            for changed in _inner_changes(part.args[end]):
-                new = [*part.args]
-                new[end] = changed
-                others = [sp.Basic.__new__(sp.Interval, *new) if at == place else p for at, p in enumerate(parts)]
-                yield others[0] if len(others) == 1 else sp.Union(*others, evaluate=False)
-
-
-def _differs(one: Expr, other: Expr) -> bool:
-    if isinstance(one, sp.Set):
-        return bool(one != other)
-    if one.has(sp.Function) and one.atoms(sp.Function) - one.atoms(*_KNOWN):
-        return bool(sp.simplify(one - other) != 0)
-    return any(
-        abs(sp.N((one - other).subs(point, simultaneous=True), 30)) > DIFFERENT
-        for point in points(one - other, count=2)
-    )
+#: Functions that a numeric refutation can evaluate.
+KNOWN = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.sign, sp.asin, sp.Abs)

@@ -13,7 +13,7 @@ FUNCTIONS = {
     r"\arcsin": cmath.asin,
 }
 SKIP = re.compile(
-    r"(?:\s|\\,|\\cdot(?![a-z])|\\qquad|\\quad|&|\\left(?![a-z])|\\right(?![a-z])|\\[bB]ig[lr](?![a-z]))+"
+    r"(?:\s|\\,|\\cdot(?![a-z])|\\qquad|\\quad|&|\\left(?![a-z])|\\right(?![a-z])|\\[bB]igg?[lr](?![a-z]))+"
 )
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
@@ -23,6 +23,7 @@ class Reader:
 
     def __init__(self, text: str, values: dict[str, complex]) -> None:
         self.text, self.place = text, 0
+        self.in_bars = False
         self.values = dict(sorted(values.items(), key=lambda item: -len(item[0])))
 
     def value(self) -> complex:
@@ -48,9 +49,15 @@ class Reader:
         """Read juxtaposed factors."""
         result = self.factor()
         assert result is not None, f"no factor at {self.text[self.place :]!r} in {self.text!r}"
-        while (further := self.factor()) is not None:
-            result *= further
-        return result
+        while True:
+            if self.take("/"):
+                further = self.factor()
+                assert further is not None, f"no divisor at {self.text[self.place :]!r} in {self.text!r}"
+                result /= further
+            elif (further := self.factor()) is not None:
+                result *= further
+            else:
+                return result
 
     def factor(self, plain: bool = False) -> complex | None:
         """Read a factor with its power; `plain`: only what may be the argument of a function without parentheses."""
@@ -76,6 +83,13 @@ class Reader:
             return None
         if self.take("("):
             return self.closed(")")
+        if self.take("{"):
+            return self.closed("}")
+        if not self.in_bars and self.take("|"):
+            self.in_bars = True
+            inside = self.closed("|")
+            self.in_bars = False
+            return complex(abs(inside))
         if self.take(r"\sqrt"):
             return cmath.sqrt(self.group())
         if self.take("e^"):

@@ -1,4 +1,10 @@
-"""The chapters, in reading order. Each module has a TITLE and items(scope), which yields steps, prose and headings."""
+"""The chapters, in reading order.
+
+Each module has a TITLE and items(scope), which yields what `symosc.derive.blocks` and `symosc.derive.steps` define:
+theorems with proofs, steps, tables, figures, prose and headings.
+
+A chapter's key is its name everywhere: of its module, its file, its script, and in the paper's claims.
+"""
 
 #: Subject -> what it is about.
 CHAPTERS = {
@@ -7,9 +13,9 @@ CHAPTERS = {
     "sticks": "stick motion and both exits",
     "switching": "G-functions and Theorems 4 to 6",
     "maps": "governing equations of P1 to P8",
-    "jacobians": "derivatives of the mappings and saltation",
+    "jacobians": "derivatives of the mappings, saltation and monodromy",
     "grazing": "Theorem 7, all cases",
     "events": "why no event is missed",
-    "orbits": "fixed points of P32 and P4645",
+    "orbits": "uniqueness, and fixed points of P32 and P4645",
     "errata": "errors and gaps of the paper",
 }

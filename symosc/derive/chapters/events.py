@@ -7,130 +7,252 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.derive.blocks import block, proof
+from symosc.derive.chapters.domains import DELTA, NORMS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation
-from symosc.symbolic.solution import B0, A, Omega, c, cm, h, k, m, omega_d, t, tau, w0sq
+from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.symbolic import solution
+from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
-TITLE = "Why no event is missed"
+TITLE = "No event is missed"
+LETTER_A = sp.Symbol("a", real=True)
+LG, GAMMA = named("L g"), named(r"\gamma")
+C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
+    del scope  # the statements are the same for every scene
     yield from _gap()
-    yield from _factorised()
-    yield from _bound()
+    yield from _two_zeros()
+    yield from _bounds()
+    yield from _search()
 
 
 def _gap() -> Iterator[Any]:
     yield Heading("An equation for the gap")
     path = sp.Function("x")(t)
-    gap = named(r"m \ddot{g} + c \dot{g} + k g")
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    g = path.diff(t) - v_lambda
-    acceleration = newton
-    jerk = acceleration.diff(t).subs(path.diff(t, 2), newton)
-    meaning = {gap: m * jerk + c * newton + k * g}
-    yield equation(
-        gap,
-        -(B0 * Omega * sp.sin(Omega * t) + k * v_lambda),
-        r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. Eq.~(5), "
-        r"differentiated, has "
-        r"neither $A_\alpha$ nor friction left, and gives in \emph{every} domain",
-        Exact(meaning, sp.expand),
+    jerk = newton.diff(t).subs(path.diff(t, 2), newton)
+    true = (jerk + c / m * newton + k / m * (path.diff(t) - v_lambda)).subs(Omega * t, theta)
+    meaning = {LG: true, GAMMA: k * v_lambda / m, LETTER_A: B0 * Omega / m}
+    yield from block(
+        "lemma",
+        equation(
+            LG,
+            -(GAMMA + LETTER_A * sp.sin(theta)),
+            r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} "
+            r"domain, with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, "
+            r"$a = B_0\Omega/m$,",
+            Exact(meaning, sp.expand),
+            label="events-gap",
+        ),
+        title="the gap",
+        label="thm:events-gap",
+    )
+    yield from proof(
+        r"Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract $k v_\lambda/m$."
     )
     yield Prose(
-        r"The right side is the sign function of Theorem~7: it changes sign only at $\Theta^{\mathrm{cr}}$ and "
-        r"$\pi - \Theta^{\mathrm{cr}}$, in closed form. On a belt $m\dot{F}^{(\alpha)}$ is the same expression."
+        r"The right side is the function of Theorem~\ref{thm:grazing-theorem7}, and $\dot{F}^{(\alpha)}$ on a belt, "
+        r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ and "
+        r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form."
     )
 
 
-def _factorised() -> Iterator[Any]:
-    yield Heading("At most two zeros on a piece")
-    phi = sp.exp(-h * tau) * sp.sin(omega_d * tau)
+def _two_zeros() -> Iterator[Any]:
+    yield Heading("At most two zeros between critical phases")
+    phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
+    g = phi * q
+    operator = g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g
+    true = operator.subs(phi.diff(tau, 2), -cm * phi.diff(tau) - w0sq * phi)
+    letter, rate, slope, curve = named(r"\varphi"), named(r"\dot{\varphi}"), named(r"\dot{q}"), named(r"\ddot{q}")
+    inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
+    names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
+    unforced = tuple(fact(_operator(regime), "=", 0, Exact(tidy=_modes)) for regime in solution.REGIMES.values())
+    yield from block(
+        "theorem",
+        r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
+        r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or vanishes identically.",
+        title=r"disconjugacy, after P\'olya",
+        label="thm:events-two",
+    )
+    yield from proof(
+        Prose(
+            r"The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
+            r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
+            r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
+            unforced,
+        ),
+        equation(
+            LG,
+            letter * curve + (2 * rate + cm * letter) * slope,
+            r"With $q = g/\varphi$",
+            Exact({LG: true} | names, sp.expand, independent=False),
+            label="events-factor",
+        ),
+        Prose(
+            r"which is P\'olya's factorisation \cite{polya1922} $L g = \varphi^{-1} e^{-c\tau/m} "
+            r"\frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
+            (fact(true, "=", inner, Exact(tidy=sp.simplify, independent=False)),),
+        ),
+        r"By \eqref{eq:events-gap} $L g$ keeps its sign, so $\varphi^2 e^{c\tau/m}\dot{q}$ is monotone, $\dot{q}$ "
+        r"vanishes at one point or on one interval, and $q$ falls and rises at most once each; with it $g$ has at most "
+        r"two zeros.",
+    )
+    yield from block(
+        "corollary",
+        r"In each interval of the length $2\pi/\Omega$ one flight, continued beyond its end, meets the speed of a belt "
+        r"at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge 4km$), unless it stays there for ever. "
+        r"Opposite signs of $g$ at the ends of a piece as in Theorem~\ref{thm:events-two} mean exactly one zero in it; "
+        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells which.",
+        title="how many contacts there can be",
+        label="thm:events-count",
+    )
+    yield from proof(
+        r"Two critical phases cut the interval into at most three pieces, and cuts at distances just below "
+        r"$\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more."
+    )
     yield Prose(
-        r"Let $L = d^2/d\tau^2 + 2h\, d/d\tau + h^2 + \omega_d^2$ and $\varphi = e^{-h\tau} \sin\omega_d\tau$, "
-        r"which is "
-        r"positive for $0 < \tau < \pi/\omega_d$."
-    )
-    left = named(r"L\varphi")
-    zero = sp.Integer(0)
-    solves = {left: _polya(phi)}
-    yield equation(left, zero, r"It solves the unforced equation,", Exact(solves, sp.simplify))
-    outer = phi**2 * sp.exp(2 * h * tau)
-    name = named(r"L g")
-    q = sp.Function("q")(tau)
-    meaning = {name: _polya(phi * q)}
-    factored = (outer * q.diff(tau)).diff(tau) / (phi * sp.exp(2 * h * tau))
-    slope, curve = named(r"\dot{q}"), named(r"\ddot{q}")
-    rates = {slope: q.diff(tau), curve: q.diff(tau, 2)}
-    shown = sp.simplify(factored.doit().xreplace({q.diff(tau, 2): curve, q.diff(tau): slope}))
-    yield equation(
-        name,
-        sp.expand(shown),
-        r"With $q = g/\varphi$ the operator factorises (P\'olya): $L g = \dfrac{e^{-2h\tau}}{\varphi} "
-        r"\dfrac{d}{d\tau}\bigl(\varphi^2 e^{2h\tau} \dot{q}\bigr)$, that is",
-        Exact(meaning | rates, sp.simplify),
-    )
-    yield Prose(
-        r"Where $L g$ keeps its sign, $\varphi^2 e^{2h\tau}\dot{q}$ is monotone, so $\dot{q}$ has at most one "
-        r"zero and $q$, "
-        r"with it $g$, at most two: opposite signs at the ends of such a piece mean exactly one zero; equal signs mean "
-        r"none or two, as the one extremum of $q$ tells. Without oscillation, $c^2 \ge 4km$, a $\varphi > 0$ "
-        r"exists for all "
-        r"$\tau$, and pieces of any length will do."
+        r"So every flight has a first contact or none, its contacts do not accumulate, and a search that goes piece by "
+        r"piece ends. The bounds below need no pieces, and are what the program uses from step to step."
     )
 
 
-def _polya(g: Any) -> Any:
-    return g.diff(tau, 2) + 2 * h * g.diff(tau) + (h**2 + omega_d**2) * g
+def _operator(regime: solution.Regime) -> Any:
+    """Return L E_1 in a regime, with the closed form put in."""
+    parameters, phi = regime.parameters(), regime.basis()[solution.E1]
+    return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi
 
 
-def _bound() -> Iterator[Any]:
-    yield Heading("A bound for all later times")
-    yield Prose(
-        r"The event search (\texttt{symosc.engine}) uses this in a form that needs no pieces. Split the "
-        r"velocity into its steady part and its transient, which obeys the unforced equation, as all of its "
-        r"derivatives do. Let $w$ and $j$ be the third and fourth derivative of the transient."
-    )
-    w, j = named("w"), named("j")
-    energy = named(r"\frac{d}{d\tau}(j^2 + \tfrac{k}{m} w^2)")
+def _modes(expr: Any) -> Any:
+    return solution.collect_modes(sp.expand_trig(expr))
+
+
+def _bounds() -> Iterator[Any]:
+    yield Heading("Two bounds for later times")
+    third, fourth = named("u^{(3)}"), named("u^{(4)}")
+    energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
     total = z.diff(tau) ** 2 + w0sq * z**2
-    rate = total.diff(tau).subs(z.diff(tau, 2), -cm * z.diff(tau) - w0sq * z)
-    rate = rate.subs(z.diff(tau), j).subs(z, w)
-    yield equation(energy, -2 * cm * j**2, "Its energy never grows:", Exact({energy: rate}, sp.expand))
-    yield Step(Relation(energy, "<=", sp.Integer(0)), "", Sign({energy: rate}))
+    rate = total.diff(tau).subs(z.diff(tau, 2), -cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), fourth).subs(z, third)
     steady = named("V_0^2")
     response = sp.I * Omega * B0 / m / (w0sq - Omega**2 + sp.I * Omega * cm)
     square = sp.simplify(response * sp.conjugate(response))
-    yield equation(
-        steady,
-        (B0 * Omega / m) ** 2 / ((w0sq - Omega**2) ** 2 + cm**2 * Omega**2),
-        r"The steady velocity has the amplitude $V_0$, its fourth derivative $V_0\Omega^4$:",
-        Exact({steady: square}, sp.simplify),
+    yield from block(
+        "theorem",
+        equation(
+            steady,
+            LETTER_A**2 / DELTA,
+            r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
+            r"$\Omega$ and the amplitude $V_0$ with",
+            Exact({steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]}, sp.simplify),
+            label="events-V0",
+        ),
+        r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
+        r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
+        r"now.",
+        title="a bound for ever",
+        label="thm:events-steady",
     )
-    yield Prose(
-        r"So $|g^{(4)}| \le M_4 = V_0\Omega^4 + \sqrt{j^2 + (k/m) w^2}$ at all later times, with $w$ and $j$ "
-        r"taken now, and by "
-        r"Taylor's theorem $g(\tau + s) \ge P(s)$ with the polynomial"
+    yield from proof(
+        equation(
+            energy,
+            -2 * cm * fourth**2,
+            r"$L u = 0$, so $L u^{(3)} = 0$, and",
+            Exact({energy: rate}, sp.expand),
+            label="events-energy",
+        ),
+        Step(Relation(energy, "<=", sp.Integer(0)), r"which is never positive:", Sign({energy: rate})),
+        r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.",
     )
-    s, bound = sp.Symbol("s", positive=True), sp.Symbol("M_4", nonnegative=True)
-    values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", r"g^{(3)}")]
+    w, w_rate = named("w"), named(r"\dot{w}")
+    second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
+    drive = LETTER_A * Omega**3 * sp.cos(theta)
+    pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
+    pushed = pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), w_rate).subs(z, w)
+    source = -(LETTER_A * sp.sin(Omega * t)).diff(t, 3)
+    yield from block(
+        "theorem",
+        r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
+        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken now.",
+        title="a bound for a while",
+        label="thm:events-while",
+    )
+    yield from proof(
+        Prose(
+            r"By \eqref{eq:events-gap}, $L w = a\Omega^3\cos\theta$.",
+            (fact(source, "=", LETTER_A * Omega**3 * sp.cos(Omega * t), Exact()),),
+        ),
+        equation(
+            second,
+            2 * w_rate * (drive - cm * w_rate),
+            r"So",
+            Exact({second: pushed}, sp.expand),
+            label="events-pushed",
+        ),
+        r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
+        r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.",
+    )
+
+
+def _search() -> Iterator[Any]:
+    yield Heading("The search, and that it ends")
+    s, u, left = sp.Symbol("s", positive=True), sp.Symbol("u", positive=True), named("p(s)")
+    values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))
-    u, left = sp.Symbol("u", positive=True), named("P(s)")
-    remainder = sp.integrate((s - u) ** 3 / 6 * bound, (u, 0, s))
-    yield equation(
-        left,
-        taylor - bound * s**4 / 24,
-        r"The remainder $\int_0^s (s-u)^3 g^{(4)}(\tau+u)\,du/6$ is at most $M_4 s^4/24$ in size:",
-        Exact({left: taylor - remainder}, sp.expand),
+    remainder = sp.integrate((s - u) ** 3 / 6 * C4, (u, 0, s))
+    upper = named(r"g(\tau + s) - p(s)")
+    yield from block(
+        "lemma",
+        equation(
+            left,
+            taylor - C4 * s**4 / 24,
+            r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
+            Exact({left: taylor - remainder}, sp.expand),
+            label="events-p",
+        ),
+        Step(
+            Relation(upper, "<=", C4 * s**4 / 12),
+            r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
+            Sign({upper: 2 * remainder}),
+            label="events-excess",
+        ),
+        title="a polynomial below the gap",
+        label="thm:events-below",
+    )
+    yield from proof(
+        r"Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at most "
+        r"$C_4 s^4/24$ in size."
+    )
+    yield from block(
+        "theorem",
+        r"Let the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, or as far as the bound "
+        r"holds if that is less, and so on. No zero of $g$ is passed. The search either passes every given time in "
+        r"finitely many steps, or its points converge to the first zero of $g$; and after each step that ends at a "
+        r"zero of $p$, $0 \le g \le C_4 s^4/12$.",
+        title="no event is missed, and the search ends",
+        label="thm:events-search",
+    )
+    yield from proof(
+        r"$g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay "
+        r"bounded and do not "
+        r"come to a zero, they converge to some $\tau^*$ with $g \ge \delta > 0$ on the way, and the steps "
+        r"shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the way, so "
+        r"$p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does not "
+        r"depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with $p(s) = 0$."
     )
     yield Prose(
-        r"and $g$ has no zero before the first zero of $P$. A step never goes further than that, so no crossing, "
-        r"however "
-        r"short, can be stepped over. At a start on the boundary, where $g = 0$, the known zero is divided out of $P$. "
+        r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, one factor "
+        r"$s$ for each "
+        r"derivative that vanishes, and the argument holds for the quotient. Near a simple zero the steps converge to "
+        r"fourth order, and \texttt{symosc.engine} changes to Newton's method once $p$ shows that there is one zero "
+        r"nearby. Near a tangency it looks for the minimum of $g$ ahead: clearly positive, clearly negative, or not to "
+        r"be told from 0 with the digits at hand, which is then said."
+    )
+    yield Prose(
         r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
-        r"last digits only, and decisions leave margins for that, which are named in "
-        r"\texttt{symosc.engine}; that they are wide enough in double precision was measured, not proven."
+        r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
+        r"are wide enough in double precision was measured, not proven."
     )

@@ -3,183 +3,219 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
+from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, Scope, v_lambda
-from symosc.derive.steps import Check, Exact, Heading, Prose, Relation, Step, StepError, StepEvidence, equation
+from symosc.derive.scope import BELTS, G, Scope, v_lambda
+from symosc.derive.steps import Exact, Heading, Prose, Relation, Step, equation, fact
+from symosc.derive.window_check import Window, a, g, p, q
 from symosc.mappings.theorem7_cases import PLACES, Place
+from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
 
-TITLE = "Theorem 7 with all cases"
-PHASE = named(r"\mathrm{mod}(\Omega t_m, 2\pi)")
-
-g, a = sp.symbols("gamma a", real=True)
-p, q = sp.symbols("p q", positive=True)
+TITLE = "Grazing: Theorem 7 with all cases"
+THETA_M, CRITICAL = named(r"\theta_m"), named(r"\Theta^{\mathrm{cr}}")
+GAMMA = named(r"\gamma")
 
 
-@dataclass(frozen=True)
-class Window(Check):
-    """The set on the right is where side (gamma + a sin theta) > 0, for given signs of gamma, a and |gamma| - |a|.
-
-    Exact: the ends are zeros of gamma + a sin theta, which has at most two, and on each piece the sign is decided at a
-    phase where the sine is 1, 0 or -1.
-    """
-
-    side: int
-    gamma: Any
-    amplitude: Any
-    names: tuple[tuple[Any, Any], ...] = ()
-
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
-        parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
-        for part in parts:
-            for end in part.args[:2] if isinstance(part, sp.Interval) else ():
-                self._check_end(statement, end, parts)
-        for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
-            value = self.side * (self.gamma + self.amplitude * sine)
-            inside = sp.simplify(value).is_positive
-            if inside is None:
-                raise StepError(str(statement), f"the sign of {value} is undecided")
-            if inside != self._contains(parts, phase):
-                raise StepError(str(statement), f"is wrong at {phase}")
-        return StepEvidence("exact", "0")
-
-    def _check_end(self, statement: Relation, end: Any, parts: Any) -> None:
-        if end in (0, 2 * sp.pi) and any(part.args[0] == 0 and part.args[2] == sp.false for part in parts):
-            return  # an arc through 0
-        angle = self._angle(end)
-        zero = sp.simplify(sp.expand_trig(sp.sin(angle)) * self.amplitude + self.gamma)
-        if zero != 0:
-            raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
-
-    def _angle(self, end: Any) -> Any:
-        for name, value in self.names:
-            end = end.subs(name, value)
-        return end.subs({g: self.gamma, a: self.amplitude})
-
-    def _contains(self, parts: Any, phase: Any) -> bool:
-        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
-        numbers = {p: sp.Rational(3, 7), q: sp.Rational(2, 5)}
-        for part in parts:
-            if part == sp.S.EmptySet:
-                continue
-            low, high = (self._angle(end).subs(numbers) for end in part.args[:2])
-            above = phase - low
-            below = high - phase
-            after = above > 0 or (part.args[2] == sp.false and above == 0)
-            if after and (below > 0 or (part.args[3] == sp.false and below == 0)):
-                return True
-        return False
-
-
-SHAPES = {
-    (1, -1): (p, p + q, r"for $0 < \gamma_{j} < \frac{B_0}{m}\Omega$"),
-    (1, 0): (p, p, r"for $0 < \gamma_{j} = \frac{B_0}{m}\Omega$"),
-    (1, 1): (p + q, p, r"for $0 < \frac{B_0}{m}\Omega < \gamma_{j}$"),
-    (0, -1): (sp.Integer(0), p, r"for $\gamma_{j} = 0$"),
-    (-1, -1): (-p, p + q, r"for $\gamma_{j} < 0$, $\frac{B_0}{m}\Omega > |\gamma_{j}|$"),
-    (-1, 0): (-p, p, r"for $\gamma_{j} < 0$, $\frac{B_0}{m}\Omega = |\gamma_{j}|$"),
-    (-1, 1): (-p - q, p, r"for $\gamma_{j} < 0$, $\frac{B_0}{m}\Omega < |\gamma_{j}|$"),
-}
+#: The signs of gamma and |gamma| - a, values that have them, and the case in words (a > 0).
+SHAPES = (
+    (1, -1, p, p + q, r"$0 < \gamma < a$"),
+    (1, 0, p, p, r"$0 < \gamma = a$"),
+    (1, 1, p + q, p, r"$0 < a < \gamma$"),
+    (0, -1, sp.Integer(0), p, r"$\gamma = 0$"),
+    (-1, -1, -p, p + q, r"$-a < \gamma < 0$"),
+    (-1, 0, -p, p, r"$\gamma = -a$"),
+    (-1, 1, -p - q, p, r"$\gamma < -a$"),
+)
+CASES_WITHOUT_DRIVE = ((p, r"$a = 0 < \gamma$"), (-p, r"$\gamma < 0 = a$"), (sp.Integer(0), r"$a = \gamma = 0$"))
 
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _contact()
-    for mapping, place in PLACES.items():
-        if scope.scene is None:
-            yield from _cases(mapping, place)
-        elif place.boundary in scope.boundaries:
-            yield from _numbers(scope, mapping, place)
+    yield from _theorem()
+    if scope.scene is not None:
+        for mapping, place in PLACES.items():
+            if place.boundary in scope.boundaries:
+                yield from _numbers(scope, mapping, place)
     yield from _equality()
-    if scope.scene is None:
-        yield from _signs()
+    yield from _no_spring()
 
 
 def _contact() -> Iterator[Any]:
     yield Heading("What a contact fixes")
-    gamma, acceleration = named(r"\gamma"), named(r"\ddot{x}")
-    yield Prose(
-        r"At a graze the flow of a domain $\Omega_\alpha$ touches $\dot{x} = v_\lambda$ with $F^{(\alpha)} = 0$, "
-        r"so that "
-        r"$\ddot{x} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. The paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is "
-        r"therefore no unknown:"
+    yield from block(
+        "definition",
+        r"Let the flow of $\Omega_\alpha$ come to the boundary $\dot{x} = v_\lambda$ at the time $t_m$, at "
+        r"the position "
+        r"$x_m$ and the phase $\theta_m = \Omega t_m$ modulo $2\pi$, with $F^{(\alpha)} = 0$. It \emph{grazes} if it "
+        r"stays in $\Omega_\alpha$ right before and right after $t_m$. It \emph{grazes to first order} if "
+        r"$\sigma G^{(1,\alpha)} < 0$, with $\sigma = 1$ for a boundary above the domain and $\sigma = -1$ for one "
+        r"below. Table~\ref{tab:grazing-places} has the four places; the paper names each by a mapping.",
+        title="graze",
+        label="thm:grazing-graze",
     )
-    general = (c * acceleration + k * named(r"\dot{x}_m")) / m
-    at_contact = general.subs({acceleration: 0, named(r"\dot{x}_m"): v_lambda})
-    yield equation(gamma, k * v_lambda / m, "", Exact({gamma: at_contact}))
-    place = named("x_m")
+    rows = []
+    for mapping, place in PLACES.items():
+        relation = "<" if place.side > 0 else ">"
+        sine = ">" if place.side > 0 else "<"
+        rows.append(
+            (
+                f"$P_{mapping[1]}$",
+                place.domain,
+                place.boundary,
+                f"${place.side}$",
+                rf"$G^{{(1,{place.domain})}} {relation} 0$",
+                rf"$a \sin\theta_m {sine} -\gamma$",
+                f"({place.equation})",
+            )
+        )
+    yield Table(
+        "tab:grazing-places",
+        r"Where a flow can graze: domain, boundary and side, and when it does to first order.",
+        ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
+        tuple(rows),
+    )
+    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
+    general = (c * acceleration + k * rate) / m
+    at_contact = general.subs({acceleration: 0, rate: v_lambda})
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
-    solved = sp.solve(force, x)[0]
-    yield equation(
-        place,
-        (A + B0 * sp.cos(theta) - c * v_lambda) / k,
-        r"and $F^{(\alpha)} = 0$ fixes the place of the contact from its phase $\theta = \Omega t_m$, if $k > 0$:",
-        Exact({place: solved}),
+    solved = sp.solve(force, x)[0].subs(theta, THETA_M)
+    first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
+    letter = sp.Symbol("a", real=True)
+    yield from block(
+        "lemma",
+        equation(
+            GAMMA,
+            k * v_lambda / m,
+            r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and "
+            r"with the amplitude $a$,",
+            Exact({GAMMA: at_contact}),
+            label="grazing-gamma",
+        ),
+        equation(letter, B0 * Omega / m, "", Exact({letter: B0 * Omega / m}), label="grazing-a"),
+        equation(
+            G(1),
+            -(GAMMA + letter * sp.sin(THETA_M)),
+            r"the first G-function depends on the phase alone:",
+            Exact({G(1): first.subs(x, solved), GAMMA: k * v_lambda / m, letter: B0 * Omega / m}, sp.simplify),
+            label="grazing-G1",
+        ),
+        equation(
+            named("x_m"),
+            (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k,
+            r"For $k > 0$ the phase gives the position,",
+            Exact({named("x_m"): solved}),
+            label="grazing-xm",
+        ),
+        equation(
+            sp.sin(CRITICAL),
+            -GAMMA / letter,
+            r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
+            r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
+            Exact({CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega)), GAMMA: k * v_lambda / m, letter: B0 * Omega / m}),
+            label="grazing-critical",
+        ),
+        title="what a contact fixes",
+        label="thm:grazing-contact",
     )
-    name = named(r"G^{(1,\alpha)}")
-    first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, theta)
-    yield equation(
-        name,
-        -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m,
-        r"Then (62) and (66) depend on the phase only:",
-        Exact({name: first.subs(x, solved)}, sp.simplify),
-    )
-    critical = named(r"\Theta^{\mathrm{cr}}")
-    angle = sp.asin(-k * v_lambda / (B0 * Omega))
-    yield equation(
-        sp.sin(critical),
-        -k * v_lambda / (B0 * Omega),
-        r"which vanishes at the critical phase $\Theta^{\mathrm{cr}} = \arcsin(-\gamma m/(B_0\Omega))$,",
-        Exact({critical: angle}),
+    yield from proof(
+        r"$\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into \eqref{eq:switching-g1} and "
+        r"\eqref{eq:motion-acceleration}. So of the paper's ``four unknowns'' with three equations only the phase is "
+        r"free, and $\gamma$ does not vary along the family of contacts: the case of the theorem is decided by the "
+        r"parameters."
     )
 
 
-def _cases(mapping: str, place: Place) -> Iterator[Any]:
-    number = mapping[1]
-    critical = named(rf"\Theta^{{\mathrm{{cr}}}}_{number}")
-    relation = "<" if place.side > 0 else ">"
-    yield Heading(rf"$P_{number}$: from $\Omega_{place.domain}$ at $v_{place.boundary}$, eq.~({place.equation})")
-    sine = ">" if place.side > 0 else "<"
-    reason = (
-        rf"It grazes iff $G^{{(1,{place.domain})}} {relation} 0$, that is $\sin\theta {sine} \sin{critical.name}$ "
-        rf"for $B_0 > 0$, with $\gamma_{number} = k v_{place.boundary}/m$:"
+def _theorem() -> Iterator[Any]:
+    yield Heading("The theorem")
+    yield from block(
+        "theorem",
+        r"Let $m, \Omega > 0$ and $c, k \ge 0$, let $P_j$ be one of $P_2$, $P_3$, $P_5$, $P_6$ with "
+        r"$(\alpha, \lambda, \sigma)$ from Table~\ref{tab:grazing-places}, and let the flow of $\Omega_\alpha$ have "
+        r"$\dot{x} = v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and $\Theta^{\mathrm{cr}}$ as in "
+        r"Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to first order iff $\theta_m \in [0, 2\pi)$ is in "
+        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$.",
+        title="the paper's Theorem 7, (55) to (58), completed",
+        label="thm:grazing-theorem7",
     )
-    table = theorem7.all_cases(place, False)
-    for (gamma_sign, excess), (gamma, amplitude, words) in SHAPES.items():
-        case = next(row for row in table if _holds(row.condition, gamma, amplitude))
-        shown = _with_name(case.phases, critical)
-        check = Window(place.side, gamma, amplitude, ((critical, sp.asin(-g / a)),))
-        note = words.replace("{j}", number)
-        missing = place.side > 0 and (gamma_sign, excess) == (-1, 0)
-        note += " (missing in the paper)" if missing else ""
-        yield Step(Relation(PHASE, "in", shown), reason, check, note)
-        reason = ""
-    for gamma in (p, -p, sp.Integer(0)):
-        case = next(row for row in table if _holds(row.condition, gamma, sp.Integer(0)))
-        sign = {p: "> 0", -p: "< 0"}.get(gamma, "= 0")
-        note = rf"for $B_0 = 0$, $\gamma_{number} {sign}$"
-        yield Step(Relation(PHASE, "in", case.phases), "", Window(place.side, gamma, sp.Integer(0)), note)
+    yield windows_table()
+    turned = named(r"\sin(\theta_m + \pi)")
+    yield from proof(
+        r"By \eqref{eq:grazing-G1}, $\sigma G^{(1,\alpha)} < 0$ is $\sigma(\gamma + a\sin\theta_m) > 0$. For $a > 0$ "
+        r"this is $\sin\theta_m > -\gamma/a$ for $\sigma = 1$ and $\sin\theta_m < -\gamma/a$ for $\sigma = -1$. The "
+        r"sine takes the value $-\gamma/a$ twice on the circle if $|\gamma| < a$, at $\Theta^{\mathrm{cr}}$ and "
+        r"$\pi - \Theta^{\mathrm{cr}}$; once if $|\gamma| = a$, at $3\pi/2$ or $\pi/2$; and not at all if "
+        r"$|\gamma| > a$. On each arc between these points the sign is the same, and it is decided at one of $0$, "
+        r"$\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle $\Theta^{\mathrm{cr}}$ is negative: "
+        r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and $\pi - \Theta^{\mathrm{cr}} = "
+        r"\pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where the paper writes a closed end "
+        r"$2\pi]$, it is the phase 0. For the last sentence,",
+        equation(
+            turned,
+            -sp.sin(THETA_M),
+            "",
+            Exact({turned: sp.sin(THETA_M + sp.pi)}, sp.simplify),
+            label="grazing-turned",
+        ),
+    )
+    yield Prose(
+        r"That the flow comes from $\Omega_\alpha$ is no further condition: by "
+        r"Lemma~\ref{thm:switching-side} the first "
+        r"G-function that does not vanish fixes the side before the contact too, and for odd order it is the side "
+        r"after it. With $F^{(\alpha)} = 0$ and $\sigma G^{(1,\alpha)} > 0$ the flow would come from the other side of "
+        r"the boundary, where it is not the motion."
+    )
+    yield Illustration(
+        "windows",
+        "fig:grazing-windows",
+        r"The case $0 < \gamma < a$ with $\gamma/a = 1/2$: where $\sin\theta$ is above its critical value $P_2$ and "
+        r"$P_5$ graze (grey), where it is below $P_3$ and $P_6$ do (hatched).",
+        0.95,
+    )
+
+
+def windows_table(label: str = "tab:grazing-windows") -> Table:
+    """Return the table of Theorem 7's windows, each of them checked."""
+    sides = {1: PLACES["P2"], -1: PLACES["P3"]}
+    rows = []
+    for _, _, gamma, amplitude, words in SHAPES:
+        rows.append((words, *(window(sides[side], gamma, amplitude) for side in (1, -1))))
+    for gamma, words in CASES_WITHOUT_DRIVE:
+        rows.append((words, *(window(sides[side], gamma, sp.Integer(0)) for side in (1, -1))))
+    return Table(
+        label,
+        r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
+        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
+        ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
+        tuple(rows),
+    )
+
+
+def window(place: Place, gamma: Any, amplitude: Any) -> Step:
+    """Return the window of a case as a step."""
+    case = next(row for row in theorem7.all_cases(place, False) if _holds(row.condition, gamma, amplitude))
+    check = Window(place.side, gamma, amplitude, ((CRITICAL, sp.asin(-g / a)),))
+    return Step(Relation(THETA_M, "in", _with_name(case.phases)), "", check)
 
 
 def _holds(condition: Any, gamma: Any, amplitude: Any) -> bool:
     return bool(sp.simplify(condition.subs({g: gamma, a: amplitude}, simultaneous=True)) == sp.true)
 
 
-def _with_name(phases: Any, critical: Any) -> Any:
+def _with_name(phases: Any) -> Any:
     """Write Theta_cr for asin(-gamma/a) in the ends of a set."""
     if isinstance(phases, sp.Union):
-        return sp.Union(*(_with_name(part, critical) for part in phases.args), evaluate=False)
+        return sp.Union(*(_with_name(part) for part in phases.args), evaluate=False)
     if not isinstance(phases, sp.Interval):
         return phases
     low, high, *open_ends = phases.args
-    names = {sp.asin(g / a): -critical}
+    names = {sp.asin(g / a): -CRITICAL}
     return sp.Basic.__new__(sp.Interval, low.subs(names), high.subs(names), *open_ends)
 
 
@@ -188,82 +224,125 @@ def _numbers(scope: Scope, mapping: str, place: Place) -> Iterator[Any]:
     number = mapping[1]
     gamma = (k * BELTS[place.boundary] / m).subs(scope.numbers)
     amplitude = (B0 * Omega / m).subs(scope.numbers)
-    yield Heading(rf"$P_{number}$: from $\Omega_{place.domain}$ at $v_{place.boundary}$, eq.~({place.equation})")
+    yield Heading(rf"The window of $P_{number}$ with the numbers of the scene")
     for letter, value, formula in (
-        (named(rf"\gamma_{number}"), gamma, k * BELTS[place.boundary] / m),
-        (named(r"\tfrac{B_0}{m}\Omega"), amplitude, B0 * Omega / m),
+        (GAMMA, gamma, k * BELTS[place.boundary] / m),
+        (named("a"), amplitude, B0 * Omega / m),
     ):
-        reason = "The numbers to compare are" if letter.name.startswith(r"\gamma") else ""
+        reason = "The numbers to compare are" if letter is GAMMA else ""
         yield equation(letter, value, reason, Exact({letter: formula.subs(scope.numbers)}))
     phases = theorem7.window_phases(place, gamma, amplitude, False)
-    reason = r"and the flow grazes at the phases"
-    yield Step(Relation(PHASE, "in", phases), reason, Window(place.side, gamma, amplitude))
+    reason = r"and the flow grazes to first order at the phases"
+    yield Step(Relation(THETA_M, "in", phases), reason, Window(place.side, gamma, amplitude))
 
 
 def _equality() -> Iterator[Any]:
-    yield Heading(r"At the ends of a window")
-    second, third = named(r"G^{(2,\alpha)}"), named(r"G^{(3,\alpha)}")
+    yield Heading(r"The ends of a window, and the case of equality")
+    second, third = G(2), G(3)
     contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
-    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m}
-    yield equation(
-        second,
-        -B0 * Omega**2 * sp.cos(theta) / m,
-        r"Where $F^{(\alpha)} = G^{(1,\alpha)} = 0$ the next order decides:",
-        Exact({second: g2.subs(on_end).xreplace(wave)}, sp.simplify),
-    )
-    yield Prose(
-        r"For $|\gamma| < |B_0|\Omega/m$ it is not 0 at the ends: the contact is an inflection of odd order "
-        r"$\tau^3$, and the "
-        r"flow passes. For $|\gamma| = |B_0|\Omega/m$ both ends are the one phase with $\cos\theta = 0$, and one "
-        r"order more is "
-        r"needed:"
-    )
-    yield equation(
-        third,
-        B0 * Omega**3 * sp.sin(theta) / m - c * second / m,
-        "",
-        Exact({third: g3.subs(on_end).xreplace(wave), second: g2.subs(on_end).xreplace(wave)}, sp.simplify),
-    )
-    ends = (
-        (
-            3 * sp.pi / 2,
-            -B0 * Omega**3 / m,
-            r"With $B_0 > 0$, at $\theta = 3\pi/2$, which (55) and (57) exclude, it is",
+    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
+    letter = sp.Symbol("a", real=True)
+    amplitude = {letter: B0 * Omega / m}
+    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
+    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
+    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
+    yield from block(
+        "theorem",
+        r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
+        equation(
+            second,
+            -letter * Omega * sp.cos(THETA_M),
+            r"The next G-functions are",
+            Exact({second: true2} | amplitude, sp.simplify),
+            label="grazing-G2",
         ),
-        (sp.pi / 2, B0 * Omega**3 / m, r"and at $\theta = \pi/2$, which (56) and (58) exclude,"),
+        equation(
+            third,
+            letter * Omega**2 * sp.sin(THETA_M) - c * second / m,
+            "",
+            Exact({third: true3, second: true2} | amplitude, sp.simplify),
+            label="grazing-G3",
+        ),
+        r"\begin{enumerate}"
+        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses "
+        r"the boundary and does not graze. The windows are open at these ends in full order too."
+        r"\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ and $G^{(3,\alpha)} = -\gamma\Omega^2 \ne 0$: the "
+        r"flow touches to fourth order, and grazes iff $\sigma\gamma > 0$."
+        r"\end{enumerate}"
+        r"So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of "
+        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as "
+        r"well, and to full order these windows are the whole circle; all other rows stay as they are.",
+        title="the case of equality",
+        label="thm:grazing-equality",
     )
-    for phase, value, reason in ends:
-        name = named(rf"G^{{(3,\alpha)}}|_{{\theta = {sp.latex(phase)}}}")
-        true = (B0 * Omega**3 * sp.sin(theta) / m).subs(theta, phase)
-        yield equation(name, value, reason, Exact({name: true}))
+    value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
+    other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
+    yield from proof(
+        r"\eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and \eqref{eq:switching-g3} with "
+        r"$F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There $|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, "
+        r"and Lemma~\ref{thm:switching-side} applies with $n = 2$.",
+        Prose(
+            r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
+            r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
+            r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
+            (
+                fact(third, "=", -GAMMA * Omega**2, Exact(value, sp.simplify)),
+                fact(third, "=", -GAMMA * Omega**2, Exact(other, sp.simplify)),
+            ),
+        ),
+        equation(
+            square,
+            -letter * half**2,
+            r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of "
+            r"$P_2$ and $P_5$, which the paper lacks, where",
+            Exact({square: -letter + letter * sp.sin(THETA_M)}, sp.simplify),
+            label="grazing-square",
+        ),
+        r"is never positive.",
+    )
+    at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
     yield Prose(
-        r"The gap then starts with $G^{(3,\alpha)}\tau^4/24$ and has the sign of a graze: a tangency of fourth "
-        r"order, after which "
-        r"the flow does return. The paper's theorem stops at the first order and excludes it; with all orders "
-        r"the window is "
-        r"the whole circle."
+        r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
+        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded "
+        r"phase in either of them.",
+        (
+            fact((k * BELTS[1] / m).subs(at["fig7"]), "=", (B0 * Omega / m).subs(at["fig7"]), Exact()),
+            fact((k * BELTS[1] / m).subs(at["fig8"]), "=", -(B0 * Omega / m).subs(at["fig8"]), Exact()),
+        ),
     )
 
 
-def _signs() -> Iterator[Any]:
-    yield Heading(r"Other signs of $B_0$, and no spring")
-    turned = named(r"B_0 \sin\theta\,|_{B_0 \to -B_0,\ \theta \to \theta + \pi}")
-    yield equation(
-        turned,
-        B0 * sp.sin(theta),
-        r"Changing the sign of $B_0$ and moving the phase by $\pi$ changes nothing, so $B_0 < 0$ has the windows "
-        r"of $-B_0$ "
-        r"half a period later:",
-        Exact({turned: -B0 * sp.sin(theta + sp.pi)}, sp.simplify),
+def _no_spring() -> Iterator[Any]:
+    yield Heading("No spring")
+    phase = named(r"\cos\theta_m")
+    plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]
+    second = solution.in_paper_letters(solution.g_function(2)).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
+    yield from block(
+        "corollary",
+        equation(
+            phase,
+            (c * v_lambda - A) / B0,
+            r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
+            r"position, which is free:",
+            Exact({phase: solved}),
+            label="grazing-no-spring",
+        ),
+        Prose(
+            r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
+            r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ "
+            r"and $P_6$. If it is $\pm 1$, then $G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and "
+            r"nothing grazes; beyond that no contact has $F^{(\alpha)} = 0$.",
+            (fact(curve, "=", -B0 * Omega**2 * sp.cos(THETA_M) / m, Exact(tidy=sp.simplify)),),
+        ),
+        title="no spring",
+        label="thm:grazing-no-spring",
     )
-    force = named(r"m F^{(\alpha)}|_{k = 0}")
-    plain = m * solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta, k: 0})
-    yield equation(
-        force,
-        A + B0 * sp.cos(theta) - c * v_lambda,
-        r"Without a spring $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the place:",
-        Exact({force: plain}, sp.expand),
+    yield from proof(
+        r"This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
+        r"Theorem~\ref{thm:grazing-equality} (i)."
     )

@@ -1,20 +1,24 @@
-"""Derivatives of the mappings, perturbations in a domain, and the saltation at a crossing."""
+"""Derivatives of the mappings, perturbations in a domain, saltation, and the monodromy matrix."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.chapters.domains import _generic, _modes
+from symosc.derive.blocks import block, proof
+from symosc.derive.chapters.domains import generic_basis, modes
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation
+from symosc.derive.steps import CONTEXT, DIGITS, AtRoot, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
 
-TITLE = "Derivatives of the mappings and saltation"
+TITLE = "Derivatives, saltation and monodromy"
+BEFORE, AFTER = named("F^{-}"), named("F^{+}")
 
 
 def total(expr: Any, letter: Any) -> Any:
@@ -29,43 +33,49 @@ def partial(what: str, by: str) -> Any:
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
+    del scope  # the statements are the same for every scene
     yield from _flights()
     yield from _sticks()
-    yield from _perturbations()
-    yield from _saltation()
+    yield from perturbations()
+    yield from saltation()
+    yield from _monodromy()
 
 
 def _flights() -> Iterator[Any]:
     flow, found = solution.flow(), maps.flight_jacobian()
-    yield Heading("Flights")
-    yield Prose(
-        r"A flight of duration $\tau = (\theta_{i+1} - \theta_i)/\Omega$ starts with the acceleration "
-        r"$\ddot{x}_i = F^{(\alpha)}(x_i, v, \theta_i)$, which depends on the start too. The derivatives by "
-        r"$x_{i+1}$ are $-1$ "
-        r"and 0."
-    )
+    yield Heading("Derivatives of the governing equations")
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
+    rows, reason = [], ""
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
         name = f"f_{which}"
         slope = solution.time_derivative(expr) / Omega
         true = {
-            partial(name, "x_i"): (total(expr, x_i), f"{short}_x0"),
-            partial(name, r"\theta_i"): (total(expr, theta_i) - slope, f"{short}_th0"),
-            partial(name, r"\theta_{i+1}"): (slope, f"{short}_th1"),
+            (partial(name, "x_i"), "x0"): (total(expr, x_i), f"{short}_x0"),
+            (partial(name, r"\theta_i"), "th0"): (total(expr, theta_i) - slope, f"{short}_th0"),
+            (partial(name, r"\theta_{i+1}"), "th1"): (slope, f"{short}_th1"),
         }
-        reason = {
-            1: r"Differentiating the closed form of the flow gives for $f_1$",
-            2: r"and for $f_2$",
-        }[which]
-        for letter, (derivative, key) in true.items():
+        for (letter, by), (derivative, key) in true.items():
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            yield equation(letter, found[key], reason, check)
-            reason = ""
+            rows.append(equation(letter, found[key], reason, check, label=f"jacobians-f{which}-{by}"))
+    yield from block(
+        "proposition",
+        r"For a flight (Theorem~\ref{thm:maps-flight}) with $\dot{x}_i = v_\lambda$, and with the velocity "
+        r"$\dot{x}(\tau)$ and the acceleration $\ddot{x}(\tau)$ at its end,",
+        *rows,
+        r"while $\partial f_1/\partial x_{i+1} = -1$ and $\partial f_2/\partial x_{i+1} = 0$.",
+        title="flights",
+        label="thm:jacobians-flight",
+    )
+    yield from proof(
+        r"$\ddot{x}_i$ depends on $x_i$ and $\theta_i$ by \eqref{eq:maps-start}, and $\tau$ on both phases by "
+        r"\eqref{eq:maps-tau}. The derivatives by $\theta_i$ are short because moving a start along its own flow "
+        r"changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + \ddot{x}_i\,\partial/\partial\dot{x}_i + "
+        r"\Omega\,\partial/\partial\theta_i$ gives 0."
+    )
 
 
 def _sticks() -> Iterator[Any]:
     residual, found = maps.stick_residual(), maps.stick_jacobian()
-    yield Heading("Sticks")
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
     rows = (
@@ -74,85 +84,191 @@ def _sticks() -> Iterator[Any]:
         ("f_2", "x_{i+1}", "f2", maps.x_j, "v_x1"),
         ("f_2", r"\theta_{i+1}", "f2", theta_j, "v_th1"),
     )
-    reason = r"A stick moves with the belt, $\dot{x}_i = v_\lambda$, and ends where the force vanishes:"
+    steps = []
     for name, by, key, letter, entry in rows:
         symbol = partial(name, by)
         true = residual[key].subs(where).diff(letter)
-        yield equation(symbol, found[entry], reason, Exact({symbol: true}, sp.expand))
-        reason = ""
+        steps.append(
+            equation(symbol, found[entry], "", Exact({symbol: true}, sp.expand), label=f"jacobians-stick-{entry}")
+        )
+    yield from block(
+        "proposition",
+        r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
+        *steps,
+        r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ does not depend on "
+        r"$(x_i, \theta_i)$.",
+        title="sticks",
+        label="thm:jacobians-stick",
+    )
 
 
-def _perturbations() -> Iterator[Any]:
+def perturbations() -> Iterator[Any]:
+    """Yield the lemma on perturbations in a domain."""
     flow = solution.flow()
-    yield Heading("Perturbations in a domain")
-    reason = r"A small change of the state at $t_i$ obeys the unforced equation, so its matrix does not depend on "
-    reason += "the motion:"
+    yield Heading("Perturbations of a motion")
     entries = (
         ("x", "x_i", flow.x, x_i, 1 - w0sq * E2),
         ("x", r"\dot{x}_i", flow.x, v_i, E1),
         (r"\dot{x}", "x_i", flow.v, x_i, -w0sq * E1),
         (r"\dot{x}", r"\dot{x}_i", flow.v, v_i, E0),
     )
-    for what, by, expr, letter, entry in entries:
-        name = partial(what, by)
+    rows = []
+    for number, (what, by, expr, letter, entry) in enumerate(entries):
+        name = named(rf"\Phi_{{{number // 2 + 1}{number % 2 + 1}}}")
+        del what, by
         check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
-        yield equation(name, entry, reason, check)
-        reason = ""
-    generic = _generic()
-    determinant = named(r"\det")
+        rows.append(equation(name, entry, "", check, label=f"jacobians-phi-{number + 1}"))
+    determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
-    yield equation(
-        determinant,
-        sp.exp(-cm * tau),
-        r"Areas shrink at the rate $c/m$, whatever the motion:",
-        Exact(matrix | generic, lambda expr: sp.simplify(_modes(expr))),
+    yield from block(
+        "lemma",
+        r"In a domain a small change of $(x_i, \dot{x}_i)$ at a fixed time is multiplied by the matrix $\Phi(\tau)$ "
+        r"with the entries",
+        *rows,
+        equation(
+            determinant,
+            sp.exp(-cm * tau),
+            r"whatever the motion is, and areas shrink with the factor",
+            Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr))),
+            label="jacobians-det",
+        ),
+        title="perturbations in a domain",
+        label="thm:jacobians-phi",
+    )
+    yield from proof(
+        r"The difference of two motions of a domain obeys the unforced equation. The determinant solves "
+        r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville)."
     )
 
 
-def _saltation() -> Iterator[Any]:
-    yield Heading("Saltation at a crossing")
-    before, after = named("F^{-}"), named("F^{+}")
-    speed, delta = named(r"v_\lambda"), named(r"\delta \dot{x}^{-}")
-    shift, result = named(r"\delta t"), named(r"\delta \dot{x}^{+}")
-    yield Prose(
-        r"At a crossing the acceleration changes from $F^{-}$ to $F^{+}$. A motion that is off by $(\delta x, \delta "
-        r"\dot{x}^{-})$ crosses at another time."
+def saltation() -> Iterator[Any]:
+    """Yield the theorem on saltation."""
+    speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
+    shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
+    delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
+    true = {result: delta + BEFORE * shift - AFTER * shift} | delay
+    field_gap, normal = sp.Matrix([0, AFTER - BEFORE]), sp.Matrix([[0, 1]])
+    matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
+    entries = tuple(
+        fact(matrix[i, j], "=", entry, Exact())
+        for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))
     )
-    delay = {shift: sp.solve(delta + before * named("s"), named("s"))[0]}
-    yield equation(shift, -delta / before, "To first order that is later by", Exact(delay))
-    # One motion switches at 0, the other at the delay: compare both at the delay.
-    true = {result: delta + before * shift - after * shift} | delay
-    yield equation(
-        result,
-        after * delta / before,
-        r"during which one motion has $F^{+}$ and the other still $F^{-}$. The position does not notice, the "
-        r"velocity does:",
-        Exact(true),
-    )
-    field_gap = sp.Matrix([0, after - before])
-    normal = sp.Matrix([[0, 1]])
-    flow_before = sp.Matrix([speed, before])
-    matrix = sp.eye(2) + field_gap * normal / (normal * flow_before)[0]
-    reason = (
-        r"The general formula $S = I + (f^{+} - f^{-})\, n^{T}/(n^{T} f^{-})$ with $f^{\pm} = (v_\lambda, "
-        r"F^{\pm})^{T}$ and "
-        r"$n = (0, 1)^{T}$ says the same:"
-    )
-    for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, after / before)):
-        name = named(f"S_{{{i + 1}{j + 1}}}")
-        yield equation(name, sp.sympify(entry), reason, Exact({name: matrix[i, j]}))
-        reason = ""
     lower, mu = sp.Symbol("F^{+}", positive=True), sp.Symbol(r"\mu_\lambda", nonnegative=True)
-    ratio = named("F^{+}/F^{-}")
-    crossing = lower / (lower + 2 * mu * FN / m)
-    bound = (
-        r"A crossing upward has $F^{-} = F^{+} + 2 \mu_\lambda F_N/m$ with $F^{+} > 0$, and downward both signs "
-        r"are turned. "
-        r"So friction only ever takes away from a perturbation:"
+    ratio = AFTER / BEFORE
+    upward = {BEFORE: AFTER + 2 * mu * FN / m, AFTER: lower}
+    yield from block(
+        "theorem",
+        Prose(
+            r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, "
+            r"both not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
+            r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
+            entries,
+        ),
+        Step(Relation(ratio, ">", sp.Integer(0)), "", Sign(upward), label="jacobians-ratio"),
+        Step(Relation(ratio, "<=", sp.Integer(1)), "", Sign(upward)),
+        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the identity.",
+        title="saltation",
+        label="thm:jacobians-saltation",
     )
-    yield Step(Relation(ratio, ">", sp.Integer(0)), bound, Sign({ratio: crossing}))
-    yield Step(Relation(ratio, "<=", sp.Integer(1)), "", Sign({ratio: crossing}))
-    yield Prose(
-        r"At the onset of a stick the belt takes all of it, $\delta\dot{x}^{+} = 0$; at its end the force on the side "
-        r"that the mass slips to starts from 0, and nothing is added."
+    yield from proof(
+        equation(
+            shift,
+            -delta / BEFORE,
+            r"To first order the changed motion crosses later by",
+            Exact(delay),
+            label="jacobians-delay",
+        ),
+        equation(
+            result,
+            AFTER * delta / BEFORE,
+            r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
+            Exact(true),
+            label="jacobians-after",
+        ),
+        r"while $\delta x$ changes by terms of second order only. This is the general formula "
+        r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
+        r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
+        r"$F^{-} = F^{+} + 2\mu_\lambda F_N/m$ with $F^{+} > 0$ by Lemma~\ref{thm:motion-jump}, and "
+        r"downward both signs "
+        r"are turned, which gives the bounds. At the onset of a stick the belt takes the change of the velocity, "
+        r"$F^{+} = 0$; at its end the acceleration that the mass slips with starts at 0, on the belt it is 0, and the "
+        r"general formula has $\mathbf{f}^{+} = \mathbf{f}^{-}$.",
     )
+
+
+@cache
+def _orbit(scene: str, word: str) -> tuple[Any, Any]:
+    """Return the product of an orbit's multipliers, and what the theorem says about it, with 50 digits."""
+    from symosc.orbits.find import find_orbit
+
+    p = load_scene(scene).parameters
+    found = find_orbit(p, word, digits=DIGITS + 5)
+    product = CONTEXT.mpf(1)
+    for each in found.multipliers:
+        product = product * CONTEXT.mpmathify(each)
+    ratios = CONTEXT.mpf(1)
+    for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
+        ratios *= _force(p, after, t, x) / _force(p, before, t, x)
+    number = [CONTEXT.mpf(value.numerator) / value.denominator for value in (p.c, p.m)]
+    period = CONTEXT.mpf(found.period)
+    return CONTEXT.re(product), CONTEXT.exp(-number[0] * period / number[1]) * ratios
+
+
+def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
+    m_, c_, k_, A0, B0, turn, v1, mu1, mu2, fn = (
+        CONTEXT.mpf(value.numerator) / value.denominator
+        for value in (p.m, p.c, p.k, p.A0, p.B0, p.Omega, p.v1, p.mu1, p.mu2, p.FN)
+    )
+    constant = A0 + {1: mu1 + mu2, 2: mu2 - mu1}[alpha] * fn
+    return (constant + B0 * CONTEXT.cos(turn * t) - k_ * x - c_ * v1) / m_
+
+
+def _monodromy() -> Iterator[Any]:
+    yield Heading("The monodromy matrix")
+    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-cT/m}\prod_j F^{+}_j/F^{-}_j")
+
+    def values() -> dict[Any, Any]:
+        found, said = _orbit("fig9-orbit", "P32")
+        return {product: _float(found), bound: _float(said)}
+
+    yield from block(
+        "theorem",
+        r"Let a periodic motion that grazes nowhere and has the period $T$ consist of flights and sticks "
+        r"with the durations "
+        r"$\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $T$ multiplied by the "
+        r"\emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where $\Psi_j = \Phi(\tau_j)$ for a "
+        r"flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end of the piece $j$. Its "
+        r"eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
+        r"\begin{enumerate}"
+        r"\item[(i)] $|\rho_{1,2}| \le 1$; for $c > 0$ and $k > 0$ an eigenvalue of a motion with at least one flight "
+        r"has $|\rho| < 1$."
+        r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
+        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-cT/m}\prod_j F^{+}_j/F^{-}_j > 0$."
+        r"\end{enumerate}",
+        title="monodromy and multipliers",
+        label="thm:jacobians-monodromy",
+    )
+    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
+    bend, place = named(r"\ddot{y}"), named("y")
+    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
+    yield from proof(
+        r"The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced equation, and",
+        equation(energy, -solution.c * rate**2, "", Exact(meaning, sp.expand), label="jacobians-energy"),
+        r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
+        r"by \eqref{eq:jacobians-ratio}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
+        r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
+        r"then $k y = 0$; so an eigenvector with $|\rho| = 1$ does not exist. (ii) One factor "
+        r"$\operatorname{diag}(1, 0)$ makes $\det M = 0$. (iii) The determinant of a product is the product of the "
+        r"determinants, \eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.",
+    )
+    yield Step(
+        Relation(product, "=", bound),
+        r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
+        r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
+        AtRoot(values, CONTEXT.mpf(10) ** -40),
+        label="jacobians-product",
+    )
+
+
+def _float(number: Any) -> Any:
+    return sp.Float(CONTEXT.nstr(number, DIGITS + 5), DIGITS + 10)

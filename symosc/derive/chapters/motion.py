@@ -1,21 +1,24 @@
-"""Equation of motion and friction law: eqs. (1) to (9)."""
+"""Equation of motion and friction law: eqs. (1) to (12), and what follows from set-valued friction."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import sympy as sp
 
+from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, SIDES, F, Scope
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation
+from symosc.derive.scope import BELTS, LOWER, SIDES, UPPER, F, Scope, mu_lambda, v_lambda
+from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
 from symosc.symbolic import solution
-from symosc.symbolic.solution import A0, B0, FN, A_m, Omega, c, cm, f0, k, m, mu1, mu2, t, v, w0sq, x
+from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
 
 TITLE = "Equation of motion and friction law"
 MU = {1: mu1, 2: mu2}
 WAVE = sp.cos(Omega * t)
+HELD = named(r"F_{s\lambda}")
 
 
 def coulomb(alpha: int) -> Any:
@@ -31,6 +34,7 @@ def acceleration(alpha: int) -> Any:
     return solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
 
 
+@cache
 def newton(alpha: int) -> Any:
     """Return the acceleration that Newton's law gives with Coulomb's friction."""
     a = sp.Symbol("a")
@@ -38,77 +42,219 @@ def newton(alpha: int) -> Any:
 
 
 def stick_force(belt: int) -> Any:
-    """Return F_s of a belt: every force on the mass but this belt's friction (eq. (2) and its like for belt 2)."""
+    """Return every force on the mass but the friction of this belt, at its speed (eq. (2) and its like for belt 2)."""
+    other = 3 - belt
+    drag = MU[other] * FN * (1 if other == 2 else -1)
+    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + drag
+
+
+def belt_meaning(belt: int, at_speed: bool = False) -> dict[Any, Any]:
+    """Return what the letters of belt lambda stand for at one of the two belts."""
     lo, hi = SIDES[belt]
-    total = m * (acceleration(lo) + acceleration(hi)) / 2
-    return sp.expand(total.subs(v, BELTS[belt]))
+    at = {v: BELTS[belt]} if at_speed else {}
+    sides = {F(LOWER): newton(lo).subs(at), F(UPPER): newton(hi).subs(at)}
+    return sides | {mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}
+
+
+def at_both(scope: Scope, at_speed: bool = True, tidy: Any = sp.expand) -> Each:
+    """Return the check of a statement at both belts."""
+    return Each(tuple(Exact(belt_meaning(belt, at_speed), tidy) for belt in scope.boundaries))
 
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
+    yield from _balance()
+    yield from _domains(scope)
+    yield from _well_posed(scope)
+    yield from _held(scope)
+
+
+def _balance() -> Iterator[Any]:
+    yield Heading("The balance of forces")
     yield Prose(
-        r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
-        r"$F_N$ between two belts that move with the speeds $v_1 < v_2$. Belt $\lambda$ acts on it with the Coulomb "
-        r"friction $-\mu_\lambda F_N \operatorname{sgn}(\dot{x} - v_\lambda)$ while $\dot{x} \ne v_\lambda$."
+        r"A mass $m > 0$ at the position $x(t)$ is held by a spring of stiffness $k \ge 0$ and a damper with the "
+        r"coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ with the frequency $\Omega > 0$. Two "
+        r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
+        r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
+        r"exerts on the mass, Newton's law is"
     )
-    yield Heading("The friction law")
-    reason = (
-        r"In the domains $\Omega_1$ ($\dot{x} < v_1$), $\Omega_2$ ($v_1 < \dot{x} < v_2$) and $\Omega_3$ "
-        r"($\dot{x} > v_2$) of eq.~(6) both signs are constant, so friction only adds to the constant force. Eq.~(1) "
-        r"gives"
+    total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
+    right = A0 + B0 * WAVE - k * x - c * v + first + second
+    inside = ({1: 1, 2: 1}, {1: -1, 2: 1}, {1: -1, 2: -1})
+    checks = tuple(
+        Exact({total: m * newton(alpha), first: sign[1] * mu1 * FN, second: sign[2] * mu2 * FN}, sp.expand)
+        for alpha, sign in enumerate(inside, 1)
     )
-    for alpha in scope.domains:
-        name = named(f"A_{alpha}")
-        check = Exact({name: coulomb(alpha)}, sp.expand)
-        yield equation(name, solution.force_constant(alpha), reason, check, rf"in $\Omega_{alpha}$.")
-        reason = ""
-    yield Heading("Accelerations")
-    reason = r"Newton's law (5), solved for the acceleration, gives the vector field of eq.~(9):"
-    for alpha in scope.domains:
-        yield equation(F(alpha), acceleration(alpha), reason, Exact({F(alpha): newton(alpha)}, sp.expand))
-        reason = ""
-    letters = {A_m: solution.A / m, cm: c / m, w0sq: k / m, f0: B0 / m}
-    general = named(r"F^{(\alpha)}")
+    yield equation(total, right, "", Each(checks), label="motion-newton")
+    yield from block(
+        "definition",
+        r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
+        r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
+        r"$T_\lambda \in -\mu_\lambda F_N \operatorname{Sgn}(\dot{x} - v_\lambda)$: it opposes the sliding of the mass "
+        r"on the belt, and is whatever is needed, within $\mu_\lambda F_N$, while the mass does not slide.",
+        title="Coulomb friction",
+        label="thm:motion-coulomb",
+    )
+    yield from block(
+        "definition",
+        r"A \emph{motion} is a function $x(t)$ with an absolutely continuous velocity that satisfies "
+        r"\eqref{eq:motion-newton}, with friction as in Definition~\ref{thm:motion-coulomb}, for almost all $t$.",
+        title="motion, in the sense of Filippov",
+        label="thm:motion-motion",
+    )
+    yield Prose(
+        r"This is Filippov's notion of a solution \cite{filippov1988} for an equation whose right side jumps at "
+        r"$\dot{x} = v_1$ and $\dot{x} = v_2$. Figure~\ref{fig:motion-friction} shows $T_1 + T_2$; the paper's (1) has "
+        r"$-(T_1 + T_2)$, the resistance."
+    )
+    yield Illustration(
+        "friction",
+        "fig:motion-friction",
+        r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the speed of a belt its friction "
+        r"can take every value of an interval (thick).",
+        0.62,
+    )
+
+
+def _domains(scope: Scope) -> Iterator[Any]:
+    yield Heading("Domains and boundaries")
+    yield Prose(
+        r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
+        r"$\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > v_2\}$, with the boundaries "
+        r"$\partial\Omega_{12} = \{\dot{x} = v_1\}$ and $\partial\Omega_{23} = \{\dot{x} = v_2\}$ between them. "
+        r"Boundary $\lambda$ lies between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. In a domain "
+        r"$\Omega_\alpha$ both frictions are constant, and add to the constant part of the drive: "
+        r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys"
+    )
+    ode = named(r"m\ddot{x} + c\dot{x} + k x")
+    A = solution.A
+    free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
+    yield equation(ode, A + B0 * WAVE, "", Exact(free, sp.expand), r"in $\Omega_\alpha$,", "motion-domain")
+    general = F(r"\alpha")
     yield equation(
         general,
-        solution.acceleration(),
-        r"In all of them, with $\theta = \Omega t$ and $A_\alpha$ from above,",
-        Exact({general: solution.in_paper_letters(solution.acceleration()).subs(Omega * t, solution.theta), **letters}),
+        (A + B0 * WAVE - k * x - c * v) / m,
+        r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
+        Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}, sp.expand) for a in scope.domains)),
+        label="motion-acceleration",
     )
-    yield Heading("No boundary repels")
+    signs = {1: ("+", "+"), 2: ("-", "+"), 3: ("-", "-")}
+    rows = []
+    for alpha in scope.domains:
+        name = named(f"A_{alpha}")
+        step = equation(name, solution.force_constant(alpha), "", Exact({name: coulomb(alpha)}, sp.expand))
+        first, second = signs[alpha]
+        velocities = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}[alpha]
+        frictions = [rf"${sign}\mu_{belt} F_N$".replace("+", "") for belt, sign in ((1, first), (2, second))]
+        rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, step))
+    yield Table(
+        "tab:motion-constants",
+        r"The domains, the frictions in them, and $A_\alpha$.",
+        ("domain", "velocities", "$T_1$", "$T_2$", r"$A_\alpha$"),
+        tuple(rows),
+    )
+    gap = 2 * mu_lambda * FN / m
+    yield from block(
+        "lemma",
+        r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
+        equation(F(LOWER) - F(UPPER), gap, "", at_both(scope), label="motion-jump"),
+        Step(Relation(gap, ">=", sp.Integer(0)), r"which is not negative,", Sign()),
+        r"so that the flow never leaves a boundary to both sides at once.",
+        title="no boundary repels",
+        label="thm:motion-jump",
+    )
+    yield from proof(
+        r"Subtract \eqref{eq:motion-acceleration} for $\alpha = \lambda + 1$ from that for $\alpha = \lambda$, with "
+        r"Table~\ref{tab:motion-constants}. To leave downward needs $F^{(\lambda)} < 0$ or $= 0$, to leave upward "
+        r"$F^{(\lambda+1)} > 0$ or $= 0$, which together contradict \eqref{eq:motion-jump} unless both vanish and "
+        r"$\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The paper's assumption "
+        r"$\mu_1 \ge \mu_2$ is not needed."
+    )
+
+
+def _well_posed(scope: Scope) -> Iterator[Any]:
+    yield Heading("Friction is monotone")
+    drop = [fact(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1]]
+    yield from block(
+        "lemma",
+        Prose(
+            r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
+            r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.",
+            tuple(drop),
+        ),
+        title="monotone friction",
+        label="thm:motion-monotone",
+    )
+    yield from proof(
+        r"$s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the velocity: by "
+        r"Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and $A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at "
+        r"$\dot{x} = v_\lambda$ all values between those on both sides are allowed."
+    )
+    yield from block(
+        "theorem",
+        r"Through each $(t_0, x_0, \dot{x}_0)$ passes a motion, which exists for all $t \ge t_0$, and for these $t$ it "
+        r"is the only one.",
+        title="existence and uniqueness forward in time",
+        label="thm:motion-unique",
+    )
+    y, rate = named("y"), named(r"\dot{y}")
+    energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
+    accelerated = named(r"\ddot{y}")
+    difference = named(r"(T - \tilde{T})")
+    meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
+    yield from proof(
+        r"The right side of \eqref{eq:motion-newton} is a set that is convex, closed, bounded for bounded velocities "
+        r"and upper semicontinuous in the state, and it grows at most linearly, so motions exist for all later times "
+        r"\cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, $\tilde{T}$ their "
+        r"frictions. Then",
+        equation(energy, difference * rate - c * rate**2, "", Exact(meaning, sp.expand), label="motion-energy"),
+        r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 \le 0$. If both "
+        r"start alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.",
+    )
     yield Prose(
-        r"At a belt's speed the accelerations on both sides differ by the belt's friction, twice. The lower side never "
-        r"accelerates less than the upper one, so the flow cannot leave a boundary to both sides at once; "
-        r"$\mu_1 \ge \mu_2$, which the paper assumes, is not needed."
+        r"Backward in time motions are not unique: all that come to stick at one point of a belt are one motion "
+        r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}."
     )
-    for belt in scope.boundaries:
-        lo, hi = SIDES[belt]
-        meaning = {F(lo): newton(lo), F(hi): newton(hi)}
-        gap = 2 * MU[belt] * FN / m
-        yield equation(F(lo) - F(hi), gap, rf"At $\partial\Omega_{{{lo}{hi}}}$:", Exact(meaning, sp.expand))
-        yield Step(Relation(F(lo) - F(hi), ">=", sp.Integer(0)), "", Sign(meaning))
+
+
+def _held(scope: Scope) -> Iterator[Any]:
     yield Heading("The force that a stick has to hold")
-    for belt in scope.boundaries:
-        lo, hi = SIDES[belt]
-        force = named(f"F_{{s{belt}}}")
-        other = 3 - belt
-        drag = MU[other] * FN * (1 if other == 2 else -1)
-        direct = A0 + B0 * WAVE - k * x - c * BELTS[belt] + drag
-        where = {F(lo): newton(lo).subs(v, BELTS[belt]), F(hi): newton(hi).subs(v, BELTS[belt]), force: direct}
-        number = "eq.~(2)" if belt == 1 else "which eq.~(2) is for belt 1"
-        yield equation(
-            force,
-            stick_force(belt),
-            rf"While the mass moves with belt {belt}, everything but this belt's own friction sums up to ({number})",
-            Exact(where, sp.expand),
-        )
-        reason = rf"and on the two sides of $\dot{{x}} = v_{belt}$ the belt adds its friction forward or backward:"
-        yield equation(m * F(lo), force + MU[belt] * FN, reason, Exact(where, sp.expand))
-        yield equation(m * F(hi), force - MU[belt] * FN, "", Exact(where, sp.expand))
-        yield equation(
-            m**2 * F(lo) * F(hi),
-            force**2 - MU[belt] ** 2 * FN**2,
-            rf"Hence the mass sticks iff $|F_{{s{belt}}}| < \mu_{belt} F_N$, which makes the product negative, and the "
-            r"flow passes iff $|F_{s" + str(belt) + r"}| > \mu_" + str(belt) + r" F_N$, which makes it positive:",
-            Exact(where, sp.expand),
-        )
+    yield from block(
+        "proposition",
+        r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt $\lambda$ while "
+        r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
+        *(
+            equation(
+                named(rf"F_{{s{belt}}}"),
+                sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt]),
+                "",
+                Exact({named(rf"F_{{s{belt}}}"): stick_force(belt)}, sp.expand),
+                label=f"motion-held-{belt}",
+            )
+            for belt in scope.boundaries
+        ),
+        equation(
+            m * F(LOWER),
+            HELD + mu_lambda * FN,
+            r"On the two sides of the boundary the belt adds its friction forward and backward,",
+            at_both(scope),
+            label="motion-held-sides",
+        ),
+        equation(m * F(UPPER), HELD - mu_lambda * FN, "", at_both(scope)),
+        equation(
+            m**2 * F(LOWER) * F(UPPER),
+            HELD**2 - mu_lambda**2 * FN**2,
+            r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
+            r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 tells:",
+            at_both(scope),
+            label="motion-product",
+        ),
+        title="what the belt has to hold",
+        label="thm:motion-held",
+    )
+    yield from proof(
+        r"On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, which "
+        r"Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the boundary "
+        r"$T_\lambda = \mu_\lambda F_N$, above it $T_\lambda = -\mu_\lambda F_N$. A negative product means that "
+        r"$|F_{s\lambda}| < \mu_\lambda F_N$, a positive one that the flow passes."
+    )

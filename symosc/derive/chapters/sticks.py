@@ -7,14 +7,15 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, SIDES, F, Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation
+from symosc.derive.scope import BELTS, SIDES, UPPER, F, Scope, mu_lambda, v_lambda
+from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
 from symosc.symbolic import solution
-from symosc.symbolic.solution import FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
+from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 
-TITLE = "Stick motion and both exits"
+TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(angle: Any) -> Any:
@@ -26,66 +27,138 @@ def force_on_belt(angle: Any) -> Any:
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
-    yield Prose(
-        r"On belt $\lambda$ the mass has $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ (eqs.~(3), (4), (11), (12)). "
-        r"It stays "
-        r"there as long as $F^{(\mathrm{lo})} > 0$ below the belt's speed and $F^{(\mathrm{hi})} < 0$ above it."
+    yield from _on_belt()
+    yield from _exits(scope)
+
+
+def _on_belt() -> Iterator[Any]:
+    yield Heading("The mass on a belt")
+    yield from block(
+        "definition",
+        r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = v_\lambda$, so that "
+        r"$\ddot{x} = 0$ (the paper's (3), (4), (11), (12)). By Proposition~\ref{thm:motion-held} it needs "
+        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.",
+        title="stick",
+        label="thm:sticks-stick",
     )
     position = named(r"x(\tau)")
-    yield equation(
-        position,
-        x_i + v_lambda * tau,
-        r"With $\tau = t - t_i$,",
-        Exact({position: x_i + sp.integrate(v_lambda, (tau, 0, tau))}),
-    )
-    yield Heading("What changes on a belt")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
-    yield equation(
-        on_belt,
-        solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
-        r"Put into eq.~(9), with the value $\ddot{x}_i$ that $F^{(\alpha)}$ has at $t_i$, this is",
-        Exact({on_belt: force_on_belt(theta_i + Omega * tau)}, sp.expand),
-    )
-    rate = named(r"m \dot{F}^{(\alpha)}")
+    rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    yield equation(
-        rate,
-        -(k * v_lambda + solution.B0 * Omega * sp.sin(Omega * t)),
-        r"Both $F^{(\mathrm{lo})}$ and $F^{(\mathrm{hi})}$ change at the same rate, which no longer has the "
-        r"state in it. "
-        r"They are monotone between the phases where it vanishes; these are the phases $\Theta^{\mathrm{cr}}$ and "
-        r"$\pi - \Theta^{\mathrm{cr}}$ of Theorem~7:",
-        Exact({rate: m * moving.diff(t)}, sp.expand),
+    yield from block(
+        "lemma",
+        equation(
+            position,
+            x_i + v_lambda * tau,
+            r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
+            Exact({position: x_i + sp.integrate(v_lambda, (tau, 0, tau))}),
+            label="sticks-x",
+        ),
+        equation(
+            on_belt,
+            solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
+            r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
+            Exact({on_belt: force_on_belt(theta_i + Omega * tau)}, sp.expand),
+            label="sticks-force",
+        ),
+        equation(
+            rate,
+            -(k * v_lambda + B0 * Omega * sp.sin(theta)),
+            r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which "
+            r"depends on the phase $\theta = \Omega t$ alone:",
+            Exact({rate: (m * moving.diff(t)).subs(Omega * t, theta)}, sp.expand),
+            label="sticks-rate",
+        ),
+        title="what changes on a belt",
+        label="thm:sticks-rate",
     )
-    yield Heading("Both exits")
+    yield from proof(
+        r"Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, and "
+        r"differentiate."
+    )
     yield Prose(
-        r"A stick ends when one of the two forces reaches 0, whichever is first: $F^{(\mathrm{lo})}$ falls to 0 "
-        r"and the "
-        r"mass slips into the domain below, or $F^{(\mathrm{hi})}$ rises to 0 and it slips into the domain above. "
-        r"Eqs.~(52) and (53) have only one exit each."
+        r"The right side of \eqref{eq:sticks-rate} vanishes where $\sin\theta = -k v_\lambda/(B_0\Omega)$: at the "
+        r"phase $\Theta^{\mathrm{cr}} = \arcsin(-k v_\lambda/(B_0\Omega))$ and at $\pi - \Theta^{\mathrm{cr}}$, if "
+        r"these exist. They are the critical phases of Theorem~\ref{thm:grazing-theorem7}. Between two of them both "
+        r"accelerations are monotone, so the end of a stick is found without a search: on each such piece each of them "
+        r"has at most one zero."
     )
+
+
+def _exits(scope: Scope) -> Iterator[Any]:
+    yield Heading("Both ends")
+    zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
+    lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
+    yield from block(
+        "theorem",
+        r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
+        r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
+        r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
+        equation(
+            F(UPPER),
+            -2 * mu_lambda * FN / m,
+            "",
+            Each(
+                tuple(
+                    Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}, sp.expand)
+                    for lo in scope.boundaries
+                )
+            ),
+            label="sticks-other",
+        ),
+        Step(Relation(zero, "<=", sp.Integer(0)), "which holds the mass on its upper side:", lower),
+        title="both exits of a stick",
+        label="thm:sticks-exits",
+    )
+    yield from proof(
+        r"While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is a motion by "
+        r"Proposition~\ref{thm:motion-held}, and by Theorem~\ref{thm:motion-unique} the only one; a zero that is only "
+        r"touched does not end it. Where $F^{(\lambda)}$ becomes negative, no friction of the belt balances the other "
+        r"forces, and the motion of $\Omega_\lambda$ starts with $\ddot{x} = 0$ and a negative first derivative that "
+        r"does not vanish (Lemma~\ref{thm:switching-side}), so it goes below $v_\lambda$. The other end is the mirror "
+        r"image. \eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
+    )
+    rows = []
     for belt in scope.boundaries:
-        lo, hi = SIDES[belt]
-        for alpha in (lo, hi):
-            only = {1: 2, 2: 3}[belt]
-            paper = {1: "52", 2: "53"}[belt]
-            says = f"eq.~({paper})" if alpha == only else f"missing in eq.~({paper})"
-            meaning = {F(alpha): newton(alpha).subs(v, BELTS[belt])}
-            yield equation(
-                m * F(alpha),
-                sp.expand(m * acceleration(alpha).subs(v, BELTS[belt])),
-                rf"Belt {belt} is left into $\Omega_{alpha}$ where this vanishes ({says}):",
-                Exact(meaning, sp.expand),
-            )
-        meaning = {F(alpha): newton(alpha).subs(v, BELTS[belt]) for alpha in (lo, hi)}
-        yield equation(
-            F(hi),
-            F(lo) - 2 * MU[belt] * FN / m,
-            r"The exits exclude each other if the belt has friction: where one force vanishes the other still holds, "
-            r"since",
-            Exact(meaning, sp.expand),
-        )
-        zero = named(rf"F^{{({hi})}}|_{{F^{{({lo})}} = 0}}")
-        lower = {zero: -(newton(lo) - newton(hi))}
-        yield Step(Relation(zero, "<=", sp.Integer(0)), "", Sign(lower))
+        for alpha in SIDES[belt]:
+            at = {v: BELTS[belt], Omega * t: theta}
+            right = sp.expand(m * acceleration(alpha).subs(at))
+            step = equation(m * F(alpha), right, "", Exact({F(alpha): newton(alpha).subs(at)}, sp.expand))
+            paper = {1: 52, 2: 53}[belt]
+            says = f"the paper's ({paper})" if alpha == belt + 1 else "not in the paper"
+            way = "falls" if alpha == belt else "rises"
+            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", says, step))
+    yield Table(
+        "tab:sticks-exits",
+        r"What vanishes at the end of a stick, and into which domain the mass goes. The paper's (52) and (53) have one "
+        r"end each.",
+        ("belt", "what", "into", "", r"$m F^{(\alpha)}$ there"),
+        tuple(rows),
+    )
+    yield Prose(
+        r"The paper's own figures use the missing ends: in Fig.~6 the mass leaves belt 2 by $F^{(2)} = 0$ "
+        r"(Figure~\ref{fig:sticks-exits}), and the first stick of Fig.~5 ends in $\Omega_1$ by $F^{(1)} = 0$ "
+        r"(Chapter~\ref{sec:errata})."
+    )
+    yield Illustration(
+        "stick-exits",
+        "fig:sticks-exits",
+        r"The stick of the paper's Fig.~6 on belt 2 (grey): it ends where $F^{(2)}$ falls to 0, not where $F^{(3)}$ "
+        r"rises to 0.",
+        0.85,
+    )
+    turn = named(r"\Delta_T F^{(\alpha)}")
+    lost = -2 * sp.pi * k * v_lambda / (m * Omega)
+    per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
+    change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
+    yield from block(
+        "corollary",
+        Prose(
+            r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
+            r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or never.",
+            (fact(turn, "=", lost, Exact(change)),),
+        ),
+        label="thm:sticks-ends",
+    )
+    yield from proof(r"Integrate \eqref{eq:sticks-rate} over one period.")

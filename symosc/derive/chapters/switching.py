@@ -1,4 +1,4 @@
-"""G-functions and Theorems 4 to 6: eqs. (18), (19), (26) to (48)."""
+"""G-functions, Lemmas 1 to 3 and Theorems 4 to 6: eqs. (13) to (48)."""
 
 from __future__ import annotations
 
@@ -7,51 +7,123 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.derive.blocks import Illustration, block, proof
 from symosc.derive.latex import named
-from symosc.derive.scope import SIDES, F, G, Scope
-from symosc.derive.steps import Exact, Heading, Prose, equation
+from symosc.derive.scope import F, G, Scope, v_lambda
+from symosc.derive.steps import Exact, Heading, Prose, equation, fact
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, Omega, a_i, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
-TITLE = "G-functions and Theorems 4 to 6"
+TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
-    yield Prose(
-        r"The boundaries are $\dot{x} = v_\lambda$ with the normal $n = (0, 1)^{T}$ (eq.~(25)), so that eqs.~(18) and "
-        r"(19) reduce to derivatives of $\dot{x}$ along the flow of one domain: $G^{(0,\alpha)} = F^{(\alpha)}$ and "
-        r"$G^{(n,\alpha)} = d^n F^{(\alpha)}/dt^n$."
-    )
-    yield from _functions()
+    del scope  # the statements are the same for every scene
+    yield from _general()
+    yield from g_functions()
     yield from _local()
-    yield from _theorems(scope)
+    yield from _theorems()
 
 
-def _functions() -> Iterator[Any]:
-    yield Heading("The G-functions")
-    acceleration = named(r"F^{(\alpha)}")
+def _general() -> Iterator[Any]:
+    yield Heading("G-functions")
+    yield Prose(
+        r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
+        r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
+        r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$."
+    )
+    n, y = sp.Function("n")(t), sp.Function("y")(t)
+    first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
+
+    def product(normal: str, dot: str) -> Any:
+        """Return the letter of a derivative of the normal times one of the distance."""
+        x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
+        return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
+
+    parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
+    parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
+    letters = {product(*key): value for key, value in parts.items()}
+    yield from block(
+        "definition",
+        equation(
+            first,
+            product("D", "") + product("", r"\dot"),
+            r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
+            Exact({first: (n * y).diff(t)} | letters, sp.expand, independent=False),
+            label="switching-G0",
+        ),
+        equation(
+            second,
+            product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
+            "",
+            Exact({second: (n * y).diff(t, 2)} | letters, sp.expand, independent=False),
+            label="switching-G1",
+        ),
+        r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
+        r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.",
+        title="Luo's G-functions",
+        label="thm:switching-G",
+    )
+    yield from block(
+        "lemma",
+        Prose(
+            r"Where the flow meets a flat boundary that does not move, "
+            r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
+            r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the "
+            r"boundary $\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the "
+            r"paper's (25)), $G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
+            r"$\Omega_\alpha$.",
+            tuple(_reduced(order) for order in (1, 2)),
+        ),
+        title="reduction",
+        label="thm:switching-reduction",
+    )
+    yield from proof(
+        r"$\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is constant because "
+        r"$\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
+        r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here $\mathbf{n}^T\mathbf{x}^{(\alpha)} = "
+        r"\dot{x}$ with $\ddot{x} = F^{(\alpha)}$."
+    )
+
+
+def _reduced(order: int) -> Any:
+    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
+    n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
+    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
+    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
+    right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
+    return fact(gap.diff(t, order), "=", right, Exact(tidy=sp.expand, independent=False))
+
+
+def g_functions() -> Iterator[Any]:
+    """Yield the lemma on the first G-functions."""
+    acceleration = F(r"\alpha")
     path = sp.Function("x")(t)
-    # d^n/dt^n of eq. (9) along a motion x(t) of the domain, with x'' = F put back in
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    waves = [sp.cos(Omega * t).diff(t, n) * B0 / m for n in range(4)]
     lower = [v, acceleration]
+    rows, reason = [], r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,"
     for n in (1, 2, 3):
         name = G(n)
         derivative = newton.diff(t, n)
         names = {path.diff(t, order + 1): lower[order] for order in range(n + 1)}
         true = derivative.doit().subs([(path.diff(t, j + 1), names[path.diff(t, j + 1)]) for j in range(n, -1, -1)])
-        reason = r"Differentiating eq.~(9) along the motion gives eq.~(47), and by repeating it every higher order:"
-        wave = solution.forcing(n).subs(theta, Omega * t).xreplace({solution.f0: B0 / m})
+        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
         shown = solution.next_derivative(lower[n], lower[n - 1], wave)
         shown = shown.xreplace({solution.cm: c / m, solution.w0sq: k / m})
-        assert waves[n] is not None
-        yield equation(name, shown, reason if n == 1 else "", Exact({name: true}, sp.expand))
+        check = Exact({name: true.subs(Omega * t, theta)}, sp.expand)
+        rows.append(equation(name, shown, reason, check, label=f"switching-g{n}"))
         lower.append(name)
+        reason = ""
+    yield from block("lemma", *rows, title="the first G-functions", label="thm:switching-g")
+    yield from proof(
+        r"Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's (47) and (48): "
+        r"$\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial F^{(\alpha)}/\partial t$."
+    )
 
 
 def _local() -> Iterator[Any]:
-    yield Heading("What they decide")
+    yield Heading("The first G-function that does not vanish")
     flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
     values, derivative = [], flow.v
@@ -66,42 +138,91 @@ def _local() -> Iterator[Any]:
     for n, g in enumerate(orders):
         meaning[g] = solution.g_function(n).xreplace(here)
     assert a_i in flow.a.free_symbols
-    yield equation(
-        gap,
-        taylor,
-        r"The velocity at $\tau$ after a contact, from the closed form of the flow, is up to terms of order $\tau^5$",
-        Exact(meaning, sp.expand),
+    yield from block(
+        "lemma",
+        r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let $G^{(n,\alpha)}$ be the "
+        r"first of its G-functions there that does not vanish. Shortly after the contact $\dot{x} - v_\lambda$ has the "
+        r"sign of $G^{(n,\alpha)}$, shortly before it that of $(-1)^{n+1} G^{(n,\alpha)}$. So for even $n$ the flow "
+        r"crosses, and for odd $n$ it touches and returns to the side that it came from.",
+        title="which side before, which side after",
+        label="thm:switching-side",
+    )
+    yield from proof(
+        equation(
+            gap,
+            taylor,
+            r"By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the order "
+            r"$\tau^5$,",
+            Exact(meaning, sp.expand),
+            label="switching-taylor",
+        ),
+        r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
+        r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.",
     )
     yield Prose(
-        r"Hence the first G-function that does not vanish tells on which side of the boundary the flow of a domain is "
-        r"after the contact, and by the sign of $\tau^n$ for $\tau < 0$ also before it: a first term of odd power "
-        r"crosses, one of even power touches."
+        r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. By "
+        r"\eqref{eq:switching-g1} this needs $k v_\lambda + B_0\Omega\sin\theta = 0$ at all times: $B_0 = 0$ and "
+        r"$k v_\lambda = 0$."
+    )
+    yield Illustration(
+        "quartic",
+        "fig:switching-orders",
+        r"The gap $\dot{x} - v_\lambda$ near a contact with $G^{(n,\alpha)} < 0$ for the first $n$ that counts.",
+        0.8,
     )
 
 
-def _theorems(scope: Scope) -> Iterator[Any]:
-    for belt in scope.boundaries:
-        lo, hi = SIDES[belt]
-        yield Heading(rf"The boundary $\partial\Omega_{{{lo}{hi}}}$")
-        yield Prose(
-            rf"\emph{{Theorem 4.}} The flow of $\Omega_{lo}$ reaches the boundary from below if $F^{{({lo})}} > "
-            rf"0$, that of "
-            rf"$\Omega_{hi}$ reaches it from above if $F^{{({hi})}} < 0$. With both, neither flow can leave: the mass "
-            rf"sticks. \emph{{Theorem 5.}} With $F^{{({lo})}} F^{{({hi})}} > 0$ one flow arrives and the other "
-            rf"leaves to the "
-            rf"other side: upward if both are positive, downward if both are negative. \emph{{Theorem 6.}} With "
-            rf"$F^{{({lo})}} = 0$ the flow of $\Omega_{lo}$ touches from below iff $G^{{(1,{lo})}} < 0$; with "
-            rf"$F^{{({hi})}} = 0$ "
-            rf"the flow of $\Omega_{hi}$ touches from above iff $G^{{(1,{hi})}} > 0$."
-        )
-        for alpha in (lo, hi):
-            name = named(rf"G^{{(1,{alpha})}}")
-            true = solution.in_paper_letters(solution.along_flow(solution.acceleration()))
-            shown = -c * F(alpha) / m - k * v / m - B0 * Omega * sp.sin(Omega * t) / m
-            general = solution.in_paper_letters(solution.acceleration())
-            yield equation(
-                name,
-                shown,
-                "The derivative that decides it is" if alpha == lo else "",
-                Exact({name: true, F(alpha): general}, sp.expand),
-            )
+def _theorems() -> Iterator[Any]:
+    yield Heading("The paper's Lemmas 1 to 3 and Theorems 4 to 6")
+    yield from block(
+        "theorem",
+        r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let "
+        r"$F^{(\lambda)}$ and $F^{(\lambda+1)}$ be taken there. "
+        r"\begin{enumerate}"
+        r"\item[(i)] It sticks after $t_m$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$ (Lemma 1, Theorem 4)."
+        r"\item[(ii)] It passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: into $\Omega_{\lambda+1}$ if both "
+        r"are positive, into $\Omega_\lambda$ if both are negative (Lemma 2, Theorem 5)."
+        r"\item[(iii)] A flow that comes to the boundary in $\Omega_\lambda$ returns into $\Omega_\lambda$ if "
+        r"$F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$; one that comes in $\Omega_{\lambda+1}$ returns if "
+        r"$F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$ (Lemma 3, Theorem 6)."
+        r"\item[(iv)] If $F^{(\alpha)}$ and $G^{(1,\alpha)}$ vanish, the first G-function that does not vanish takes "
+        r"their part: the flow of $\Omega_\lambda$ returns iff its order is odd and it is negative, that of "
+        r"$\Omega_{\lambda+1}$ iff its order is odd and it is positive."
+        r"\end{enumerate}",
+        title="stick, passage, graze",
+        label="thm:switching-cases",
+    )
+    yield from proof(
+        r"By Lemma~\ref{thm:switching-side} with $n = 0$, for $F^{(\lambda)} > 0$ no motion can go below the boundary: "
+        r"there $\ddot{x}$ is near $F^{(\lambda)}$, and $\dot{x}$ would grow back. For $F^{(\lambda+1)} < 0$ none can "
+        r"go above it. With both the mass stays, and by Theorem~\ref{thm:motion-unique} this is the motion: (i). If "
+        r"both are positive, it cannot go below, and cannot stay by Proposition~\ref{thm:motion-held}; so it follows "
+        r"the flow of $\Omega_{\lambda+1}$, which by Lemma~\ref{thm:switching-side} goes above. The mirror image is "
+        r"the other half of (ii). (iii) and (iv) are Lemma~\ref{thm:switching-side} with odd $n$; for "
+        r"$F^{(\lambda)} = 0$ Lemma~\ref{thm:motion-jump} has $F^{(\lambda+1)} \le 0$, so that the returning flow is "
+        r"the motion.",
+    )
+    yield from block(
+        "remark",
+        r"As conditions on strict signs the paper's Theorems 4 and 5 are necessary as well, but not where an "
+        r"acceleration vanishes. A flow that comes from below with $F^{(\lambda)} = 0$ has a first $n$ that is odd "
+        r"with $G^{(n,\lambda)} < 0$, and grazes, or even with $G^{(n,\lambda)} > 0$, and then it sticks if the belt "
+        r"has friction, since $F^{(\lambda+1)} < 0$ by Lemma~\ref{thm:motion-jump}; and so on. The ``iff'' "
+        r"of Lemma 3, with $n = 1$ alone, leaves out the "
+        r"tangencies of higher order; this is where Theorem 7 loses its case of equality "
+        r"(Theorem~\ref{thm:grazing-equality}).",
+        title="what ``iff'' needs",
+        label="thm:switching-iff",
+    )
+    speed = named(r"k v_\lambda")
+    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
+    stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
+    stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
+    yield equation(
+        G(1),
+        -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
+        r"For (iii), once for all four domains and boundaries, at the boundary $\dot{x} = v_\lambda$",
+        Exact(stays, sp.expand),
+        label="switching-decides",
+    )
+    yield Prose(r"where the first term vanishes at a graze.")

@@ -1,0 +1,127 @@
+"""The main document: preamble, title page, notation, contents, the chapters and the references."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import symosc
+from symosc.citation import SYMOSC, paper_reference
+from symosc.derive import bibliography, notation
+from symosc.derive.blocks import KINDS
+from symosc.derive.latex_pages import HEADER
+from symosc.derive.numbering import Numbering, resolved
+from symosc.derive.scope import Scope
+
+TITLE = "The double-belt friction oscillator: theory, proofs and errata"
+REFERENCE = paper_reference(title=r"\emph{{{}}}", space="~", dash="--")
+ABSTRACT = (
+    r"A mass on a spring and a damper is driven periodically and pressed between two belts that run at different "
+    r"speeds. This supplement derives its motion from the balance of forces and the set-valued law of friction: the "
+    r"closed form in every regime of damping, what happens at a belt's speed, sticks and their two ends, the mappings "
+    r"between the switching planes and their derivatives, grazing with all of its cases, uniqueness and stability of "
+    r"periodic motions, and an event search that misses nothing. It restates, proves and where needed corrects what is "
+    rf"in the paper \cite{{chen2016}}: {REFERENCE}."
+)
+LEGEND = (
+    "Each displayed formula was checked by machine before it was printed, and the letter behind its number says how: "
+    r"\textsc{e}, exactly, by computer algebra; \textsc{s}, an inequality decided from the signs of its letters "
+    r"or from exact numbers; \textsc{n}, numerically with 50 digits, at the root that is meant or to the last printed "
+    r"decimal. The same letters, raised, stand behind sentences and captions whose facts were checked. "
+    r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with \emph{the paper's} are "
+    r"its numbers."
+)
+#: Only packages that LaTeX's smallest installations have.
+PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage{amsmath,amssymb,amsthm}
+\usepackage{graphicx}
+\usepackage[margin=25mm]{geometry}
+\usepackage[hidelinks,bookmarks=false]{hyperref}
+\allowdisplaybreaks
+\numberwithin{equation}{section}
+\numberwithin{table}{section}
+\numberwithin{figure}{section}
+\setlength{\emergencystretch}{3em}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{5pt plus 2pt}
+\raggedbottom
+\setlength{\belowcaptionskip}{3pt}
+\renewcommand{\topfraction}{0.9}
+\renewcommand{\floatpagefraction}{0.8}
+\setcounter{tocdepth}{1}
+"""
+#: Marks: \markit before the end of a row sets the letter that stands behind its number.
+MACROS = r"""\makeatletter
+\newcommand{\symoscmark}{}
+\newcommand{\markit}[1]{\gdef\symoscmark{\,\normalfont\textsc{#1}}}
+\def\tagform@#1{\maketag@@@{(\ignorespaces#1\unskip\symoscmark\@@italiccorr)}}
+\makeatother
+\renewcommand{\eqref}[1]{\textup{(\ref{#1})}}
+\newcommand{\checkedby}[1]{\textsuperscript{\normalfont\textsc{\,#1}}}
+\newcommand{\drawing}[2]{\IfFileExists{#2}{\includegraphics[width=#1\linewidth]{#2}}%
+  {\fbox{\texttt{symosc derive all -{}-pdf} draws this figure}}}
+"""
+
+
+def theorems() -> str:
+    """Return the definitions of the numbered environments."""
+    lines = []
+    for kind, name in KINDS.items():
+        if kind == "proof":
+            continue
+        style = "plain" if kind in ("theorem", "lemma", "proposition", "corollary") else "definition"
+        count = "{" + name + "}[section]" if kind == "definition" else "[definition]{" + name + "}"
+        lines.append(rf"\theoremstyle{{{style}}}\newtheorem{{{kind}}}{count}")
+    return "\n".join(lines) + "\n"
+
+
+def how_to_cite() -> str:
+    """Return how to cite symosc and this document."""
+    title = SYMOSC["title"]
+    return (
+        rf"symosc {symosc.__version__}, {SYMOSC['year']}. Cite as: {SYMOSC['author'].strip('{}')}, "
+        rf"\emph{{{title}}}, version {symosc.__version__}, {SYMOSC['year']} \cite{{symosc}}; the supplement "
+        rf"as \emph{{{TITLE}}}, supplement to symosc {symosc.__version__}. "
+        r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; \texttt{references.bib} has all references."
+    )
+
+
+def title_page() -> str:
+    """Return the title with author, version and how to cite."""
+    broken = TITLE.replace(": ", r":\\ ")
+    return "\n".join(
+        [
+            rf"\title{{{broken}}}",
+            rf"\author{{{SYMOSC['author'].strip('{}')}}}",
+            rf"\date{{Version {symosc.__version__}, {SYMOSC['year']}}}",
+            r"\hypersetup{pdftitle={" + TITLE + r"},pdfauthor={" + SYMOSC["author"].strip("{}") + "}}",
+            r"\begin{document}",
+            r"\maketitle",
+            rf"\begin{{abstract}}\noindent {ABSTRACT}\end{{abstract}}",
+            LEGEND,
+            "",
+            how_to_cite(),
+        ]
+    )
+
+
+def scene_numbers(scope: Scope) -> str:
+    """Return a sentence with the numbers of the scope's scene, or nothing."""
+    if scope.scene is None:
+        return ""
+    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
+    return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {numbers}."
+
+
+def document(chapters: list[Any], scope: Scope, body: str, folder: str, numbers: Numbering) -> str:
+    """Return the document that reads the chapters in; `body` is their text, for what it cites."""
+    head = title_page()
+    out = [HEADER + PREAMBLE + MACROS + theorems() + head]
+    if scope.scene is not None:
+        out.append(scene_numbers(scope))
+    if len(chapters) > 1:
+        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", resolved(notation.latex_table(), numbers)]
+    # The chapters keep the numbers that they have in the whole book.
+    out += [rf"\setcounter{{section}}{{{each.number - 1}}}" + f"\n\\input{{{folder}/{each.key}}}" for each in chapters]
+    out += [bibliography.environment(bibliography.cited(head + body)), r"\end{document}"]
+    return "\n\n".join(out) + "\n"

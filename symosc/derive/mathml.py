@@ -1,0 +1,56 @@
+"""LaTeX text and formulas as HTML and MathML: what a browser shows without any script.
+
+It reads what the chapters write, not LaTeX in general.
+"""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+from latex2mathml.converter import convert
+
+FUNCTION = "<m[io]>(?:sin|cos|sinh|cosh|arcsin|det)</m[io]>"
+SPACE = '<mspace width="0.17em" />'
+WORDS = {"emph": "em", "textbf": "strong", "texttt": "code", "textsc": "small"}
+ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)
+LINK = re.compile(r"\\hyperlink\{([^{}]*)\}\{([^{}]*)\}")
+# MathML has no sizes of brackets that are set by hand: they grow by themselves.
+SIZES = re.compile(r"\\(?:bigg|Bigg|big|Big)[lr]?(?![a-z])")
+
+
+def words(text: str) -> str:
+    """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
+    text = ITEMS.sub(_list, text)
+    parts = text.split("$")
+    html = "".join(formula(part) if odd % 2 else _plain(part) for odd, part in enumerate(parts))
+    # No line begins with the comma after a formula.
+    return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
+
+
+def formula(latex: str, display: bool = False) -> str:
+    """Return a formula as MathML."""
+    # A bar that stands for "taken at" has no partner; the converter would look for one.
+    latex = SIZES.sub("", latex.strip().replace(r"\,|_", r"\vert_").replace("}|_", r"}\vert_"))
+    mathml: str = convert(latex)
+    # Named functions need a space between them and a letter; capital Greek stands upright; accents sit on their letter.
+    mathml = re.sub(rf"({FUNCTION})(?=<m[ifs])", r"\1" + SPACE, mathml)
+    mathml = re.sub(rf"(</mi>|</msup>|</msub>|</mfrac>)(?={FUNCTION})", r"\1" + SPACE, mathml)
+    mathml = re.sub(r"<mi>(?=&#x003(?:9[1-9A-F]|A[0-9]);)", '<mi mathvariant="normal">', mathml)
+    mathml = mathml.replace("<mover>", '<mover accent="true">')
+    return mathml.replace('display="inline"', 'displaystyle="true"' if display else "", 1)
+
+
+def _plain(text: str) -> str:
+    text = escape(text.replace("-{}-", "\0"), quote=False)
+    for command, element in WORDS.items():
+        text = re.sub(rf"\\{command}\{{([^{{}}]*)\}}", rf"<{element}>\1</{element}>", text)
+    text = LINK.sub(r'<a href="#\1">\2</a>', text)
+    text = text.replace(r"\LIST", "<li>").replace(r"\OPENLIST", "<ul>").replace(r"\CLOSELIST", "</ul>")
+    text = text.replace("--", "–").replace("\0", "--").replace("~", "&nbsp;").replace(r"\'o", "ó").replace("\\ ", " ")
+    return text.replace("``", "“").replace("''", "”")
+
+
+def _list(found: re.Match[str]) -> str:
+    items = re.sub(r"\\item(?:\[([^\]]*)\])?\s*", r"\\LIST \1 ", found[2].strip())
+    return rf"\OPENLIST {items} \CLOSELIST"

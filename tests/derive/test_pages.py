@@ -1,0 +1,86 @@
+"""Pages in other formats than LaTeX: HTML without a rest of LaTeX, text with words apart."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import pytest
+
+from symosc.derive import blocks, document
+from symosc.derive.chapters import CHAPTERS
+from symosc.derive.document import Checked, Part
+from symosc.derive.scope import Scope
+from symosc.derive.steps import StepEvidence
+from symosc.derive.words import plain_math, plain_words
+
+
+@cache
+def unchecked(key: str) -> Checked:
+    """Return a chapter with evidence that is made up: only what is printed counts here."""
+    title, items = document.chapter_items(key, Scope())
+    evidence = StepEvidence("exact", "0")
+    return Checked(key, title, [Part(item, tuple(evidence for _ in blocks.steps_of(item))) for item in items])
+
+
+@pytest.mark.parametrize("key", CHAPTERS)
+def test_html_has_no_rest_of_latex(key: str) -> None:
+    html = document.as_html(unchecked(key), Scope())
+    shown = re.sub(r"<[^>]*>", "", html)
+    assert not re.findall(r"\\[a-zA-Z]|\$|align\b", shown)
+    latex = document.as_latex(unchecked(key), Scope())
+    assert html.count('id="step-') == latex.count(r"\markit{")
+    assert html.count("<h2>") == latex.count(r"\subsection{")
+    assert html.count('class="statement"') == len(
+        re.findall(r"\\begin\{(?:theorem|lemma|definition|corollary|pr|r|e)", latex)
+    ) - (latex.count(r"\begin{proof}") + latex.count(r"\begin{enumerate}"))
+    assert html.count("<div") == html.count("</div>")
+    targets = set(re.findall(r'href="#([^"]*)"', html))
+    assert targets <= set(re.findall(r'id="([^"]*)"', html))
+
+
+def test_the_page_needs_no_other_file() -> None:
+    html = document.as_page([unchecked(key) for key in CHAPTERS], Scope())
+    assert html.startswith("<!DOCTYPE html>")
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', html)
+    ids = re.findall(r' id="([^"]*)"', html)
+    assert len(ids) == len(set(ids))
+    assert html.count("<figure") == 4
+
+
+@pytest.mark.parametrize("key", CHAPTERS)
+def test_text_is_readable(key: str) -> None:
+    text = document.as_text(unchecked(key), Scope())
+    assert not re.findall(r"\\|\$|costheta|sintheta|\)Omega|\{\{|eqref|emph", text)
+    assert not re.findall(r"\b(?:cos|sin)(?:theta|tau|omega|Omega)", text)
+
+
+@pytest.mark.parametrize("key", CHAPTERS)
+def test_markdown_is_complete(key: str) -> None:
+    text = document.as_markdown(unchecked(key), Scope())
+    assert text.startswith(f"# {list(CHAPTERS).index(key) + 1}. ")
+    assert not re.findall(r"\\(?:eqref|ref|cite|emph|textbf|texttt|label|begin\{(?!aligned)(?!enumerate))", text)
+
+
+@pytest.mark.parametrize(
+    ("latex", "text"),
+    [
+        (r"\cos\theta", "cos theta"),
+        (r"\frac{B_0}{m}\Omega", "(B_0/m) Omega"),
+        (r"\frac{a + b}{2m}", "(a + b)/(2 m)"),
+        (r"e^{-c\tau/2m}\cos\omega_d\tau", "e^(-c tau/2 m) cos omega_d tau"),
+        (r"F^{(\lambda+1)}(x, \dot{x}, t)", "F^(lambda + 1) (x, x', t)"),
+        (r"\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)", "Theta^cr = arcsin(-gamma/a)"),
+        (r"x_{i+1}", "x_(i+1)"),
+        (r"\sqrt{k/m - h^2}", "sqrt(k/m - h^2)"),
+        (r"[-1, 1]", "[-1, 1]"),
+    ],
+)
+def test_formulas_as_text(latex: str, text: str) -> None:
+    assert plain_math(latex) == text
+
+
+def test_words_as_text() -> None:
+    assert plain_words(r"P\'olya's \emph{lemma}: for $\cos\theta > 0$~-- or not") == (
+        "Polya's lemma: for cos theta > 0 - or not"
+    )

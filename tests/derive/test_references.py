@@ -1,0 +1,94 @@
+"""References: labels are unique and known, LaTeX counts like the other formats, every citation has its entry."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from symosc.derive import bibliography, document, pdf
+from symosc.derive.chapters import CHAPTERS
+from symosc.derive.numbering import CITATION, REFERENCE, Numbering, resolved
+from symosc.derive.scope import Scope
+
+COMMITTED = Path(__file__).parents[2] / "derivations"
+TEXTS = {key: (COMMITTED / document.FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
+MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def numbers() -> Numbering:
+    return Numbering((key, document.chapter_items(key, Scope())[1]) for key in CHAPTERS)
+
+
+def test_every_equation_has_a_label() -> None:
+    for text in TEXTS.values():
+        rows = re.findall(r"\\markit\{\w\}(.*)", text)
+        assert rows
+        assert all(row.startswith(r"\label{eq:") for row in rows)
+
+
+def test_labels_are_unique_and_references_known() -> None:
+    labels = [label for text in TEXTS.values() for label in re.findall(r"\\label\{([^{}]*)\}", text)]
+    assert len(labels) == len(set(labels))
+    wanted = {label for text in [*TEXTS.values(), MAIN] for _, label in REFERENCE.findall(text)}
+    wanted -= {"#1"}  # a macro
+    assert len(wanted) > 60
+    assert wanted <= set(labels)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
+def test_latex_counts_like_the_other_formats(numbers: Numbering, tmp_path: Path) -> None:
+    work = tmp_path / "derivations"
+    shutil.copytree(COMMITTED, work)
+    subprocess.run(["pdflatex", "-interaction=nonstopmode", document.MAIN], cwd=work, capture_output=True, check=True)
+    aux = (work / document.MAIN).with_suffix(".aux").read_text(encoding="latin-1")
+    for key in CHAPTERS:
+        path = work / document.FOLDER / f"{key}.aux"
+        aux += path.read_text(encoding="latin-1") if path.is_file() else ""
+    counted = dict(re.findall(r"\\newlabel\{([^{}]*)\}\{\{([\d.]*)\}", aux))
+    assert {label: number for label, number in counted.items() if label in numbers.of} == {
+        label: number for label, number in numbers.of.items() if label in counted
+    }
+    assert len(counted) > 150
+    assert set(numbers.of) >= {label for text in TEXTS.values() for label in re.findall(r"\\label\{([^{}]*)\}", text)}
+
+
+def test_references_to_other_documents_name_the_chapter() -> None:
+    assert resolved(r"By Theorem~\ref{thm:domains-flow} and \eqref{eq:maps-f1}", None) == "By Chapter~2 and Chapter~5"
+
+
+def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
+    cited = bibliography.cited("".join(TEXTS.values()) + MAIN)
+    assert {"chen2016", "filippov1988", "luo2008", "polya1922", "mccurdy1984", "denhartog1931"} <= set(cited)
+    assert set(cited) == set(bibliography.entries())
+    for reference in bibliography.entries().values():
+        needed = {"article": {"journal", "volume", "pages"}, "book": {"publisher", "address"}, "misc": {"note"}}
+        assert set(reference.fields) >= {"author", "title", "year"} | needed[reference.kind], reference.key
+        assert re.fullmatch(r"\d{4}", reference.fields["year"])
+        doi = reference.fields.get("doi", "10.1/x")
+        assert re.fullmatch(r"10\.\d+/\S+", doi), doi
+
+
+def test_the_list_of_references_is_the_one_of_the_bibtex_file() -> None:
+    listed = re.findall(r"\\bibitem\{(\w+)\}", MAIN)
+    assert listed == bibliography.cited("".join(TEXTS.values()) + MAIN)
+    assert (COMMITTED / document.BIBTEX).read_text(encoding="utf-8") == bibliography.source()
+
+
+def test_an_unknown_citation_is_refused() -> None:
+    with pytest.raises(KeyError):
+        bibliography.cited(r"\cite{nobody1900}")
+    assert CITATION.findall(r"\cite[Chapter 2]{filippov1988}") == [("Chapter 2", "filippov1988")]
+
+
+def test_one_entry_as_a_line() -> None:
+    assert bibliography.line("luo2008") == (
+        r"A.~C.~J.~Luo, \emph{A theory for flow switchability in discontinuous dynamical systems}, "
+        r"Nonlinear Analysis: Hybrid Systems 2 (2008), 1030--1061."
+    )
+    assert "Pólya" in bibliography.plain_line("polya1922")
