@@ -1,10 +1,11 @@
-"""`symosc derive`: derivations, each step checked by machine, as LaTeX, PDF, Markdown or text."""
+"""`symosc derive`: derivations, each step checked by machine, as LaTeX, PDF, HTML, Markdown or text."""
 
 from __future__ import annotations
 
 import json
 import os
 import sys
+from difflib import get_close_matches
 from os.path import exists
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,10 @@ from typing import Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.settings import goes_to_stdout
-from symosc.errors import OutputError, SymoscError
+from symosc.cli.output import write_json
+from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings, set_option
+from symosc.errors import OutputError, ParameterError, SymoscError
+from symosc.files import write_text
 
 NO_LATEX = "symosc: no pdflatex here; install LaTeX (Debian: texlive-latex-base), then: cd {folder} && pdflatex {file}"
 
@@ -23,26 +26,102 @@ FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
 @click.command()
 @click.argument("subject")
 @click.option("--scene", metavar="SCENE", help="Put a scene's numbers in; only what the scene needs appears.")
+@set_option
 @click.option(
-    "-o", "--output", metavar="DIR", help="Folder for the files (made if needed); here by default. -: print them."
+    "-o",
+    "--output",
+    metavar="PATH",
+    help="Chapters: folder for the files (made if needed), here by default. Fragments: a file. -: print.",
 )
-@click.option("--pdf", is_flag=True, help="Compile the LaTeX to derivations.pdf as well.")
+@click.option("--pdf", is_flag=True, help="Compile the LaTeX of chapters to derivations.pdf as well.")
 @click.option(
-    "--format", "form", type=click.Choice(["latex", "markdown", "text"]), default="latex", help="What to write."
+    "--format",
+    "form",
+    type=click.Choice(["latex", "html", "markdown", "text"]),
+    default="latex",
+    help="What to write. html: chapters only, one file.",
 )
+@click.option(
+    "--form",
+    "motion",
+    type=click.Choice(["entire", "paper"]),
+    help="Fragments: the motion by functions for all regimes of damping, or by e^(-ct/2m) cos omega_d t.",
+)
+@click.option("--digits", type=WholeNumber(1, 50), help="Fragments: round numbers to so many digits.")
+@click.option("--tags", type=click.Choice(["paper"]), help="Fragments: give equations the paper's numbers.")
+@click.option("--prefix", metavar="TEXT", help="Fragments: what labels begin with (default: symosc).")
+@click.option("--alone", is_flag=True, help="Fragments: a document of its own.")
 @click.option("--json", "as_json", is_flag=True, help="Print every step's check (kind, margin, points) as JSON.")
-def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form: str, as_json: bool) -> int:
+def derive(subject: str, output: str | None, form: str, as_json: bool, **options: Any) -> int:
     """Derive SUBJECT step by step, checking each step before it is written.
 
-    Subjects: motion, domains, sticks, switching, maps, jacobians, grazing, events, orbits, errata, or all. A step is
-    checked exactly, by a sign, or with 50 digits at a root; a step that fails ends with exit code 1 and nothing
-    is written.
+    Chapters: motion, domains, sticks, switching, maps, jacobians, grazing, events, orbits, errata, or all. Fragments
+    for a paper of your own, printed unless -o names a file: P1 to P8, friction, flow, stick, gfunctions, saltation,
+    theorem4 to theorem7. A step is checked exactly, by a sign, or with 50 digits; a step that fails ends with exit
+    code 1 and nothing is written.
 
     \b
     Examples:
       symosc derive all --pdf -o derived
       symosc derive maps --scene fig9 --format text -o fig9
+      symosc derive P3 --form paper --set k=4 --set m=1 --set c=2/5 -o p3.tex
     """
+    from symosc.derive.chapters import CHAPTERS
+    from symosc.derive.fragments import FRAGMENTS
+    from symosc.scenes import load_scene
+
+    if subject != "all" and subject not in CHAPTERS and subject not in FRAGMENTS:
+        raise ParameterError("subject", subject, _unknown(subject, ["all", *CHAPTERS], list(FRAGMENTS)))
+    of_fragments = {"set": options["settings"], "form": options["motion"], "digits": options["digits"]}
+    of_fragments |= {name: options[name] for name in ("tags", "prefix", "alone")}
+    scene = options["scene"]
+    if subject in FRAGMENTS:
+        if options["pdf"] or form == "html":
+            raise click.BadParameter("is for chapters", param_hint="--pdf" if options["pdf"] else "--format html")
+        problem = None if scene is None else load_scene(scene)
+        return _fragment(subject, problem, output, form, as_json, options)
+    for name, value in of_fragments.items():
+        if value:
+            raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=f"--{name}")
+    return _chapters(subject, scene, output, form, as_json, options["pdf"])
+
+
+def _unknown(subject: str, chapters: list[str], fragments: list[str]) -> str:
+    near = get_close_matches(subject, [*chapters, *fragments], n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"must be one of {', '.join(chapters)} (chapters) or {', '.join(fragments)} (fragments){hint}"
+
+
+def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: bool, options: dict[str, Any]) -> int:
+    from symosc.derive import fragment_pages as pages
+    from symosc.derive.fragment_scope import fragment_scope
+    from symosc.derive.steps import StepError
+
+    printed = goes_to_stdout(output, "--output", as_json) or output is None
+    settings = read_settings(options["settings"])
+    scope = fragment_scope(settings, scene, options["motion"] or "entire", options["digits"])
+    try:
+        fragment = pages.check_fragment(name, scope)
+    except StepError as error:
+        click.echo(f"symosc: check failed: {error}", err=True)
+        return 1
+    if form == "latex":
+        prefix = pages.PREFIX if options["prefix"] is None else options["prefix"]
+        text = pages.as_latex(fragment, scope, prefix, options["tags"] == "paper", options["alone"])
+    else:
+        text = {"markdown": pages.as_markdown, "text": pages.as_text}[form](fragment, scope)
+    if as_json:
+        write_json({"fragment": name, "text": text, "steps": pages.log(fragment)})
+    elif printed:
+        click.echo(text, nl=False)
+    if output is not None and not printed:
+        path = write_text(Path(output), text)
+        if not as_json:
+            click.echo(str(path))
+    return 0
+
+
+def _chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
     printed = goes_to_stdout(output, "--output", as_json)
     from symosc.derive import document
     from symosc.derive.steps import StepError
@@ -59,12 +138,12 @@ def derive(subject: str, scene: str | None, output: str | None, pdf: bool, form:
         click.echo(f"\nsymosc: check failed: {error}", err=True)
         return 1
     if printed:
-        click.echo("\n".join(document.FORMATS[form](chapter, scope) for chapter in chapters), nl=False)
+        click.echo(document.printed(chapters, scope, form), nl=False)
         return 0
     paths = document.write_document(chapters, scope, folder, form)
     status = 0
     if pdf:
-        status = _compile(document, folder, paths)
+        status = _compile(folder, paths)
     if as_json:
         click.echo(json.dumps(_log(chapters, problem, paths), indent=1))
     else:
@@ -88,12 +167,15 @@ def _check_folder(folder: Path) -> None:
     raise OutputError(str(folder), reason)
 
 
-def _compile(document: Any, folder: Path, paths: list[Path]) -> int:
-    if not document.has_latex():
-        click.echo(NO_LATEX.format(folder=folder, file=document.MAIN), err=True)
+def _compile(folder: Path, paths: list[Path]) -> int:
+    from symosc.derive import pdf
+    from symosc.derive.document import MAIN
+
+    if not pdf.has_latex():
+        click.echo(NO_LATEX.format(folder=folder, file=MAIN), err=True)
         return 0
     try:
-        paths.insert(0, document.make_pdf(folder))
+        paths.insert(0, pdf.make_pdf(folder / MAIN))
     except SymoscError as error:
         click.echo(f"symosc: {error}", err=True)
         return 1
