@@ -141,8 +141,6 @@ def _derivation(subject: str, results: Results) -> dict[str, Any]:
 
 def files(results: Results) -> dict[str, str]:
     """Return the text of every file of the report by its path in the folder."""
-    from symosc.paper.mathematics import chapter_html
-
     content = data(results)
     drawn = {key: done.value for key, done in results.drawn.items() if done.value}
     chapters = {subject: done.value for subject, done in results.chapters.items() if done.value}
@@ -153,7 +151,7 @@ def files(results: Results) -> dict[str, str]:
     context |= {"severities": SEVERITIES, "kinds": NAMES}
     images = {key: _data_uri(each.svg) for key, each in drawn.items()}
     narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}
-    proofs = {subject: Markup(chapter_html(each.latex, level=4)) for subject, each in chapters.items()}
+    proofs = {subject: Markup(each.html) for subject, each in chapters.items()}
     found["report.md"] = render("report.md.j2", context)
     found["report.html"] = render("report.html.j2", {**context, "images": images, "narrow": narrow, "proofs": proofs})
     if content["coverage"]:

@@ -144,7 +144,7 @@ class Chapter:
     name: str
     number: int
     steps: int
-    latex: str
+    html: str
     markdown: str
 
 
@@ -315,5 +315,5 @@ def derive(subject: str) -> Chapter:
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
-    forms = document.as_latex(chapter, scope), document.as_markdown(chapter, scope)
-    return Chapter(chapter.name, chapter.number, len(chapter.steps()), *forms)
+    forms = document.as_html(chapter, scope, level=4), document.as_markdown(chapter, scope)
+    return Chapter(chapter.key, chapter.number, len(chapter.steps()), *forms)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,8 +11,6 @@ from stand_in_claims import CLAIM
 from symosc.derive.chapters import CHAPTERS
 from symosc.paper.claims import FOLDER, ClaimsError, read_claims
 from symosc.paper.pictures import PICTURES
-
-ROOT = Path(__file__).parents[2]
 
 CLAIMS = read_claims(PICTURES)
 
@@ -24,11 +21,9 @@ def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
     assert {key for claim in CLAIMS for key in claim.figures} == set(PICTURES)
 
 
-def test_derivations_that_claims_name_are_scripts() -> None:
+def test_derivations_that_claims_name_are_chapters() -> None:
     text = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.glob("*.toml"))
-    for name in set(re.findall(r'^derivation = "(.*)"', text, re.MULTILINE)):
-        script = (ROOT / "derivations" / f"{name}.py").read_text(encoding="utf-8")
-        assert f'run("{list(CHAPTERS)[int(name[:2]) - 1]}")' in script
+    assert set(re.findall(r'^derivation = "(.*)"', text, re.MULTILINE)) <= set(CHAPTERS)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +37,10 @@ def test_derivations_that_claims_name_are_scripts() -> None:
         (('verdict = "confirmed"', 'verdict = "not as printed"\ncorrection = "2"'), "errata are missing"),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = ["fig11"]'), "figure = 'fig11': must be one of"),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nfigures = "fig1"'), "must be a list of texts"),
-        (('verdict = "confirmed"', 'verdict = "confirmed"\nderivation = "11_none"'), "derivation = '11_none'"),
+        (
+            ('verdict = "confirmed"', 'verdict = "confirmed"\nderivation = "none"'),
+            "derivation = 'none': must be one of motion",
+        ),
         (('verdict = "confirmed"', 'verdict = "confirmed"\nnote = "x"'), "note is unknown; known are id, "),
         (("stand_ins.right", "stand_ins.left"), "check = 'stand_ins.left': there is no such function"),
         (("stand_ins.right", "stand_outs.right"), "check = 'stand_outs.right': there is no such function"),
