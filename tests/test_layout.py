@@ -12,6 +12,7 @@ import symosc
 TESTS, ROOT = Path(__file__).parent, Path(symosc.__file__).parent
 
 CHAPTERS = "a chapter is steps, each with a check of its own; one test runs the checks and breaks the signs of all"
+FRAGMENTS = "a fragment is made of all of them; what is printed is checked and compiled"
 CHECKS = "a check is what a claim names; its verdict is compared for all claims, and turned by other motions"
 SOLVERS = "the adapters of other people's solvers have to pass the same tests"
 ENGINE = "its numbers are those that the event search returns, at every event"
@@ -40,6 +41,21 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "cli.reproduce": ("paper/test_run.py", COMMAND),
     "drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
     "derive.chapters.*": ("derive/test_document.py", CHAPTERS),
+    "derive.blocks": ("derive/test_document.py", "theorems and tables are seen in the finished chapters"),
+    "derive.displays": ("derive/test_document.py", "its rows are measured and read back there"),
+    "derive.figures": ("derive/test_html.py", "it draws; the pages have its pictures"),
+    "derive.fragment_pages": ("derive/test_fragments.py", FRAGMENTS),
+    "derive.fragment_parts": ("derive/test_fragments.py", FRAGMENTS),
+    "derive.fragment_scope": ("derive/test_fragments.py", FRAGMENTS),
+    "derive.front": ("derive/test_document.py", "the document that it begins is compared and compiled"),
+    "derive.latex_pages": ("derive/test_document.py", "each chapter is compared with the committed one"),
+    "derive.mathml": ("derive/test_html.py", "no rest of LaTeX is in the pages"),
+    "derive.mutations": ("derive/test_document.py", "it breaks the signs there"),
+    "derive.orbit_pieces": ("derive/test_document.py", "what it finds are steps, each with a check"),
+    "derive.paper_form": ("derive/test_fragments.py", "it is compared with the motion in each regime"),
+    "derive.pdf": ("derive/test_document.py", "the document is compiled there"),
+    "derive.text_pages": ("derive/test_html.py", "text and Markdown are read beside the HTML"),
+    "derive.window_check": ("derive/test_document.py", "broken windows of the chapter on grazing have to fail"),
     "derive.latex": ("derive/test_document.py", "what is printed is read back there, formula by formula"),
     "derive.line_breaks": ("derive/test_document.py", "lines are measured in the finished chapters"),
     "derive.scope": ("derive/test_document.py", "what a scene leaves out is seen in the finished chapters"),
@@ -65,7 +81,6 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "paper.views": ("paper/test_pictures.py", PICTURES),
     "paper.window_figures": ("paper/test_theory.py", PICTURES),
     "paper.evidence": ("paper/test_figures_claims.py", "a record that the checks return"),
-    "paper.mathematics": ("paper/test_report_texts.py", PAPER),
     "paper.report": ("paper/test_run.py", PAPER),
     "paper.typeset": ("paper/test_report_texts.py", PAPER),
     "plot.insets": ("plot/test_figures.py", PICTURES),

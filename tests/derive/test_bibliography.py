@@ -1,0 +1,48 @@
+"""The list of references: one BibTeX file, every citation with a complete entry."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from symosc.derive import bibliography, document
+from symosc.derive.chapters import CHAPTERS
+from symosc.derive.numbering import CITATION
+
+COMMITTED = Path(__file__).parents[2] / "derivations"
+TEXTS = {key: (COMMITTED / document.FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
+MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
+
+
+def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
+    cited = bibliography.cited("".join(TEXTS.values()) + MAIN)
+    assert {"chen2016", "filippov1988", "luo2008", "polya1922", "mccurdy1984", "denhartog1931"} <= set(cited)
+    assert set(cited) == set(bibliography.entries())
+    for reference in bibliography.entries().values():
+        needed = {"article": {"journal", "volume", "pages"}, "book": {"publisher", "address"}, "misc": {"note"}}
+        assert set(reference.fields) >= {"author", "title", "year"} | needed[reference.kind], reference.key
+        assert re.fullmatch(r"\d{4}", reference.fields["year"])
+        doi = reference.fields.get("doi", "10.1/x")
+        assert re.fullmatch(r"10\.\d+/\S+", doi), doi
+
+
+def test_the_list_of_references_is_the_one_of_the_bibtex_file() -> None:
+    listed = re.findall(r"\\bibitem\{(\w+)\}", MAIN)
+    assert listed == bibliography.cited("".join(TEXTS.values()) + MAIN)
+    assert (COMMITTED / document.BIBTEX).read_text(encoding="utf-8") == bibliography.source()
+
+
+def test_an_unknown_citation_is_refused() -> None:
+    with pytest.raises(KeyError):
+        bibliography.cited(r"\cite{nobody1900}")
+    assert CITATION.findall(r"\cite[Chapter 2]{filippov1988}") == [("Chapter 2", "filippov1988")]
+
+
+def test_one_entry_as_a_line() -> None:
+    assert bibliography.line("luo2008") == (
+        r"A.~C.~J.~Luo, \emph{A theory for flow switchability in discontinuous dynamical systems}, "
+        r"Nonlinear Analysis: Hybrid Systems 2 (2008), 1030--1061."
+    )
+    assert "Pólya" in bibliography.plain_line("polya1922")
