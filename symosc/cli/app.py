@@ -20,7 +20,19 @@ BAD_INPUT, INTERRUPTED = 2, 130
 
 
 #: The commands, each in a module of its name that is loaded when it is used.
-COMMANDS = ("simulate", "figure", "scenes", "orbit", "grazing", "codegen", "check", "derive", "bench", "reproduce")
+COMMANDS = (
+    "simulate",
+    "figure",
+    "scenes",
+    "orbit",
+    "grazing",
+    "codegen",
+    "check",
+    "derive",
+    "bench",
+    "warm",
+    "reproduce",
+)
 
 
 class CommandLine(click.Group):

@@ -73,10 +73,11 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
 
 
 def _speed(quick: bool) -> Record:
-    from symosc.bench import speed, work_precision
+    from symosc.bench import digits, speed, work_precision
 
     return {
         "speed": speed.run(quick=quick),
+        "digits": digits.run(quick=quick),
         "work_precision": work_precision.run(quick=quick, progress=partial(_bar, "solvers")),
     }
 
@@ -105,10 +106,11 @@ def _picture(result: Record) -> Any:
 
 
 def _tables(result: Record) -> str:
-    from symosc.bench import hard, speed, work_table
+    from symosc.bench import digits, hard, speed, work_table
 
     if "hard" not in result:
-        return f"{speed.table(result['speed'])}\n\n{work_table.table(result['work_precision'])}"
+        shown = {"speed": speed, "digits": digits, "work_precision": work_table}
+        return "\n\n".join(module.table(result[name]) for name, module in shown.items())
     parts = [hard.table(result["hard"])]
     if any(solver["raw"] for solver in result["hard"]["solvers"]):
         parts += ["The peers as they come:", hard.table(result["hard"], raw=True)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 from symosc.aliases import Number
@@ -27,7 +27,7 @@ from symosc.engine import (
     touches,
 )
 from symosc.engine.flow import Constants, constants, with_march
-from symosc.engine.state import NextEvent
+from symosc.engine.paths import Paths
 from symosc.kernels import _generated, entire
 from symosc.model import Parameters
 
@@ -68,6 +68,8 @@ OUTLINED = {
 
 #: The fast paths' names as they are: for floats.
 IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).items() if not name.startswith("__")}
+#: Those of them that follow a motion.
+FLOAT_PATHS = Paths(IN_DOUBLES)
 
 
 class Arithmetic:
@@ -77,33 +79,29 @@ class Arithmetic:
     ----------
     parameters : Parameters
     K : Constants
-    advance : callable
-        `symosc.engine.next_event.advance` for these numbers.
     number : callable
         Rounds a Fraction to such a number.
     """
 
     K: Constants
-    advance: Callable[..., NextEvent]
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
         self.namespace: dict[str, Any] = IN_DOUBLES
-        self.advance = next_event.advance
+
+    @property
+    def paths(self) -> Paths:
+        """What follows motions with these numbers."""
+        return FLOAT_PATHS
 
     number: Callable[[Fraction], Number] = staticmethod(float)
 
     def phase(self, t: Fraction) -> tuple[int, Number]:
         """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
-        angle = self.parameters.Omega * t
-        if angle == 0:
-            return 0, self.number(Fraction(0))
-        context = mp_context(self.digits + 20 + len(str(abs(int(angle)))))
-        turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
-        periods = int(context.floor(turns))
-        return periods, self.rounded((turns - periods) * 2 * context.pi)
+        periods, theta = _reduced(self.parameters.Omega * t, self.digits)
+        return periods, self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time as the sum of two such numbers."""
@@ -131,8 +129,17 @@ class MpArithmetic(Arithmetic):
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
-        self.namespace = binding.bind(SOURCES, replaced)
-        self.advance = self.namespace["advance"]
+        self.namespace = binding.bind(SOURCES, replaced, literal=context.mpf)
+        self._replaced = replaced
+
+    @cached_property
+    def paths(self) -> Paths:
+        """What follows motions with these numbers: by MPFR where gmpy2 is installed, else by mpmath."""
+        try:
+            from symosc.engine.mpfr_arithmetic import MpfrPaths
+        except ImportError:
+            return Paths(self.namespace)
+        return MpfrPaths(self.parameters, self.context, SOURCES, self._replaced)
 
     def number(self, value: Fraction) -> Number:
         """Round a Fraction to an mpf of this precision."""
@@ -147,10 +154,27 @@ class MpArithmetic(Arithmetic):
         return self.context.mpf(value)
 
 
+@lru_cache(maxsize=64)
+def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
+    """Return the arithmetic with that many digits; it is shared, and kept, as its constants take a while."""
+    return MpArithmetic(parameters, digits)
+
+
 @lru_cache(maxsize=1024)
 def _float_constants(parameters: Parameters) -> Constants:
     """Return the constants in floats; their derivation in rational numbers takes longer than many a short run."""
     return with_march(constants(parameters), entire.basis)
+
+
+@lru_cache(maxsize=256)
+def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
+    """Return (turns, rest) of an angle; many starts have the same."""
+    if angle == 0:
+        return 0, None
+    context = mp_context(digits + 20 + len(str(abs(int(angle)))))
+    turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
+    periods = int(context.floor(turns))
+    return periods, (turns - periods) * 2 * context.pi
 
 
 def mp_context(digits: int) -> Any:

@@ -13,6 +13,8 @@ import inspect
 import sys
 import types
 from collections.abc import Callable, Iterable
+from glob import escape
+from pathlib import Path
 from typing import Any
 
 from symosc.errors import MissingExtraError
@@ -40,7 +42,10 @@ def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.Functio
 
 
 def bind(
-    modules: Iterable[types.ModuleType], replaced: dict[str, Any], wrap: Callable[[Any], Any] | None = None
+    modules: Iterable[types.ModuleType],
+    replaced: dict[str, Any],
+    wrap: Callable[[Any], Any] | None = None,
+    literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
     """Return copies of the functions of `modules` that see `replaced` and each other, not their modules' globals.
 
@@ -51,6 +56,9 @@ def bind(
         What stands for the globals of these names.
     wrap : callable, optional
         Applied to every copy, such as ``numba.njit``.
+    literal : callable, optional
+        Makes numbers of the floats that stand in the source, once: such as 0.5 and the limits with a name. Else they
+        would be converted whenever they are used, which takes longer than to multiply two numbers of 40 digits.
 
     Raises
     ------
@@ -64,17 +72,28 @@ def bind(
     unknown = sorted(name for name in replaced if name not in shared and not hasattr(builtins, name))
     if unknown:
         raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
+    if literal is not None:
+        shared = {name: literal(value) if type(value) is float else value for name, value in shared.items()}
     shared |= replaced | {"__name__": __name__}  # numba asks globals for their module
     for name, function in functions_of(modules).items():
         if name not in replaced:
-            copy = types.FunctionType(function.__code__, shared, name, function.__defaults__)
+            code = function.__code__
+            if literal is not None:
+                constants = (literal(value) if type(value) is float else value for value in code.co_consts)
+                code = code.replace(co_consts=tuple(constants))
+            copy = types.FunctionType(code, shared, name, function.__defaults__)
             copy.__module__ = function.__module__
             shared[name] = wrap(copy) if wrap else copy
     return shared
 
 
 def compiled(
-    modules: Iterable[types.ModuleType], outlined: Iterable[str] | None = None, callees: dict[str, Any] | None = None
+    modules: Iterable[types.ModuleType],
+    outlined: Iterable[str] | None = None,
+    callees: dict[str, Any] | None = None,
+    replaced: dict[str, Any] | None = None,
+    literal: Callable[[float], Any] | None = None,
+    beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
     """Return the functions of `modules` compiled by numba: each when it is first called, and kept on disk.
 
@@ -85,6 +104,10 @@ def compiled(
         Functions of which not every caller gets a copy of its own. None: all.
     callees : dict, optional
         From an earlier call: what stands here for imported functions.
+    replaced, literal : optional
+        As in `bind`: constants of another kind of numbers.
+    beside : iterable of modules, optional
+        What else is compiled: operators of a type, for instance.
 
     Raises
     ------
@@ -98,9 +121,12 @@ def compiled(
     modules = tuple(modules)
     seen, written = bind(modules, {}), functions_of(modules)
     inlined = set() if outlined is None else set(written) - set(outlined)
-    replaced = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func") and name in seen}
-    replaced = {name: value for name, value in replaced.items() if name not in written}
-    sources = version(seen, modules, {name: value.py_func for name, value in replaced.items()})
+    called = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func")}
+    called = {name: value for name, value in called.items() if name in seen or hasattr(builtins, name)}
+    called = {name: value for name, value in called.items() if name not in written}
+    own = {name: repr(value) for name, value in (replaced or {}).items()}
+    functions = {name: value.py_func for name, value in called.items()}
+    sources = version(seen | own, (*modules, *beside), functions)
 
     def wrap(function: Any) -> Any:
         # numba's disk cache looks for changes in the function's own file only. The name of the entry says the rest.
@@ -110,7 +136,15 @@ def compiled(
             options = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         return numba.njit(cache=True, error_model="numpy", **options)(function)
 
-    return bind(modules, replaced, wrap)
+    return bind(modules, called | (replaced or {}), wrap, literal)
+
+
+def is_compiled(function: Any) -> bool:
+    """Return whether numba has compiled a function of `compiled`, or finds it on disk."""
+    if not hasattr(function, "py_func") or function.signatures:
+        return True
+    folder, name = Path(function.stats.cache_path), f"*.{escape(function.py_func.__qualname__)}-*.nbi"
+    return any(folder.glob(name))
 
 
 def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], callees: dict[str, Any] | None = None) -> str:

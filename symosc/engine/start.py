@@ -6,8 +6,10 @@ crosschecks.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import ceil, log10
 from typing import NamedTuple, TypeAlias
 
@@ -16,6 +18,7 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import Constants, constant_force
+from symosc.engine.rounding import rounded_covariance
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import acceleration
@@ -164,18 +167,24 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     else:
         mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
-    rounding_x, rounding_v = eps * abs(x), eps * abs(v) * (0 if at else 1)
-    # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
-    S11 = rounding_x**2 + 3 * (dx**2 + (v * dt) ** 2)
-    S22 = rounding_v**2 + 3 * (dv**2 + (Fb * dt) ** 2)
-    S12 = 3 * v * Fb * dt**2
-    return State(mode, at, 0, theta, x, v, Fb, Fa, Covariance(S11, S12, S22), *arithmetic.time(start.t0))
+    S = Covariance((eps * x) ** 2, 0 * x, 0 * v if at else (eps * v) ** 2)
+    if start.start_error:
+        dt, dx, dv = (number(error) for error in start.start_error)
+        # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
+        S12 = 3 * v * Fb * dt**2
+        S = Covariance(S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2))
+    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0))
 
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
     """Return sine and cosine of a phase."""
-    return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
+    return _both(theta, arithmetic.namespace["sin"], arithmetic.namespace["cos"])
+
+
+@lru_cache(maxsize=256)
+def _both(theta: Number, sin: Callable[[Number], Number], cos: Callable[[Number], Number]) -> Phase:
+    """Return sine and cosine; many starts have the same phase."""
+    return sin(theta), cos(theta)
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
@@ -235,8 +244,6 @@ def settles(start: Start) -> bool:
 def rounded(state: State) -> State:
     """Return a state in double precision, with the rounding as a part of its error."""
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
-    eps, t_low = 2.0**-53, float(state.t - t + state.t_low)
-    v_error = 0.0 if state.at else eps * v
-    S11, S12, S22 = (float(value) for value in state.S)
-    S = Covariance(S11 + (eps * x) ** 2, S12, S22 + v_error**2)
+    t_low = float(state.t - t + state.t_low)
+    S = Covariance(*rounded_covariance(state.at, x, v, *(float(value) for value in state.S)))
     return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low)

@@ -24,6 +24,7 @@ DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
 
 # What a trajectory of a batch ended with, beside the codes of a step.
 RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
+DOUBTFUL = (IN_DOUBT, INEXACT)
 
 
 class Covariance(NamedTuple):

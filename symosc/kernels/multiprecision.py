@@ -53,6 +53,20 @@ class FixedContext(MPContext):
     prec = property(lambda self: self._prec, _refuse)
     dps = property(lambda self: self._dps, _refuse)
 
+    def enter(self) -> None:
+        """Do nothing: these numbers know their precision (`symosc.kernels.mpfr`)."""
+
+    leave = staticmethod(lambda before: None)
+
+    def own(self, number: Any) -> Any:
+        """Return an mpf of another context as one of this, with all its digits."""
+        return self.make_mpf(number._mpf_)
+
+    @staticmethod
+    def rounded(numbers: Any, context: Any) -> tuple[Any, ...]:
+        """Return real numbers as those of another mpmath context, rounded to its precision."""
+        return tuple(+context.make_mpf(number._mpf_) for number in numbers)
+
     def lu_solve(self, A: Any, b: Any) -> Any:
         """Solve A x = b, A square, in this precision; mpmath's own raises it for a while."""
         factors, order = self.LU_decomp(self.matrix(A))

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits
 from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms
-from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
+from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent, State
 from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
 from symosc.mappings.equations import EXITS, jacobian, read_points
@@ -136,7 +136,7 @@ def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    return MpArithmetic(p, digits) if digits else Arithmetic(p)
+    return many_digits(p, digits) if digits else Arithmetic(p)
 
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
@@ -146,10 +146,8 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * rest
     begun = _begun(row, arithmetic, x, theta, phase)
-    zero, horizon = 0 * x, MOST_MAP_PERIODS * K.period
-    event = NextEvent(MOVED, 0, True, zero, belt_state(begun, (0, phase), x, Covariance((eps * x) ** 2, zero, zero), K))
-    while event.code == MOVED:
-        event = arithmetic.advance(event.state, horizon, zero, K)
+    state = belt_state(begun, (0, phase), x, Covariance((eps * x) ** 2, 0 * x, 0 * x), K)
+    event = _followed(state, arithmetic)
     if event.code in (END, REST):
         many = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {many}")
@@ -170,6 +168,20 @@ def _begun(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Nu
         numbers = f"F^({low}) = {float(begun.below):.6g}, F^({high}) = {float(begun.above):.6g}"
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[begun.mode]} there, since {numbers}")
     return begun
+
+
+def _followed(state: State, arithmetic: Arithmetic) -> NextEvent:
+    """Return the next event after a state."""
+    paths, horizon = arithmetic.paths, MOST_MAP_PERIODS * arithmetic.K.period
+    own, K, until = paths.inward(state), paths.constants(arithmetic.K), paths.inward((horizon, 0 * horizon))
+    before = paths.enter()
+    try:
+        event = paths.advance(own, *until, K)
+        while event.code == MOVED:
+            event = paths.advance(event.state, *until, K)
+        return paths.outward(event)
+    finally:
+        paths.leave(before)
 
 
 def _solved(J: np.ndarray) -> np.ndarray | None:

@@ -3,41 +3,33 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isinf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from symosc.engine import compiled_loop
-from symosc.engine.arithmetic import Arithmetic, compiled
 from symosc.engine.compiled_loop import (
     FLOAT_COLUMNS,
     INT_COLUMNS,
-    STATE_WIDTH,
     Batch,
     EventRows,
-    batch_of,
-    room_for,
-    row_of,
     state_of,
 )
-from symosc.engine.flow import Constants
-from symosc.engine.start import Start, first_state, settles
-from symosc.engine.state import END, FULL, IN_DOUBT, INEXACT, REST
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.engine.start import Start, settles
+from symosc.engine.state import DOUBTFUL, END, FULL, REST
+from symosc.errors import ParameterError
 from symosc.exact import read_exact, read_start_error, show, whole_number
 from symosc.files import write_whole
 from symosc.model import MODE_NAMES, Parameters
-from symosc.simulation.run import EVENT_KINDS, check_reached, last_time
-from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
-from symosc.simulation.trajectory import Event
+from symosc.simulation.batch_loop import chosen_loop, joined
+from symosc.simulation.ladder import Ladder
+from symosc.simulation.run import EVENT_KINDS, check_reached
+from symosc.simulation.simulate import MOST_EVENTS, end_status, in_doubles, read_accuracy
+from symosc.simulation.trajectory import Event, Trajectory
 
-CAPACITY = 1 << 18
-Follow = Callable[[int, Batch, int, float, EventRows, Constants], tuple[int, int]]
 #: Kinds of events by code.
 KIND_NAMES = EVENT_KINDS
 
@@ -178,47 +170,18 @@ def simulate_many(
     problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
     asked = read_accuracy(accuracy)
-    needed = attainable(asked, problems[0])
-    table, whole = _in_doubles(problems, _follow_all(use_numba), most, needed, isinf(asked))
-    open_ones = _statuses(table, whole, problems)
-    return _with_closer_looks(table, open_ones, problems, most, asked) if open_ones else table
-
-
-def _in_doubles(
-    problems: list[Start], follow: Follow, most: int, accuracy: float, as_it_is: bool
-) -> tuple[EventTable, Batch]:
-    """Follow all problems in double precision, those with the same parameters together; no status is written yet."""
-    groups: dict[Parameters, list[int]] = {}
-    for i, problem in enumerate(problems):
-        groups.setdefault(problem.parameters, []).append(i)
-    whole, parts = batch_of(np.zeros((len(problems), STATE_WIDTH))), []
-    for p, members in groups.items():
-        arithmetic = Arithmetic(p)
-        K = arithmetic.K._replace(sigmas=0.0) if as_it_is else arithmetic.K
-        batch = batch_of(np.array([_initial_row(problems[i], arithmetic) for i in members]))
-        for rows in _followed(follow, batch, most, accuracy, K):
-            if len(groups) > 1:
-                rows.ints[:, 0] = np.asarray(members)[rows.ints[:, 0]]
-            parts.append(rows)
-        for column, own in zip(whole, batch, strict=True):
-            column[members] = own
-    return _table(parts, [""] * len(problems), sort=len(groups) > 1), whole
-
-
-def _followed(follow: Follow, batch: Batch, most: int, accuracy: float, K: Constants) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield the rows of its events."""
-    begin = 0
-    while begin < len(batch.states):
-        room = room_for(CAPACITY)
-        begin, filled = follow(begin, batch, most, accuracy, room, K)
-        yield EventRows(room.floats[:filled], room.ints[:filled])
+    steps = Ladder(problems, chosen_loop(use_numba), most, asked)
+    table = _table(steps.rows, [""] * len(problems), steps.mixed)
+    open_ones = [i for i in _statuses(table, steps.batch, problems) if i not in steps.looks]
+    looks = steps.looks | {i: in_doubles(problems[i], most, asked) for i in open_ones}
+    return _with_looks(table, looks) if looks else table
 
 
 def _statuses(table: EventTable, batch: Batch, problems: list[Start]) -> list[int]:
     """Write the statuses of trajectories into the table; return the numbers of those that need a closer look."""
     open_ones = []
     for i, (code, count) in enumerate(zip(batch.codes.tolist(), batch.counts.tolist(), strict=True)):
-        if code in (IN_DOUBT, INEXACT):
+        if code in DOUBTFUL:
             open_ones.append(i)
         elif code == FULL:
             table.status[i] = "max_events"
@@ -229,20 +192,6 @@ def _statuses(table: EventTable, batch: Batch, problems: list[Start]) -> list[in
             if code == END:
                 check_reached(problems[i], state.n)
     return open_ones
-
-
-def _follow_all(use_numba: bool | None) -> Follow:
-    if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
-        raise ParameterError("use_numba", use_numba, "must be True, False or None")
-    if use_numba is not None and not use_numba:
-        return compiled_loop.follow_all
-    try:
-        compiled_one: Follow = compiled()["follow_all"]
-    except MissingExtraError:
-        if use_numba:
-            raise
-        return compiled_loop.follow_all
-    return compiled_one
 
 
 def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> list[Start]:
@@ -287,13 +236,8 @@ def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -
     return problems
 
 
-def _initial_row(start: Start, arithmetic: Arithmetic) -> list[float]:
-    """Return a row of `symosc.engine.compiled_loop`'s states."""
-    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
-
-
 def _table(parts: list[EventRows], status: list[str], sort: bool) -> EventTable:
-    numbers, codes = (each[0] if len(each) == 1 else np.concatenate(each) for each in zip(*parts, strict=True))
+    numbers, codes = joined(parts)
     if sort:
         order = np.argsort(codes[:, 0], kind="stable")
         numbers, codes = numbers[order], codes[order]
@@ -305,18 +249,11 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
     return np.array([by_code.get(code, "") for code in range(max(by_code) + 1)])
 
 
-def _with_closer_looks(
-    table: EventTable,
-    open_ones: list[int],
-    problems: list[Start],
-    most: int,
-    accuracy: float,
-) -> EventTable:
+def _with_looks(table: EventTable, looks: dict[int, Trajectory]) -> EventTable:
     """Replace trajectories that ended in doubt or lost accuracy by what `simulate` says of them."""
-    kept = ~np.isin(table.trajectory, open_ones)
+    kept = ~np.isin(table.trajectory, list(looks))
     columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
-    for i in open_ones:
-        trajectory = in_doubles(problems[i], most, accuracy)
+    for i, trajectory in looks.items():
         table.status[i] = trajectory.status
         _append(columns, i, trajectory.events)
     joined = {name: np.concatenate(parts) for name, parts in columns.items()}

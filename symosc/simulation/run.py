@@ -7,9 +7,11 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, mp_context
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits, mp_context
+from symosc.engine.paths import Paths
+from symosc.engine.rounding import rounding_error
 from symosc.engine.start import Start, first_state, rounded
-from symosc.engine.state import CROSS, END, FAILED, GRAZE, ON_BELT, REST, SLIP, STICK
+from symosc.engine.state import CROSS, END, FAILED, GRAZE, ON_BELT, REST, SLIP, STICK, State
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.model import MODE_NAMES
@@ -38,6 +40,12 @@ def check_reached(start: Start, periods: int) -> None:
 class Path:
     """The states and events of one initial value problem so far, in one arithmetic.
 
+    Parameters
+    ----------
+    start : Start
+    arithmetic : Arithmetic or int, optional
+        Or the number of digits; None: doubles.
+
     Attributes
     ----------
     events : list of Event
@@ -49,77 +57,102 @@ class Path:
         The belt on which the start is, or 0.
     """
 
-    def __init__(self, start: Start, digits: int | None = None) -> None:
+    def __init__(self, start: Start, arithmetic: Arithmetic | int | None = None) -> None:
         self.start = start
-        self.arithmetic: Arithmetic = MpArithmetic(start.parameters, digits) if digits else Arithmetic(start.parameters)
-        self.K = self.arithmetic.K
-        number = self.arithmetic.number
+        if isinstance(arithmetic, int):
+            arithmetic = many_digits(start.parameters, arithmetic)
+        self.arithmetic: Arithmetic = arithmetic or Arithmetic(start.parameters)
+        digits = isinstance(self.arithmetic, MpArithmetic)
+        self._paths = paths = self.arithmetic.paths
+        number, state = self.arithmetic.number, first_state(start, self.arithmetic)
+        self.K = paths.constants(self.arithmetic.K)
         if digits and start.start_error:  # rounding is far below the error of the start, which is no standard error
-            self.K = self.K._replace(sigmas=number(Fraction(1)))
-        self.state = first_state(start, self.arithmetic)
-        self.end = last_time(start, self.arithmetic)
-        self.t0, self.t0_low = self.state.t, self.state.t_low
+            self.K = self.K._replace(sigmas=paths.inward(number(Fraction(1))))
+        self.t0, self.first_at = state.t, state.at
+        self._state = paths.inward(state)
+        self._end = paths.inward(last_time(start, self.arithmetic))
+        self._t0, self._t0_low = self._state.t, self._state.t_low
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
         self.code, self.decided = 0, True
-        self.first_at = self.state.at
-        self._worst, self._adopted = 0 * self.t0, 0
-        self._record()
+        self._worst, self._adopted = 0.0, 0
+        self._record(0.0)
 
     def missing_digits(self, digits: int) -> int:
         """Return how many of `digits` digits the least accurate event lacks (relative to max(1, |value|))."""
         if self._worst == 0:
             return 0
         context = mp_context(15)
-        return int(context.ceil(context.log10(SAFETY * context.convert(self._worst)))) + digits
+        return int(context.ceil(context.log10(SAFETY * context.convert(self._paths.outward(self._worst))))) + digits
 
     @property
     def ended(self) -> bool:
         """Whether the last step reached the end, a rest or a failure."""
         return self.code in (END, REST, FAILED)
 
-    def _record(self) -> None:
-        s = self.state
+    def _record(self, elapsed: Number) -> None:
+        s = self._state
         a = s.Fb if s.mode <= ON_BELT else 0.0
-        self.pieces.append(Piece(s.n, float(s.theta), s.mode, float(s.x), float(s.v), float(a), float(self.elapsed)))
+        self.pieces.append(Piece(s.n, float(s.theta), s.mode, float(s.x), float(s.v), float(a), float(elapsed)))
 
     def step(self) -> None:
         """Advance by one event or one stretch without events."""
-        source = self.state.mode
-        self.code, boundary, self.decided, t_error, self.state = self.arithmetic.advance(self.state, *self.end, self.K)
+        before = self._paths.enter()
+        try:
+            self._step(self._paths)
+        finally:
+            self._paths.leave(before)
+
+    def _step(self, paths: Paths) -> None:
+        source = self._state.mode
+        self.code, boundary, self.decided, t_error, s = paths.advance(self._state, *self._end, self.K)
+        self._state = s
         if self.code in (END, REST):
             return
-        s = self.state
-        self._record()
+        self._record(self._elapsed())
         if self.code in EVENT_KINDS:
-            handed_out = self.arithmetic.namespace["handed_out"]
-            t, t_error, x_error = handed_out(s.t, s.t_low, self.t0, s.x, s.v, t_error, s.S.S11, self.K)
+            t, t_error, x_error = paths.handed_out(s.t, s.t_low, self._t0, s.x, s.v, t_error, s.S.S11, self.K)
             kind, names = EVENT_KINDS[self.code], (MODE_NAMES[source], MODE_NAMES[s.mode])
             self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(s.x)))
-            self.events.append(Event(t, s.x, s.v, s.theta, kind, boundary, *names, float(t_error), float(x_error)))
+            t, x, v, theta = paths.outward((t, s.x, s.v, s.theta))
+            self.events.append(Event(t, x, v, theta, kind, boundary, *names, float(t_error), float(x_error)))
+
+    def _elapsed(self) -> Number:
+        return (self._state.t - self._t0) + (self._state.t_low - self._t0_low)
 
     def adopt(self, other: Path) -> None:
         """Continue from where a path with more digits is, and take over what it knows better."""
         self.events[self._adopted :] = [rounded_event(event) for event in other.events[self._adopted :]]
         self._adopted = len(self.events)
         self.pieces[:] = other.pieces
-        self.state, self.code, self.decided = rounded(other.state), other.code, True
+        self._state, self.code, self.decided = rounded(other.state), other.code, True
+
+    @property
+    def state(self) -> State:
+        """The current state."""
+        return self._paths.outward(self._state)
 
     @property
     def elapsed(self) -> Number:
         """Time since t0."""
-        return (self.state.t - self.t0) + (self.state.t_low - self.t0_low)
+        before = self._paths.enter()
+        try:
+            return self._paths.outward(self._elapsed())
+        finally:
+            self._paths.leave(before)
 
     @property
     def time(self) -> Number:
         """The time of the current state."""
-        return self.state.t
+        return self._paths.outward(self._state.t)
 
 
 def cut_event(event: Event, context: Any) -> Event:
     """Return an event with numbers of an mpmath context; the errors cover the cut."""
     t, x, v, theta = (+context.convert(value) for value in (event.t, event.x, event.v, event.theta))
-    return _with_rounding(event, float(context.eps) / 2, t=t, x=x, v=v, theta=theta)
+    half = float(context.eps) / 2
+    t_error, x_error = event.t_error + half * float(abs(event.t)), event.x_error + half * float(abs(event.x))
+    return replace(event, t_error=t_error, x_error=x_error, t=t, x=x, v=v, theta=theta)
 
 
 def rounded_event(event: Event) -> Event:
@@ -127,9 +160,5 @@ def rounded_event(event: Event) -> Event:
     if isinstance(event.t, float):
         return event
     t, x, v, theta = (float(value) for value in (event.t, event.x, event.v, event.theta))
-    return _with_rounding(event, 2.0**-53, t=t, x=x, v=v, theta=theta)
-
-
-def _with_rounding(event: Event, eps: float, **numbers: Any) -> Event:
-    t_error, x_error = event.t_error + eps * float(abs(event.t)), event.x_error + eps * float(abs(event.x))
-    return replace(event, t_error=t_error, x_error=x_error, **numbers)
+    t_error, x_error = rounding_error(event.t_error, t), rounding_error(event.x_error, x)
+    return replace(event, t_error=t_error, x_error=x_error, t=t, x=x, v=v, theta=theta)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import math
 import os
 import subprocess
 import sys
@@ -98,6 +99,33 @@ def test_the_disk_cache_is_used_and_notices_what_is_called(tmp_path: Path) -> No
     assert run() == "(6, 0) (6, 0)"
 
 
+TOLD = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import callee, caller
+from symosc.engine.binding import compiled, is_compiled
+outer = compiled((callee, caller))["outer"]
+before = is_compiled(outer)
+outer(1)
+print(before, is_compiled(outer), is_compiled(caller.outer))
+"""
+
+
+@pytest.mark.slow
+def test_whether_something_was_compiled_is_told_before_it_is(tmp_path: Path) -> None:
+    def run() -> str:
+        command = [sys.executable, "-c", TOLD, str(tmp_path)]
+        env = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        return subprocess.run(command, check=True, capture_output=True, text=True, env=env).stdout.strip()
+
+    (tmp_path / "callee.py").write_text(CALLEE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    assert run() == "False True True"  # what is not for numba needs no compiling
+    assert run() == "True True True"
+    (tmp_path / "callee.py").write_text(CALLEE.replace("+ 1", "+ 5"))
+    assert run() == "False True True"
+
+
 def module_of(name: str, source: str) -> types.ModuleType:
     module = types.ModuleType(name)
     exec(compile(source, name, "exec"), vars(module))
@@ -143,8 +171,8 @@ def test_two_functions_of_one_name_are_refused() -> None:
 
 
 def is_short(value: float) -> bool:
-    """Whether a number is a limit that somebody chose, such as 4e-3 or 64, and no constant of mathematics."""
-    return value == float(f"{value:.2g}") or (1024 * value).is_integer()
+    """Whether a number is a limit that somebody chose (4e-3, 64) or a power of two, and no constant of mathematics."""
+    return value == float(f"{value:.2g}") or (1024 * value).is_integer() or math.frexp(value)[0] == 0.5
 
 
 def test_no_double_constant_gets_into_many_digits() -> None:
@@ -153,14 +181,18 @@ def test_no_double_constant_gets_into_many_digits() -> None:
     used, literals = set(), set()
     # What makes the constants is told which numbers to make, pi among them.
     makers = {"constants", "with_march", "_free_motion", "_steady_motion", "_chunk", "_period_rest", "_belt_constants"}
-    for name in functions_of(SOURCES).keys() - makers:
-        code = getattr(namespace[name], "__code__", None)
-        used |= set(code.co_names) if code else set()
-        literals |= {value for value in code.co_consts if isinstance(value, float)} if code else set()
+    for name, original in functions_of(SOURCES).items():
+        bound = getattr(namespace[name], "__code__", None)
+        if bound and name not in makers:
+            used |= set(bound.co_names)
+            literals |= {value for value in original.__code__.co_consts if isinstance(value, float)}
+            assert not [value for value in bound.co_consts if isinstance(value, float)], name  # they are made once
     assert {"EPS", "PI", "TWO_PI", "SIXTH", "ROUNDING"} <= used
     for name in used & set(namespace):
         value = namespace[name]
-        assert not isinstance(value, float) or is_short(value), (name, value)
+        if hasattr(value, "_mpf_"):
+            assert value != float(value) or is_short(float(value)), (name, value)
+        assert not isinstance(value, float), (name, value)
     assert all(is_short(value) for value in literals), literals
     for name in ("EPS", "PI", "TWO_PI", "SIXTH", "NEAR"):
         assert namespace[name].context.dps >= 50, name

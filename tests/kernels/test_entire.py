@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import random
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -16,7 +18,12 @@ from symosc.engine.flow import constants, state_at
 from symosc.engine.state import Launch
 from symosc.kernels import entire
 from symosc.kernels._generated import basis_apart
-from symosc.kernels.entire_mp import BasisMP
+from symosc.kernels.entire_mp import MP_SERIES_BELOW, BasisMP
+
+try:
+    from symosc.kernels import mpfr
+except ImportError:
+    mpfr = None  # type: ignore[assignment]
 
 ULP = 2.0**-52
 REGIMES = ("any", "near critical", "critical", "near resonance", "resonance", "no spring", "free", "stiff")
@@ -82,15 +89,27 @@ def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
 
 @pytest.mark.parametrize("regime", REGIMES)
 def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
+    """Also just above and far below the time from which on the series is not used."""
     rng = random.Random(regime)
     context = mp_context(40)
-    for _ in range(15):
+    border = math.log10(MP_SERIES_BELOW)
+    for n in range(18):
         p = parameters(regime, rng)
+        K = MpArithmetic(p, 40).K
         longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)
-        tau = Fraction(10 ** rng.uniform(-6, longest))
+        beside = border - math.log10(K.rate) + rng.choice((0.01, 0.1, -0.01, -5.0))
+        tau = Fraction(10 ** (rng.uniform(-6, longest) if n % 3 else beside))
         t = context.mpf(tau.numerator) / tau.denominator
-        found = BasisMP(context, p)(t, MpArithmetic(p, 40).K)[:5]
-        assert max(errors(found, oracle(p, tau), 1e-40)) < 100, (p, float(tau))
+        truth = oracle(p, tau, 60)
+        found = {"mpmath": BasisMP(context, p)(t, K)[:5]}
+        if mpfr:
+            inner = mpfr.mpfr_context(context.prec)
+            before = inner.enter()
+            values = BasisMP(inner, p, mpfr.mpfr_context)(mpfr.from_mpf(t), SimpleNamespace(rate=mpfr.from_mpf(K.rate)))
+            inner.leave(before)
+            found["MPFR"] = tuple(mpfr.to_mpf(value, context) for value in values[:5])
+        for kind, numbers in found.items():
+            assert max(errors(numbers, truth, 1e-40)) < 3, (kind, p, float(tau))
 
 
 def cheap(tau: float, p: Parameters) -> tuple[float, ...]:

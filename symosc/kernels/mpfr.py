@@ -1,0 +1,106 @@
+"""Numbers of any fixed precision by MPFR (gmpy2), with the names that the entire functions ask of an mpmath context.
+
+gmpy2 rounds to the precision of its current context, which each thread has for itself. Here a precision is current only
+between `enter` and `leave`, and what was current before comes back. A context belongs to one precision and is shared by
+all threads: nothing in it changes but MPFR's flags, which nobody reads.
+
+This module needs gmpy2 (extra `fast`).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import gmpy2
+from mpmath.libmp import MPZ, from_man_exp
+
+mpfr, mpc = gmpy2.mpfr, gmpy2.mpc
+
+
+@lru_cache(maxsize=256)
+def mpfr_context(bits: int) -> MpfrContext:
+    """Return the context with that many bits."""
+    return MpfrContext(bits)
+
+
+class MpfrContext:
+    """A fixed precision of MPFR.
+
+    Parameters
+    ----------
+    prec : int
+        Its bits.
+
+    Notes
+    -----
+    Division by 0 and results that are no numbers raise, as they do with mpmath. The range of exponents is the largest.
+    """
+
+    sin, cos, exp, sqrt = (staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt"))
+    mpf, mpc = mpfr, mpc
+
+    def __init__(self, prec: int) -> None:
+        self.prec = prec
+        self._context = gmpy2.context(
+            precision=prec,
+            emax=gmpy2.get_emax_max(),
+            emin=gmpy2.get_emin_min(),
+            trap_divzero=True,
+            trap_invalid=True,
+        )
+        before = self.enter()
+        self.zero, self.one, self.eps = mpfr(0), mpfr(1), gmpy2.div_2exp(mpfr(1), prec - 1)
+        self.pi = gmpy2.const_pi()
+        self.leave(before)
+
+    def enter(self) -> Any:
+        """Make this precision the current one of this thread; return what was."""
+        before = gmpy2.get_context()
+        gmpy2.set_context(self._context)
+        return before
+
+    @staticmethod
+    def leave(before: Any) -> None:
+        """Make current what was before `enter`."""
+        gmpy2.set_context(before)
+
+    @staticmethod
+    def own(number: Any) -> Any:
+        """Return the number itself: they know their precision."""
+        return number
+
+    @staticmethod
+    def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
+        """Return numbers rounded to the precision of a context, which is the current one."""
+        return tuple(+number for number in numbers)
+
+    convert = staticmethod(mpfr)
+
+    @staticmethod
+    def expj(angle: Any) -> Any:
+        """Return exp(i angle)."""
+        s, c = gmpy2.sin_cos(angle)
+        return mpc(c, s)
+
+
+@lru_cache(maxsize=4096)
+def _power_of_two(exponent: int) -> Any:
+    return mpfr(2) ** exponent
+
+
+def from_mpf(number: Any) -> Any:
+    """Return an mpf as an mpfr, rounded to the current precision."""
+    sign, mantissa, exponent, _ = number._mpf_
+    if not mantissa:  # mpmath's way to write 0, the infinities and what is no number
+        return mpfr(float(number))
+    size = gmpy2.mpz(mantissa) * _power_of_two(exponent)
+    return -size if sign else size
+
+
+def to_mpf(number: Any, context: Any) -> Any:
+    """Return an mpfr as a number of an mpmath context, with all its digits."""
+    if not gmpy2.is_finite(number):
+        return context.mpf(float(number))
+    mantissa, exponent = number.as_mantissa_exp()
+    return context.make_mpf(from_man_exp(MPZ(mantissa), int(exponent)))

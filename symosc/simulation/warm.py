@@ -1,0 +1,54 @@
+"""Compile ahead: what numba makes of the event loops is kept on disk, and later programs only load it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from symosc.engine.arithmetic import Arithmetic, compiled
+from symosc.engine.binding import is_compiled
+from symosc.engine.compiled_loop import STATE_WIDTH, batch_of, room_for
+from symosc.scenes import load_scene
+
+
+class Warmed(NamedTuple):
+    """What was compiled, or only loaded because it was on disk, and the seconds that it took."""
+
+    what: str
+    was_there: bool
+    seconds: float
+
+
+def warm() -> list[Warmed]:
+    """Compile what `simulate_many` calls, unless that is on disk already.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    """
+    follow = compiled()["follow_all"]
+    from symosc.engine.pairs import follow_pairs, pair_constants
+
+    p, nothing = load_scene("fig8").parameters, np.arange(0)
+
+    def doubles() -> None:
+        follow(0, batch_of(np.zeros((0, STATE_WIDTH))), 1, 1.0, room_for(0), Arithmetic(p).K)
+
+    def pairs() -> None:
+        states = np.zeros((0, STATE_WIDTH))
+        follow_pairs()(nothing, nothing, states.astype(complex), batch_of(states), room_for(0), pair_constants(p))
+
+    loops: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
+        "events in doubles": (lambda: is_compiled(follow), doubles),
+        "events in double-double numbers": (lambda: is_compiled(follow_pairs()), pairs),
+    }
+    done = []
+    for what, (is_there, run) in loops.items():
+        was_there, begin = is_there(), perf_counter()
+        run()
+        done.append(Warmed(what, was_there, perf_counter() - begin))
+    return done

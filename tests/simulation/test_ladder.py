@@ -1,0 +1,149 @@
+"""From doubles to more digits: the events of `simulate_many` are those of `simulate`, on every step of the ladder."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from samples import sample_of
+
+from symosc import EventTable, Parameters, Trajectory, load_scene, simulate, simulate_many
+from symosc.engine import compiled_loop, rounding
+from symosc.engine.state import IN_DOUBT
+from symosc.simulation import batch_loop, ensemble, ladder
+
+numba = pytest.importorskip("numba")
+
+COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "source", "target")
+
+
+@pytest.fixture(autouse=True)
+def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
+    monkeypatch.setattr(batch_loop.DOUBLES, "left", 0.0)
+
+
+def rows_of(table: EventTable, i: int) -> list[tuple[Any, ...]]:
+    mine = table.trajectory == i
+    return list(zip(*(getattr(table, name)[mine].tolist() for name in COLUMNS), strict=True))
+
+
+def events_of(trajectory: Trajectory) -> list[tuple[Any, ...]]:
+    return [tuple(getattr(event, name) for name in COLUMNS) for event in trajectory.events]
+
+
+def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
+    """Return parameters near those of fig8, whose errors grow, and starts on and beside belts."""
+    dice = random.Random(seed)
+    p = load_scene("fig8").parameters
+    p = p.replace(A0=p.A0 + Fraction(dice.randint(-99, 99), 100), Omega=2 + Fraction(dice.randint(-50, 50), 100))
+    starts = [(Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100)) for _ in range(6)]
+    return p, [(t, x, dice.choice((p.v1, p.v2, Fraction(dice.randint(-300, 300), 100)))) for t, x in starts]
+
+
+@pytest.mark.slow
+@sample_of(6, 200)
+def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    climbed, looked = [], []
+    climb, in_doubles = ladder.climb, ensemble.in_doubles
+
+    def counted(problems: Any, *others: Any) -> Any:
+        found = climb(problems, *others)
+        climbed.extend(np.isin(found.batch.codes, (IN_DOUBT,)).tolist())
+        return found
+
+    monkeypatch.setattr(ladder, "climb", counted)
+    monkeypatch.setattr(ensemble, "in_doubles", lambda *given: looked.append(given) or in_doubles(*given))
+    for seed in range(count):
+        p, starts = fig8_like(seed)
+        accuracy, most = random.Random(seed).choice(((1e-15, None), (5e-16, 40), (3e-16, 7)))
+        table = simulate_many(p, starts, [t + 30 for t, _, _ in starts], accuracy=accuracy, max_events=most)
+        for i, (t0, x0, v0) in enumerate(starts):
+            alone = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t0 + 30, accuracy=accuracy, max_events=most)
+            assert rows_of(table, i) == events_of(alone), (seed, i)
+            assert table.status[i] == alone.status
+    assert len(climbed) > 2 * count  # double-double numbers had work to do, and most of it they could do
+    assert sum(climbed) == len(looked) < len(climbed) / 2
+
+
+@pytest.mark.slow
+def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
+    """A swing that just touches a belt, and starts that are known to so much only."""
+    swing = Parameters(m=1, c=0, k=1, A0=0, B0=0, Omega=1, v1=-1, v2=5, mu1=0, mu2=0, FN=1)
+    table = simulate_many(swing, [(0, 1, 0), (0, "0.999", 0)], 7)
+    assert rows_of(table, 0) == events_of(simulate(swing, t0=0, x0=1, v0=0, t_end=7))
+    assert table.kind.tolist() == ["graze"]
+    scene = load_scene("fig8-exact")
+    start, error = (scene.t0, scene.x0, scene.v0), scene.start_error
+    table = simulate_many(scene.parameters, [start] * 2, scene.t_end, start_error=error)
+    assert rows_of(table, 0) == rows_of(table, 1) == events_of(simulate(scene))
+    assert "graze" in table.kind.tolist()
+
+
+@pytest.mark.slow
+def test_many_sets_and_any_order() -> None:
+    """The place of a motion in the batch does not matter, nor what is beside it."""
+    work = [(p, start) for p, starts in map(fig8_like, range(4)) for start in starts[:3]]
+    ends = [start[0] + 25 for _, start in work]
+    table = simulate_many([p for p, _ in work], [start for _, start in work], ends)
+    order = random.Random(1).sample(range(len(work)), len(work))
+    mixed = simulate_many([work[i][0] for i in order], [work[i][1] for i in order], [ends[i] for i in order])
+    for place, i in enumerate(order):
+        assert rows_of(mixed, place) == rows_of(table, i)
+        assert mixed.status[place] == table.status[i]
+
+
+def test_before_compiling_motions_are_followed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So little work does not wait for a compiler; it comes to the same."""
+    monkeypatch.setattr(batch_loop.PAIRS, "left", 1e9)
+    monkeypatch.setattr(batch_loop.DOUBLES, "left", 1e9)
+    monkeypatch.setattr("symosc.engine.pairs.is_compiled", lambda: False)
+    monkeypatch.setattr(ladder, "climb", None)
+    monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
+    p, starts = fig8_like(0)
+    table = simulate_many(p, starts[:2], 12, max_events=9)
+    for i, (t0, x0, v0) in enumerate(starts[:2]):
+        assert rows_of(table, i) == events_of(simulate(p, t0=t0, x0=x0, v0=v0, t_end=12, max_events=9))
+
+
+class Counted:
+    """An event loop that counts its calls."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, *given: Any) -> Any:
+        self.calls += 1
+        return compiled_loop.follow_all(*given)
+
+
+@pytest.mark.parametrize("seconds", [-1.0, 0.0, 0.05, 1e9])
+def test_the_loop_is_interpreted_for_as_long_as_compiling_takes(
+    seconds: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, compiled = load_scene("fig9"), Counted()
+    monkeypatch.setattr(batch_loop.DOUBLES, "left", seconds)
+    monkeypatch.setattr(batch_loop, "TURN", 64)
+    monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
+    monkeypatch.setattr(ensemble, "chosen_loop", lambda use_numba: batch_loop.PatientLoop(compiled))
+    starts = [(0, Fraction(n, 7), 0) for n in range(5)]
+    table = simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9)
+    assert table == simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9, use_numba=False)
+    assert (compiled.calls > 0) == (seconds < 1)
+    assert len(table) == 750
+
+
+def test_faint_errors_leave_no_trace() -> None:
+    """What is rounded to a double is the same for any number of digits that are enough."""
+    for x in (1.0, -3e-8, 7e20):
+        assert rounding.rounding_error(1e-30 * abs(x), x) == rounding.rounding_error(0.0, x) == 2.0**-53 * abs(x)
+        assert rounding.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
+        for v in (2.0, -1e-3):
+            faint = (1e-60 * x * x, 1e-60 * x * v, 1e-60 * v * v)
+            for at in (0, 1):
+                assert rounding.rounded_covariance(at, x, v, *faint) == rounding.rounded_covariance(at, x, v, 0, 0, 0)
+                assert rounding.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
+    assert rounding.rounding_error(1e-30, 0.0) == 1e-30
