@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -31,9 +32,6 @@ FAR = 10**6
 GRID = 4001
 #: What a maximum of B inside must be above its limit at the turning point, relative to it: far above rounding errors.
 ABOVE = 1e-10
-#: A border is bisected to this width, relative to F/P.
-WIDTH = 1e-10
-SETTLING, LOOKED_AT = 40, 3
 
 
 def wall(F: Any, Omega: Any, c: Any = 0, P: Any = 1) -> Parameters:
@@ -66,7 +64,7 @@ class Formulas:
         """Return an expression in the letters as a number."""
         known = self.numbers | (more or {})
         letters = sorted(sp.sympify(expr).free_symbols, key=str)
-        return _function(expr, tuple(letters))(*(known[letter] for letter in letters))
+        return as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
         """Return E0, E1, E2 at a time."""
@@ -116,7 +114,8 @@ LARGEST = sp.Symbol("largest")
 
 
 @cache
-def _function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
+def as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
+    """Return an expression as a function of its letters, in mpmath numbers of 60 digits."""
     functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
     return sp.lambdify(letters, expr, modules=functions)  # type: ignore[no-any-return]
 
@@ -130,47 +129,34 @@ def slide_orbit(parameters: Parameters, digits: int | None = None) -> PeriodicOr
     return find_orbit(parameters, "P32", digits=digits)
 
 
-@cache
-def stops(parameters: Parameters) -> int | None:
-    """Return how many stops a settled motion from rest at 0 has per period of the excitation; None: it differs."""
-    turn = 2 * pi / float(parameters.Omega)
-    end = Fraction((SETTLING + LOOKED_AT) * turn)
-    path = simulate(parameters, t0=0, x0=0, v0=0, t_end=end, accuracy=1e-6)
-    onsets = np.array([event.t for event in path.events if event.kind == "stick"]) / turn - SETTLING
-    counts = {int(np.count_nonzero((onsets >= i) & (onsets < i + 1))) for i in range(LOOKED_AT)}
-    return counts.pop() if len(counts) == 1 else None
+def turning_points(parameters: Parameters, x0: Any, v0: Any, t_end: Any, digits: int | None = None) -> list[Any]:
+    """Return the x at which the velocity changes its sign, and where the mass stops, in order of time."""
+    path = simulate(parameters, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits)
+    return [event.x for event in path.events if event.kind in ("cross", "stick")]
 
 
-class Border(NamedTuple):
-    """Where the number of stops changes: F/P on its two sides, and the numbers there."""
+def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
+    """Return by how much each cycle raises the highest points at Omega = 1, c = 0.
 
-    low: float
-    high: float
-    below: int
-    above: int
-
-    @property
-    def middle(self) -> float:
-        return (self.low + self.high) / 2
-
-
-def stops_at(ratio: Fraction, Omega: Any, c: Any = 0) -> int | None:
-    """Return the number of stops per cycle at F/P = ratio: F = 1, and P is the forced amplitude."""
-    return stops(wall(1, Omega, c, P=1 / ratio))
+    The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
+    that is large enough.
+    """
+    start = Fraction(P) / 2 - Fraction(F)
+    highest = turning_points(wall(F, 1, P=P), start, 5, 40, digits)[::2]
+    return [after - before for before, after in pairwise(highest)]
 
 
 @cache
-def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
-    """Bisect the forced amplitude between two values of F/P with different numbers of stops."""
-    a, b = Fraction(low), Fraction(high)
-    below, above = stops_at(a, Omega, c), stops_at(b, Omega, c)
-    while b - a > WIDTH * a:
-        middle = (a + b) / 2
-        count = stops_at(middle, Omega, c)
-        if count == below:
-            a = middle
-        else:
-            b, above = middle, count
-    assert below is not None
-    assert above is not None
-    return Border(float(a), float(b), below, above)
+def one_sided_orbit(F: Any, n: int, middle: Fraction, digits: int | None = None) -> PeriodicOrbit:
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle."""
+    x_0 = 1 / (1 - Fraction(1, 4 * n * n))  # |V| P/k: the friction does not enter
+    guess = [(0, float(middle + x_0)), (2 * pi * n, float(middle - x_0))]
+    return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess, digits=digits)
+
+
+def one_sided_stops(F: Any, n: int, middle: Fraction, cycles: int) -> list[float]:
+    """Return how long the stops last on the way from the highest point of the would-be orbit around a middle."""
+    x_0 = 1 / (1 - Fraction(1, 4 * n * n))
+    turn = Fraction(4 * pi * n)
+    path = simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + x_0, v0=0, t_end=cycles * turn, accuracy=1e-6)
+    return [b.t - a.t for a, b in pairwise(path.events) if a.kind == "stick"]
