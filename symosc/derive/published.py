@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from symosc.derive.steps import CONTEXT, DIGITS
+from symosc.derive.steps import CONTEXT
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -147,11 +147,14 @@ def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
 
 
 @cache
-def one_sided_orbit(F: Any, n: int, middle: Fraction, digits: int | None = None) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle."""
+def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle.
+
+    In double precision: its neighbours are orbits too, so that equations of more digits are singular there.
+    """
     x_0 = 1 / (1 - Fraction(1, 4 * n * n))  # |V| P/k: the friction does not enter
     guess = [(0, float(middle + x_0)), (2 * pi * n, float(middle - x_0))]
-    return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess, digits=digits)
+    return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
 
 def one_sided_stops(F: Any, n: int, middle: Fraction, cycles: int) -> list[float]:

@@ -48,6 +48,7 @@ class Border(NamedTuple):
 
     @property
     def middle(self) -> float:
+        """F/P halfway between the sides."""
         return (self.low + self.high) / 2
 
 
