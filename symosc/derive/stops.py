@@ -22,7 +22,8 @@ from symosc.symbolic.theorem7 import rational
 #: A border is bisected to this width, relative to F/P.
 WIDTH = 1e-8
 #: Cycles after which a motion is looked at, and what it may then still change by in a cycle.
-SETTLING, SETTLED = (30, 120, 480), 1e-12
+SEEN_AFTER = 60
+SETTLING, SETTLED = (8, 30, 120, 480), 1e-12
 
 
 @cache
@@ -135,8 +136,8 @@ def _seen(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[An
     """Return (phase, duration) of each slide down in half a settled cycle, its near touches, and the near births."""
     Omega, force = float(p.Omega), float(p.mu1)
     turn = 2 * pi / Omega
-    path = simulate(p, t0=0, x0=0, v0=0, t_end=Fraction((SETTLING[1] + 2) * turn), accuracy=1e-6)
-    late = [event for event in path.events if event.t > SETTLING[1] * turn]
+    path = simulate(p, t0=0, x0=0, v0=0, t_end=Fraction((SEEN_AFTER + 2) * turn), accuracy=1e-6)
+    late = [event for event in path.events if event.t > SEEN_AFTER * turn]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
     first = next(
         i for i in range(1, len(pairs)) if pairs[i - 1][0].target == "Omega2" and pairs[i][0].target == "Omega1"
