@@ -18,7 +18,13 @@ from symosc.orbits.floquet import rest_positions
 from symosc.simulation.simulate import simulate
 
 #: (c, F, Omega): under-, critically and overdamped too.
-AMPLITUDES = (("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6"), ("2", "0.1", "0.8"), ("3", "0.1", "0.7"))
+AMPLITUDES = (
+    ("0", "0.4", "1.5"),
+    ("0.2", "0.4", "1.5"),
+    ("0.1", "0.25", "0.6"),
+    ("2", "0.1", "0.8"),
+    ("3", "0.1", "0.7"),
+)
 #: (c, Omega), and two values of F/P between which the motions without stops end.
 BORDERS = (
     ("0", "1.5", "0.6", "0.7"),
@@ -160,6 +166,9 @@ def continuum() -> list[Value]:
             pairs = (middle + half, highest, r"x_{\max}"), (middle - half, lowest, r"x_{\min}")
             for formula, x, name in (*pairs, (product, orbit.multipliers[1].real, r"\lambda_2")):
                 found.append(Value(name, case, formula, x))
+        case = rf"$\Omega = 1/{2 * n}$, $F = {F}$"
+        end = half / (4 * n * n) - x_f
+        found.append(Value("d_*", case, end, published.one_sided_end(F, n), SHOWN_BORDER, BORDER))
     return found
 
 

@@ -157,8 +157,17 @@ def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
 
+def one_sided_end(F: Any, n: int, width: float = 1e-9) -> float:
+    """Bisect for the largest middle whose motion does not stop."""
+    low, high = Fraction(0), Fraction(1)
+    while high - low > width:
+        middle = (low + high) / 2
+        low, high = (low, middle) if one_sided_stops(F, n, middle, 2) else (middle, high)
+    return float(low + high) / 2
+
+
 def one_sided_stops(F: Any, n: int, middle: Fraction, cycles: int) -> list[float]:
-    """Return how long the stops last on the way from the highest point of the would-be orbit around a middle."""
+    """Return how long the stops last in a motion from the highest point that an orbit around a middle would have."""
     x_0 = 1 / (1 - Fraction(1, 4 * n * n))
     turn = Fraction(4 * pi * n)
     path = simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + x_0, v0=0, t_end=cycles * turn, accuracy=1e-6)

@@ -39,6 +39,13 @@ def stops(parameters: Parameters) -> int | None:
     return None
 
 
+def stops_in_cycle(parameters: Parameters, cycle: int) -> int:
+    """Return how many stops begin in a cycle of the motion from rest at 0, settled or not."""
+    turn = 2 * pi / float(parameters.Omega)
+    path = simulate(parameters, t0=0, x0=0, v0=0, t_end=Fraction((cycle + 1) * turn), accuracy=1e-6)
+    return sum(event.kind == "stick" and event.t >= cycle * turn for event in path.events)
+
+
 class Border(NamedTuple):
     """Where the number of stops changes: F/P on its two sides, and the numbers there."""
 
