@@ -22,6 +22,7 @@ from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import G, H, Q, phi, x_0, x_f
 from symosc.symbolic.solution import BASIS, Omega, c, k, m, tau
@@ -158,17 +159,22 @@ def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
 
 
 def one_sided_end(F: Any, n: int, width: float = 1e-9) -> float:
-    """Bisect for the largest middle whose motion does not stop."""
+    """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
     low, high = Fraction(0), Fraction(1)
     while high - low > width:
         middle = (low + high) / 2
-        low, high = (low, middle) if one_sided_stops(F, n, middle, 2) else (middle, high)
+        kinds = [event.kind for event in _one_sided_path(F, n, middle, Fraction(9, 4)).events]
+        low, high = (middle, high) if kinds == ["cross"] * 4 else (low, middle)
     return float(low + high) / 2
 
 
 def one_sided_stops(F: Any, n: int, middle: Fraction, cycles: int) -> list[float]:
     """Return how long the stops last in a motion from the highest point that an orbit around a middle would have."""
-    x_0 = 1 / (1 - Fraction(1, 4 * n * n))
-    turn = Fraction(4 * pi * n)
-    path = simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + x_0, v0=0, t_end=cycles * turn, accuracy=1e-6)
-    return [b.t - a.t for a, b in pairwise(path.events) if a.kind == "stick"]
+    events = _one_sided_path(F, n, middle, Fraction(cycles)).events
+    return [end.t - onset.t for onset, end in pairwise(events) if onset.kind == "stick"]
+
+
+def _one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
+    highest = middle + 1 / (1 - Fraction(1, 4 * n * n))
+    t_end = cycles * Fraction(4 * pi * n)
+    return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=highest, v0=0, t_end=t_end, accuracy=1e-6)
