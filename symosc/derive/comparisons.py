@@ -48,8 +48,9 @@ CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
 #: A mass that may rest on belt 1, with damping.
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
-SHOWN, SHOWN_BORDER = 15, 7
-CLOSED, BORDER = 1e-12, 1e-7
+#: Digits of the orbits, and decimals that are worth printing.
+DIGITS, SHOWN, SHOWN_BORDER = 30, 14, 7
+CLOSED, BORDER, TINY = 1e-12, 1e-7, 1e-4
 
 
 class Value(NamedTuple):
@@ -95,21 +96,21 @@ def amplitudes() -> list[Value]:
     found = []
     for c, F, Omega in AMPLITUDES:
         p = wall(F, Omega, c)
-        highest = max(point.x for point in published.slide_orbit(p).points)
+        highest = max(point.x for point in published.slide_orbit(p, DIGITS).points)
         found.append(Value("x_0", _damped(c, F, Omega), Formulas(p).amplitude(), highest))
     return found
 
 
 def multipliers() -> list[Value]:
-    """Return sum and product of the multipliers of P32."""
+    """Return sum and product of the multipliers of P32; products that are too small for a table are left out."""
     found = []
     for c, F, Omega in AMPLITUDES:
         p = wall(F, Omega, c)
-        one, other = published.slide_orbit(p).multipliers
+        one, other = published.slide_orbit(p, DIGITS).multipliers
         names = (r"\lambda_1 + \lambda_2", r"\lambda_1 \lambda_2")
         numbers = zip(names, Formulas(p).trace_and_determinant(), (one + other, one * other), strict=True)
         found += [Value(name, _damped(c, F, Omega), formula, value.real) for name, formula, value in numbers]
-    return found
+    return [value for value in found if abs(value.formula) > TINY]
 
 
 def borders() -> list[Value]:
@@ -201,7 +202,7 @@ def _border(case: str, formula: Any, border: stops.Border) -> Value:
 TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], list[Value]]]] = {
     "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), amplitudes),
     "stability": ("Its multipliers", ("shaw1986",), multipliers),
-    "border": ("Where motions without stops end", ("denhartog1931", "hong2000"), borders),
+    "border": ("Where motions without stops end", ("denhartog1930", "hong2000"), borders),
     "resonance": ("Growth per cycle at resonance", ("denhartog1930",), growth),
     "decay": ("Turning points of a free motion", ("denhartog1930",), decay),
     "stops": ("Where the number of stops per cycle changes", ("hong2000",), counts),

@@ -94,9 +94,7 @@ class Formulas:
         """
         limit = self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, GRID)[1:-1]
-        closed = coulomb.closed(coulomb.slide_function(), self.regime, phi / Omega)
-        letters = sorted(closed.free_symbols - {phi}, key=str)
-        bound = sp.lambdify([phi, *letters], closed, "numpy")
+        bound, letters = _slide_bounds(self.regime)
         values = bound(angles, *(float(self.numbers[letter]) for letter in letters))
         top = int(np.argmax(values))
         if values[top] <= limit + ABOVE * abs(limit):
@@ -119,6 +117,14 @@ def as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
     """Return an expression as a function of its letters, in mpmath numbers of 60 digits."""
     functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
     return sp.lambdify(letters, expr, modules=functions)  # type: ignore[no-any-return]
+
+
+@cache
+def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
+    """Return B for arrays of angles in double precision, and the letters that it needs after the angles."""
+    closed = coulomb.closed(coulomb.slide_function(), regime, phi / Omega)
+    letters = sorted(closed.free_symbols - {phi}, key=str)
+    return sp.lambdify([phi, *letters], closed, "numpy"), letters
 
 
 # --- this package's values ---

@@ -100,6 +100,7 @@ def half_period() -> HalfPeriod:
     return HalfPeriod(*(sp.simplify(part / x_f) for part in (found[p_0] - x_0, found[q_0])))
 
 
+@cache
 def amplitude() -> Expr:
     """Return x_0 in Q, G, H and x_f: the larger root of p_0^2 + q_0^2 = Q^2."""
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
@@ -115,6 +116,7 @@ def turning_acceleration(after: bool) -> Expr:
     return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - friction)
 
 
+@cache
 def ratio() -> Expr:
     """Return rho, the acceleration after a turning point over that before it, in x_0, G, H, x_f."""
     after, before = (_steady(turning_acceleration(side)) for side in (True, False))
@@ -139,6 +141,7 @@ def slide_function() -> Expr:
     return sp.simplify(least / x_f)
 
 
+@cache
 def slide_limit() -> Expr:
     """Return the limit of B at the turning point: there the acceleration just after it must not be upward."""
     numerator = _after(sp.numer(sp.together(slide_function())))
@@ -163,6 +166,7 @@ def _steady(expr: Expr) -> Expr:
 # --- other motions for c = 0 ---
 
 
+@cache
 def resonance_growth() -> Expr:
     """Return by how much a cycle raises the turning points at r = 1, c = 0: twice what half a cycle does.
 
@@ -175,6 +179,7 @@ def resonance_growth() -> Expr:
     return sp.simplify(2 * (-lowest - x_0))
 
 
+@cache
 def free_decay() -> Expr:
     """Return by how much half a free cycle (P = 0, c = 0) lowers the distance of the turning points from 0."""
     half = solution.flow(solution.REGIMES["undamped"])

@@ -251,7 +251,7 @@ def _stability() -> Iterator[Any]:
 
 
 def _border() -> Iterator[Any]:
-    yield Heading("Where the motions without stops end (Den Hartog 1931, Hong and Liu 2000)")
+    yield Heading("Where the motions without stops end (Den Hartog 1930, Hong and Liu 2000)")
     steady = {p_0: x_0 + G * x_f, q_0: H * x_f}
     _, rate = _free(x_0 - p_0 - x_f, -Omega * q_0)
     speed = sp.expand((rate / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi)).subs(steady))
@@ -329,20 +329,20 @@ def _growth_and_decay() -> Iterator[Any]:
 def _stops() -> Iterator[Any]:
     yield Heading("Stops per cycle (Hong and Liu 2000)")
     yield Prose(
-        r"Hong and Liu sort the settled motions for $c = 0$ by their number of stops per cycle: 0, 1, 2, 4, \dots, 14. "
-        r"Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, $P\cos\theta_j - k x_j + F = "
-        r"0$, and ends at rest, the last one at $-x_1$: $2 n$ equations for $n$ phases and $n$ durations. The number "
-        r"changes where a slide comes to rest on its way for a moment, $\dot{x} = \ddot{x} = 0$ (a stop of no length "
-        r"is born), or where a stop lasts until the drive just reaches what would move it, $x_j = (F - P)/k$ at "
+        r"Hong and Liu sort the settled motions for $c = 0$ by their number of stops per cycle: 0, 1, 2, 4, 6, \dots, "
+        r"14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, $P\cos\theta_j - k x_j + "
+        r"F = 0$, and ends at rest, the last one at $-x_1$: $2 n$ equations for $n$ phases and $n$ durations. The "
+        r"number changes where a slide comes to rest on its way for a moment, $\dot{x} = \ddot{x} = 0$ (a stop of no "
+        r"length is born), or where a stop lasts until the drive just reaches what would move it, $x_j = (F - P)/k$ at "
         r"$\theta = \pi$ (a slide of no length is born)."
     )
     yield Prose(
         r"An odd number needs a motion that is not its own mirror image, $x(t + \pi/\Omega) \ne -x(t)$. The difference "
         r"of the two keeps its energy (chapter on periodic motions): friction is the same in both whenever their "
-        r"velocities differ. While both rest the difference is constant, and as both leave with the same friction it is 0. "
-        r"So the difference is a free motion that closes with the excitation: $r = 1/(2n)$. And while one of them stops "
-        r"the other one stops too, or the friction of the first one would be constant: a stop that is alone has no "
-        r"length. At $r = 1/(2n)$ one stop per cycle is what is seen, and its length tends to 0."
+        r"velocities differ. While both rest the difference is constant, and as both leave with the same friction it "
+        r"is 0. So the difference is a free motion that closes with the excitation: $r = 1/(2n)$. And while one of "
+        r"them stops the other one stops too, or the friction of the first one would be constant: a stop that is alone "
+        r"has no length. At $r = 1/(2n)$ one stop per cycle is what is seen, and its length tends to 0."
     )
     yield from values("stops", "These equations with 50 digits, and bisection of the forced amplitude by running:")
 
