@@ -53,7 +53,7 @@ LITERATURE = {
         "pages": "305--325",
         "doi": "10.1016/S0022-460X(86)80058-X",
     },
-    "hong2000": {
+    "hongliu2000": {
         "author": "Hong, Hong-Ki and Liu, Chein-Shan",
         "title": "Coulomb friction oscillator: modelling and responses to harmonic loads and base excitations",
         "journal": "Journal of Sound and Vibration",
@@ -116,7 +116,7 @@ def reference(fields: dict[str, str], title: str = "{}", space: str = " ", dash:
 
     Examples
     --------
-    >>> reference(LITERATURE["hong2000"])[:42]
+    >>> reference(LITERATURE["hongliu2000"])[:42]
     'H.-K. Hong and C.-S. Liu, Coulomb friction'
     """
     people = [person.split(", ") for person in fields["author"].split(" and ")]

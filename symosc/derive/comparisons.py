@@ -202,10 +202,10 @@ def _border(case: str, formula: Any, border: stops.Border) -> Value:
 TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], list[Value]]]] = {
     "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), amplitudes),
     "stability": ("Its multipliers", ("shaw1986",), multipliers),
-    "border": ("Where motions without stops end", ("denhartog1930", "hong2000"), borders),
+    "border": ("Where motions without stops end", ("denhartog1930", "hongliu2000"), borders),
     "resonance": ("Growth per cycle at resonance", ("denhartog1930",), growth),
     "decay": ("Turning points of a free motion", ("denhartog1930",), decay),
-    "stops": ("Where the number of stops per cycle changes", ("hong2000",), counts),
+    "stops": ("Where the number of stops per cycle changes", ("hongliu2000",), counts),
     "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007",), continuum),
     "rests": ("Rest positions on a belt at rest", (), rests),
 }

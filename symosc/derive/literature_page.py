@@ -18,7 +18,6 @@ from symosc.derive.comparisons import TABLES, Value, number, table
 from symosc.derive.latex import latex
 from symosc.derive.published import MP, Formulas, slide_orbit, wall
 from symosc.derive.steps import rounded
-from symosc.errors import SymoscError
 from symosc.files import write_text
 
 if TYPE_CHECKING:
@@ -26,6 +25,8 @@ if TYPE_CHECKING:
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, FIGURE = "literature.md", "literature.svg"
+#: Points of a curve in the figure, and the r at which something is found by running.
+FINE, RATIOS = 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75)
 
 OPENING = r"""# Published results, recomputed
 
@@ -45,12 +46,12 @@ NOTES = {
     "decay": "Run: turning points of a motion from x = 0.95 at rest; it stays at the last one.",
     "stops": (
         "The counts 0, 1, 2, 4, ..., 14 are those that the paper's abstract names; its map of borders was not at hand. "
-        "Formula: equations for a cycle in which a stop, or a slide, of no length is born. Run: bisection of the forced "
-        "amplitude. One stop per cycle is seen at Ω = 1/(2n) only, and its length tends to 0: see the next table."
+        "Formula: equations for a cycle in which a stop, or a slide, of no length is born. Run: bisection of the "
+        "forced amplitude. One stop per cycle is seen at Ω = 1/(2n) only, and its length tends to 0: see the next table."
     ),
     "continuum": (
-        "Run: orbits that `find_orbit` calls marginal (`stable` is None). d* is the end of the continuum: a motion from "
-        "a little farther away stops once per cycle, shorter each time, and tends to this end."
+        "Run: orbits that `find_orbit` calls marginal (`stable` is None). d* is the end of the continuum: a motion "
+        "from a little farther away stops once per cycle, shorter each time, and tends to this end."
     ),
     "rests": (
         "m = c = k = Ω = FN = mu1 = 1, A0 = v1 = 0, B0 = mu2 = 1/10, v2 = 10: the exception to the uniqueness of "
@@ -98,23 +99,21 @@ def figure() -> Figure:
     fig = Figure(figsize=(9, 3.6), layout="constrained")
     left, right = fig.subplots(1, 2)
     for c, line, marker in (("0", "-", "o"), ("0.2", "--", "s")):
-        ratios = [r for r in np.linspace(0.3, 2, 120) if c != "0" or abs(1 / r - round(1 / r)) > 0.01]
+        ratios = np.linspace(0.35, 2, FINE)
         border = [float(Formulas(wall(1, _short(r), c)).border()) for r in ratios]
         left.plot(ratios, border, line, color="0", lw=1.2, label=f"formula, c = {c}")
-        points = [(r, run) for r in (0.42, 0.6, 0.8, 1.2, 1.5, 1.8) if (run := _border_near(r, c)) is not None]
-        left.plot(*np.transpose(points), marker, color="0", mfc="1", ms=6, label=f"run, c = {c}")
-    left.set(xlabel="r = Ω/ω₀", ylabel="F/P", title="No stops below the curve", ylim=(0, 1))
+        found = [(r, _border_near(r, c)) for r in RATIOS]
+        left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, c = {c}")
+    left.set(xlabel="r = Ω/ω₀", ylabel="F/P", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1))
     for F, line, marker in (("0.2", "-", "o"), ("0.5", "--", "s")):
-        ratios = [r for r in np.linspace(0.4, 2, 161) if _slides(r, F)]
-        for i, part in enumerate(_pieces(ratios)):
-            heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude()) for r in part]
-            right.plot(part, heights, line, color="0", lw=1.2, label=None if i else f"formula, F/P = {F}")
-        some = [r for r in (0.6, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75) if _slides(r, F)]
+        ratios = [r for r in np.linspace(0.45, 2, FINE) if _slides(r, F)]
+        heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude()) for r in ratios]
+        right.plot(ratios, heights, line, color="0", lw=1.2, label=f"formula, F/P = {F}")
+        some = [r for r in RATIOS if _slides(r, F)]
         orbits = [slide_orbit(wall(F, _short(r), "0.1")) for r in some]
-        right.plot(
-            some, [orbit.points[0].x for orbit in orbits], marker, color="0", mfc="1", ms=6, label=f"P32, F/P = {F}"
-        )
-    right.set(xlabel="r = Ω/ω₀", ylabel="x₀ k/P", title="Amplitude, c = 0.1")
+        highest = [max(x for _, x in orbit.points) for orbit in orbits]
+        right.plot(some, highest, marker, color="0", mfc="1", ms=6, label=f"P32, F/P = {F}")
+    right.set(xlabel="r = Ω/ω₀", ylabel="x₀ k/P", title="Amplitude, c = 0.1", xlim=(0.4, 2), ylim=(0, None))
     for axes in (left, right):
         axes.legend(fontsize=8, frameon=False)
         axes.spines[["top", "right"]].set_visible(False)
@@ -125,25 +124,15 @@ def _short(r: float) -> str:
     return f"{r:.6g}"
 
 
-def _border_near(r: float, c: str) -> float | None:
-    """Return the border found by running between 0.9 and 1.1 times the formula's; None if it is not found there."""
+def _border_near(r: float, c: str) -> float:
+    """Return the border that is found by running between 0.95 and 1.05 times the formula's."""
     formula = Fraction(float(Formulas(wall(1, _short(r), c)).border()))
-    try:
-        return stops.find_border(
-            formula * Fraction(9, 10), min(formula * Fraction(11, 10), Fraction(99, 100)), _short(r), c
-        ).middle
-    except SymoscError:
-        return None
+    return stops.find_border(formula * Fraction(19, 20), formula * Fraction(21, 20), _short(r), c).middle
 
 
 def _slides(r: float, F: str) -> bool:
     """Return whether there is a motion without stops, c = 0.1."""
     return float(Formulas(wall(F, _short(r), "0.1")).border()) > float(F)
-
-
-def _pieces(ratios: list[float]) -> list[list[float]]:
-    gaps = [i for i in range(1, len(ratios)) if ratios[i] - ratios[i - 1] > 0.011]
-    return [ratios[a:b] for a, b in zip([0, *gaps], [*gaps, len(ratios)], strict=True)]
 
 
 def write(folder: Path = DOCS) -> list[Path]:

@@ -97,11 +97,14 @@ class Formulas:
         bound, letters = _slide_bounds(self.regime)
         values = bound(angles, *(float(self.numbers[letter]) for letter in letters))
         top = int(np.argmax(values))
-        if values[top] <= limit + ABOVE * abs(limit):
+        low = angles[top - 1] if top else angles[0] / 100
+        if values[top] <= limit + ABOVE * abs(limit) or self._slide_slope(low) <= 0:
             return limit, MP.mpf(0)
-        around = tuple(angles[[top - 1, top + 1]])
-        angle = MP.findroot(lambda at: MP.diff(self.slide_bound, at), around, solver="anderson")
+        angle = MP.findroot(self._slide_slope, (low, angles[top + 1]), solver="anderson")
         return self.slide_bound(angle), angle
+
+    def _slide_slope(self, angle: Any) -> Any:
+        return MP.diff(self.slide_bound, angle)
 
     def border(self) -> Any:
         """Return F/P at the end of the motions without stops."""

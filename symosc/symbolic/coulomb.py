@@ -55,6 +55,8 @@ Q = sp.Symbol("Q", positive=True)
 #: The angle since the highest point, Omega/omega_0, and the middle of the turning points.
 phi, r = sp.Symbol("varphi", positive=True), sp.Symbol("r", positive=True)
 d = sp.Symbol("d", real=True)
+#: Den Hartog's letters for c = 0.
+V, U, S = sp.symbols("V U S", real=True)
 HALF = sp.pi / Omega
 
 
@@ -213,8 +215,11 @@ def den_hartog_damped() -> HalfPeriod:
     return HalfPeriod(slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below)
 
 
-def den_hartog_undamped() -> dict[str, Expr]:
-    """Return Den Hartog's V and U for c = 0, and S(phi) with p_0 > S x_f/r^2, in r."""
-    U = sp.tan(sp.pi / (2 * r)) / r
-    S = r**2 * (sp.sin(phi / r) / r + U * (sp.cos(phi) - sp.cos(phi / r))) / sp.sin(phi)
-    return {"V": 1 / (1 - r**2), "U": U, "S": S}
+def den_hartog_undamped() -> dict[Expr, Expr]:
+    """Return V, U (which is H), and S (which is r^2 B, in U) as Den Hartog has them for c = 0."""
+    waves = sp.cos(phi) - sp.cos(phi / r)
+    return {
+        V: 1 / (1 - r**2),
+        U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r
+        S: r * sp.sin(phi / r) / sp.sin(phi) + r**2 * U * waves / sp.sin(phi),
+    }

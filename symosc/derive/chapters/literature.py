@@ -27,7 +27,7 @@ from symosc.derive.steps import (
     rounded,
 )
 from symosc.symbolic import coulomb, solution
-from symosc.symbolic.coulomb import F, G, H, P, Q, d, p_0, phi, q_0, r, x_0, x_f
+from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, tau, w0sq
 
 TITLE = "Published results that the model contains"
@@ -38,7 +38,6 @@ T, D, T_h, D_h = (named(name) for name in ("T", "D", "T_h", "D_h"))
 RHO, LAMBDA = named(r"\rho"), (named(r"\lambda_1"), named(r"\lambda_2"))
 A_MINUS, A_PLUS = named(r"\ddot{x}_-"), named(r"\ddot{x}_+")
 B, B_0, LARGEST = named(r"B(\varphi)"), named("B(0)"), named(r"B_*", positive=True)
-U, V, S = named("U"), named("V"), named(r"S(\varphi)")
 UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
@@ -186,11 +185,9 @@ def _closed_forms() -> Iterator[Any]:
     G_0, H_0 = (coulomb.closed(part, free).subs(undamped) for part in solved)
     reason = r"For $c = 0$, with $Q = P |V|/k$,"
     yield equation(G, sp.Integer(0), reason, Exact({G: G_0}))
-    angle = sp.pi / r
-    yield equation(
-        H, sp.sin(angle) / (r * (1 + sp.cos(angle))), "", Exact({H: H_0}), r"$= U = \frac{1}{r}\tan\frac{\pi}{2 r}$"
-    )
-    yield equation(V, 1 / (1 - r**2), "", Exact({V: k / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}))
+    forms = coulomb.den_hartog_undamped()
+    yield equation(H, forms[U], "", Exact({H: H_0}), r"$= U = \frac{1}{r}\tan\frac{\pi}{2 r}$")
+    yield equation(V, forms[V], "", Exact({V: k / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}))
     yield equation(
         x_0**2,
         V**2 * P**2 / k**2 - U**2 * x_f**2,
@@ -284,7 +281,7 @@ def _border() -> Iterator[Any]:
     closed = coulomb.closed(coulomb.slide_function(), free, phi / Omega).subs(solution.omega_0, Omega / r)
     yield equation(
         S,
-        r * sp.sin(phi / r) / sp.sin(phi) + r**2 * U * (sp.cos(phi) - sp.cos(phi / r)) / sp.sin(phi),
+        coulomb.den_hartog_undamped()[S],
         r"For $c = 0$ and with $S = r^2 B$ this is $F/P < |V|/\sqrt{U^2 + S_*^2/r^4}$:",
         Exact({S: r**2 * closed.subs(G, 0), H: U}),
     )
@@ -366,10 +363,9 @@ def _continuum() -> Iterator[Any]:
         r"So $G = H = 0$: the amplitude does not depend on the friction,",
         Exact({x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
     )
-    moved = coulomb.velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
     rate = named(r"\dot{x}")
     wave = solution.omega_0 * sp.sin(solution.omega_0 * tau) / Omega**2
-    exact = {rate: Omega * moved, E1: wave * Omega**2 / solution.omega_0**2, tau: phi / Omega}
+    exact = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / solution.omega_0**2, tau: phi / Omega}
     exact |= {w0sq: solution.omega_0**2, solution.omega_0: 2 * n * Omega}
     yield equation(
         rate,
