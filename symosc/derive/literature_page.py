@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, FIGURE = "literature.md", "literature.svg"
 #: Points of a curve in the figure, and the r at which something is found by running.
-FINE, RATIOS = 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75)
+FINE, RATIOS = 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
 
 OPENING = r"""# Published results, recomputed
 
@@ -47,7 +47,7 @@ NOTES = {
     "stops": (
         "The counts 0, 1, 2, 4, ..., 14 are those that the paper's abstract names; its map of borders was not at hand. "
         "Formula: equations for a cycle in which a stop, or a slide, of no length is born. Run: bisection of the "
-        "forced amplitude. One stop per cycle is seen at Ω = 1/(2n) only, and its length tends to 0: see the next table."
+        "forced amplitude. One stop per cycle is seen at Ω = 1/(2n) only, and its length tends to 0: see below."
     ),
     "continuum": (
         "Run: orbits that `find_orbit` calls marginal (`stable` is None). d* is the end of the continuum: a motion "
@@ -74,7 +74,10 @@ def page() -> str:
 
 
 def _table(values: tuple[Value, ...]) -> str:
-    rows = [("", "", "formula", "run", "difference", ""), ("---", "---", "---:", "---:", "---:", "---")]
+    rows: list[tuple[str, ...]] = [
+        ("", "", "formula", "run", "difference", ""),
+        ("---", "---", "---:", "---:", "---:", "---"),
+    ]
     for value in values:
         numbers = [
             latex(rounded(number(each), value.decimals), decimals=True) for each in (value.formula, value.package)
@@ -99,9 +102,9 @@ def figure() -> Figure:
     fig = Figure(figsize=(9, 3.6), layout="constrained")
     left, right = fig.subplots(1, 2)
     for c, line, marker in (("0", "-", "o"), ("0.2", "--", "s")):
-        ratios = np.linspace(0.35, 2, FINE)
-        border = [float(Formulas(wall(1, _short(r), c)).border()) for r in ratios]
-        left.plot(ratios, border, line, color="0", lw=1.2, label=f"formula, c = {c}")
+        grid = np.linspace(0.35, 2, FINE)
+        border = [float(Formulas(wall(1, _short(r), c)).border()) for r in grid]
+        left.plot(grid, border, line, color="0", lw=1.2, label=f"formula, c = {c}")
         found = [(r, _border_near(r, c)) for r in RATIOS]
         left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, c = {c}")
     left.set(xlabel="r = Ω/ω₀", ylabel="F/P", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1))
@@ -109,7 +112,7 @@ def figure() -> Figure:
         ratios = [r for r in np.linspace(0.45, 2, FINE) if _slides(r, F)]
         heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude()) for r in ratios]
         right.plot(ratios, heights, line, color="0", lw=1.2, label=f"formula, F/P = {F}")
-        some = [r for r in RATIOS if _slides(r, F)]
+        some = [r for r in (*RATIOS, 1.0) if _slides(r, F)]
         orbits = [slide_orbit(wall(F, _short(r), "0.1")) for r in some]
         highest = [max(x for _, x in orbit.points) for orbit in orbits]
         right.plot(some, highest, marker, color="0", mfc="1", ms=6, label=f"P32, F/P = {F}")

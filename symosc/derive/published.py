@@ -18,6 +18,8 @@ import numpy as np
 import sympy as sp
 
 from symosc.derive.steps import CONTEXT
+from symosc.errors import ParameterError
+from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -44,10 +46,20 @@ def wall(F: Any, Omega: Any, c: Any = 0, P: Any = 1) -> Parameters:
 
 
 class Formulas:
-    """The closed forms with the numbers of one problem, in mpmath numbers of 60 digits."""
+    """The closed forms with the numbers of one problem, in mpmath numbers of 60 digits.
+
+    Raises
+    ------
+    ParameterError
+        Without a spring, and at undamped resonance: there is no bounded motion to compute.
+    """
 
     def __init__(self, parameters: Parameters) -> None:
         p = parameters
+        if p.k == 0:
+            raise ParameterError("k", 0, "must be > 0: without a spring nothing holds the mass near the origin")
+        if p.c == 0 and p.k == p.m * p.Omega**2:
+            raise ParameterError("Omega", show(p.Omega), "must not be sqrt(k/m) for c = 0: the motion has no bound")
         exact = {m: p.m, c: p.c, k: p.k, Omega: p.Omega, coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
         exact |= {solution.cm: p.c / p.m, solution.w0sq: p.k / p.m}
         rationals = {letter: rational(value) for letter, value in exact.items()}
@@ -119,7 +131,7 @@ LARGEST = sp.Symbol("largest")
 def as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
     """Return an expression as a function of its letters, in mpmath numbers of 60 digits."""
     functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
-    return sp.lambdify(letters, expr, modules=functions)  # type: ignore[no-any-return]
+    return sp.lambdify(letters, expr, modules=functions)
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -13,6 +14,7 @@ from symosc import simulate
 from symosc.derive import published
 from symosc.derive.comparisons import RESTING
 from symosc.derive.published import MP, Formulas, wall
+from symosc.errors import ParameterError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 
@@ -148,7 +150,7 @@ def test_one_stop_per_cycle_beside_the_continuum() -> None:
     """It gets shorter for ever, and the motion tends to the end of the continuum."""
     lengths = published.one_sided_stops("0.1", 1, Fraction(3, 10), 150)
     assert len(lengths) in (150, 151)
-    assert all(after < before for before, after in zip(lengths[3:], lengths[4:], strict=False))
+    assert all(after < before for before, after in pairwise(lengths[3:]))
     assert 0 < lengths[-1] < 0.2 < lengths[3]
 
 
@@ -164,3 +166,9 @@ def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
         path = simulate(RESTING, t0=0, x0=x, v0=0, t_end=100)
         assert path.events
         assert float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01  # it may creep there for ever
+
+
+@pytest.mark.parametrize(("change", "name"), [({"Omega": 1}, "Omega"), ({"k": 0}, "k")])
+def test_formulas_say_where_there_is_no_such_motion(change: dict, name: str) -> None:
+    with pytest.raises(ParameterError, match=f"^{name} "):
+        Formulas(wall("0.1", "0.5").replace(**change))
