@@ -18,4 +18,5 @@ CHAPTERS = {
     "events": "why no event is missed",
     "orbits": "uniqueness, and fixed points of P32 and P4645",
     "errata": "errors and gaps of the paper",
+    "literature": "published results that the model contains",
 }

@@ -1,0 +1,225 @@
+"""The oscillator with Coulomb friction against a wall at rest: what the literature has in closed form, derived.
+
+    m x'' + c x' + k x = P cos(theta) - F sgn(x'),    theta = Omega t
+
+This is the double-belt model with A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches.
+
+Its symmetric motion without stops obeys x(t + pi/Omega) = -x(t). From a highest point x_0 the mass moves down for half
+a period, and friction is +F. With x_f = F/k and the angle phi since the highest point, the motion is
+
+    x = x_f + p_0 cos(phi) + q_0 sin(phi) + a free motion,    p_0^2 + q_0^2 = Q^2,
+
+where Q is the amplitude without friction. Half a period later position and velocity are those of the start, negated.
+These two equations give p_0 = x_0 + G x_f and q_0 = H x_f; Q then gives x_0. All formulas hold in every damping regime:
+they are in E0, E1, E2 at tau = pi/Omega, and `closed` puts in a regime's closed forms.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+from symosc.symbolic import solution
+from symosc.symbolic.solution import (
+    BASIS,
+    E0,
+    E1,
+    E2,
+    Omega,
+    Regime,
+    a_i,
+    c,
+    cm,
+    f0,
+    h,
+    k,
+    m,
+    omega_d,
+    tau,
+    theta_i,
+    v_i,
+    w0sq,
+    x_i,
+)
+
+Expr = Any  # sympy ships no types
+
+#: The amplitude of the drive, the friction force, and F/k.
+P, F, x_f = sp.symbols("P F x_f", positive=True)
+#: The highest point, and the steady part of the motion there: p_0 cos(phi) + q_0 sin(phi).
+x_0, p_0, q_0 = sp.symbols("x_0 p_0 q_0", real=True)
+G, H = sp.symbols("G H", real=True)
+Q = sp.Symbol("Q", positive=True)
+#: The angle since the highest point, Omega/omega_0, and the middle of the turning points.
+phi, r = sp.Symbol("varphi", positive=True), sp.Symbol("r", positive=True)
+d = sp.Symbol("d", real=True)
+#: Den Hartog's letters for c = 0.
+V, U, S = sp.symbols("V U S", real=True)
+HALF = sp.pi / Omega
+
+
+class HalfPeriod(NamedTuple):
+    """What symmetry says of the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
+
+    G: Expr
+    H: Expr
+
+
+# --- the symmetric motion without stops ---
+
+
+@cache
+def transition() -> Expr:
+    """Return the matrix that takes a free motion (x, v) from the start to tau, in E0, E1, E2."""
+    flow = solution.flow()
+    start = {a_i: solution.acceleration(x_i, v_i, theta_i)}
+    states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
+    matrix = sp.Matrix(2, 2, lambda i, j: states[i].diff((x_i, v_i)[j]))
+    return matrix.subs(1 - w0sq * E2 - cm * E1, E0)  # the relation of E0, E1 and E2
+
+
+def response_squared() -> Expr:
+    """Return Q^2: the amplitude without friction is |P/(k - m Omega^2 + i c Omega)|."""
+    return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
+
+
+def free_start() -> Expr:
+    """Return the free motion (x, v) at the highest point: (x_0, 0) without x_f and without the steady part."""
+    return sp.Matrix([x_0 - p_0 - x_f, -Omega * q_0])
+
+
+def symmetry() -> Expr:
+    """Return what vanishes on the symmetric motion: (x, v) half a period later, plus (x_0, 0)."""
+    return transition() * free_start() + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
+
+
+@cache
+def half_period() -> HalfPeriod:
+    """Solve the conditions of symmetry for the steady part."""
+    found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
+    return HalfPeriod(*(sp.simplify(part / x_f) for part in (found[p_0] - x_0, found[q_0])))
+
+
+@cache
+def amplitude() -> Expr:
+    """Return x_0 in Q, G, H and x_f: the larger root of p_0^2 + q_0^2 = Q^2."""
+    roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
+    return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
+
+
+# --- its stability, and where it ends ---
+
+
+def turning_acceleration(after: bool) -> Expr:
+    """Return x'' just after or just before the highest point; friction changes its sign there."""
+    friction = x_f if after else -x_f
+    return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - friction)
+
+
+@cache
+def ratio() -> Expr:
+    """Return rho, the acceleration after a turning point over that before it, in x_0, G, H, x_f."""
+    after, before = (_steady(turning_acceleration(side)) for side in (True, False))
+    return after / before
+
+
+def half_period_matrix(rho: Expr) -> Expr:
+    """Return what half a period makes of a perturbation (x, v): a crossing multiplies its velocity by rho."""
+    return sp.diag(1, rho) * transition()
+
+
+def velocity() -> Expr:
+    """Return x'/Omega at the angle phi after the highest point; E0 and E1 are those at tau = phi/Omega."""
+    free = (transition() * free_start())[1] / Omega
+    return _steady(free - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
+
+
+@cache
+def slide_function() -> Expr:
+    """Return B(phi): the mass moves down at this angle if and only if p_0 > B x_f. E0 and E1 as in `velocity`."""
+    least = sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0]
+    return sp.simplify(least / x_f)
+
+
+@cache
+def slide_limit() -> Expr:
+    """Return the limit of B at the turning point: there the acceleration just after it must not be upward."""
+    numerator = _after(sp.numer(sp.together(slide_function())))
+    return numerator / _after(sp.denom(sp.together(slide_function())))
+
+
+def _after(expr: Expr) -> Expr:
+    """Differentiate by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega."""
+    rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
+    return sp.simplify(rate.subs(solution.start_values()).subs(phi, 0))
+
+
+def border(largest: Expr) -> Expr:
+    """Return F/P at the end of the motions without stops; `largest` is the supremum of B over (0, pi)."""
+    return k * Q / P / sp.sqrt(largest**2 + H**2)
+
+
+def _steady(expr: Expr) -> Expr:
+    return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
+
+
+# --- other motions for c = 0 ---
+
+
+@cache
+def resonance_growth() -> Expr:
+    """Return by how much a cycle raises the turning points at r = 1, c = 0: twice what half a cycle does.
+
+    The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
+    """
+    regime = solution.REGIMES["resonance"]
+    at = {x_i: x_0, v_i: 0, theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
+    lowest = solution.flow(regime).x.xreplace(at).xreplace(regime.parameters()).subs(tau, HALF)
+    lowest = lowest.subs({solution.A_m: Omega**2 * F / k, f0: Omega**2 * P / k})  # k = m Omega^2
+    return sp.simplify(2 * (-lowest - x_0))
+
+
+@cache
+def free_decay() -> Expr:
+    """Return by how much half a free cycle (P = 0, c = 0) lowers the distance of the turning points from 0."""
+    half = solution.flow(solution.REGIMES["undamped"])
+    lowest = half.x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
+    lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
+    return sp.simplify(x_0 + lowest)
+
+
+def one_sided_velocity() -> Expr:
+    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: the free motion is moved by d.
+
+    Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
+    """
+    return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
+
+
+# --- closed forms ---
+
+
+def closed(expr: Expr, regime: Regime, time: Expr = HALF) -> Expr:
+    """Put in the closed forms of E0, E1, E2 in a damping regime, at a time."""
+    basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in BASIS[:3]}
+    return expr.subs(basis).subs(regime.parameters())
+
+
+def den_hartog_damped() -> HalfPeriod:
+    """Return G and H as Den Hartog has them for 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
+    decay, turn = h * HALF, omega_d * HALF
+    below = sp.cosh(decay) + sp.cos(turn)
+    slow = sp.sinh(decay) - h / omega_d * sp.sin(turn)
+    return HalfPeriod(slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below)
+
+
+def den_hartog_undamped() -> dict[Expr, Expr]:
+    """Return V, U (which is H), and S (which is r^2 B, in U) as Den Hartog has them for c = 0."""
+    waves = sp.cos(phi) - sp.cos(phi / r)
+    return {
+        V: 1 / (1 - r**2),
+        U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r
+        S: r * sp.sin(phi / r) / sp.sin(phi) + r**2 * U * waves / sp.sin(phi),
+    }

@@ -1,0 +1,174 @@
+"""Published results against this package: amplitudes, stability, borders, resonance, decay, continua, rests."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+import pytest
+
+from symosc import simulate
+from symosc.derive import published
+from symosc.derive.comparisons import RESTING
+from symosc.derive.published import MP, Formulas, wall
+from symosc.errors import ParameterError
+from symosc.orbits.find import find_orbit
+from symosc.orbits.floquet import rest_positions
+
+
+def random_walls(count: int, seed: int, share: tuple[float, float]) -> list[tuple]:
+    """Return random (c, Omega, F), F a random part of the border's between the shares; four decimals each."""
+    dice = random.Random(seed)
+    found = []
+    while len(found) < count:
+        Omega, c = f"{dice.uniform(0.25, 2.5):.4f}", f"{dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 3))):.3f}"
+        border = float(Formulas(wall(1, Omega, c)).border())
+        F = f"{border * dice.uniform(*share):.4f}"
+        if float(F) > 0.001:
+            found.append((c, Omega, F))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("c", "F", "Omega", "x_0"),
+    [
+        ("0", "0.4", "1.5", 0.6531972647421811),
+        ("0.2", "0.4", "1.5", 0.5488324917917096),
+        ("0.1", "0.25", "0.6", 1.487067086810845),
+    ],
+)
+def test_amplitudes_known_from_elsewhere(c: str, F: str, Omega: str, x_0: float) -> None:
+    p = wall(F, Omega, c)
+    assert float(Formulas(p).amplitude()) == pytest.approx(x_0, rel=3e-16)
+    assert max(x for _, x in find_orbit(p, "P32").points) == pytest.approx(x_0, rel=1e-12)
+
+
+def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
+    """Random systems of all regimes of damping: in doubles to 1e-12, and some with 30 digits to 1e-27."""
+    for i, (c, Omega, F) in enumerate(random_walls(8, 20, (0.05, 0.9))):
+        p = wall(F, Omega, c)
+        formulas = Formulas(p)
+        digits, tolerance = (30, 1e-27) if i < 2 else (None, 1e-12)
+        orbit = find_orbit(p, "P32", digits=digits)
+        assert orbit.admissible, (c, Omega, F)
+        highest, lowest = max(x for _, x in orbit.points), min(x for _, x in orbit.points)
+        assert abs(MP.mpf(highest) / formulas.amplitude() - 1) < tolerance
+        assert abs(MP.mpf(lowest) / formulas.amplitude() + 1) < tolerance
+        one, other = orbit.multipliers
+        trace, determinant = formulas.trace_and_determinant()
+        assert abs(MP.mpf((one + other).real) - trace) < tolerance
+        assert abs(MP.mpf((one * other).real) - determinant) < tolerance
+
+
+def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
+    for c, Omega, F in random_walls(4, 21, (1, 1)):
+        border = Formulas(wall(1, Omega, c)).border()
+        for part, is_orbit in (("0.999999", True), ("1.000001", False)):
+            p = wall(Fraction(str(MP.nstr(border, 18))) * Fraction(part), Omega, c)
+            assert find_orbit(p, "P32").admissible == is_orbit, (c, Omega, F, part)
+
+
+@pytest.mark.parametrize(("Omega", "border"), [("1.5", 0.64657909), ("0.8", 0.81740639)])
+def test_borders_known_from_elsewhere(Omega: str, border: float) -> None:
+    assert float(Formulas(wall(1, Omega)).border()) == pytest.approx(border, abs=6e-9)
+
+
+def test_the_largest_bound_is_the_largest() -> None:
+    """Against a dense grid, also where the maximum is next to the turning point (c = 0.2, r = 0.4429)."""
+    dice = random.Random(22)
+    systems = [(f"{dice.uniform(0.2, 2):.4f}", f"{dice.uniform(0, 1):.3f}") for _ in range(5)]
+    for Omega, c in [*systems, ("0.4429", "0.2"), ("0.8", "0"), ("0.3", "0")]:
+        formulas = Formulas(wall(1, Omega, c))
+        largest, angle = formulas.largest_slide_bound()
+        seen = max(formulas.slide_bound(at) for at in np.linspace(1e-4, pi - 1e-4, 150))
+        assert seen <= largest * (1 + 1e-9)
+        near = formulas.slide_bound(max(angle, MP.mpf("1e-12")))
+        assert abs(near - largest) < 1e-8 * abs(largest)
+
+
+@pytest.mark.parametrize(("F", "P"), [("0.5", "1"), ("0.3", "0.5"), ("0.1", "0.2")])
+def test_growth_at_resonance(F: str, P: str) -> None:
+    expected = pi * float(P) - 4 * float(F)
+    for digits, tolerance in ((30, 1e-26), (None, 1e-13)):
+        exact = MP.pi * MP.mpf(P) - 4 * MP.mpf(F) if digits else expected
+        rises = published.resonance_growth(F, P, digits)
+        assert len(rises) >= 5
+        assert all(abs(MP.mpf(rise) - exact) < tolerance * 40 for rise in rises)
+
+
+def test_free_decay() -> None:
+    """Random starts: 2 F/k less each half cycle, and at rest inside |x| <= F/k."""
+    dice = random.Random(23)
+    for _ in range(6):
+        F, start = Fraction(dice.randint(50, 200), 1000), Fraction(dice.randint(1000, 2000), 1000)
+        path = simulate(wall(F, 1, P=0), t0=0, x0=start, v0=0, t_end=200)
+        distances = [float(start), *(abs(event.x) for event in path.events)]
+        signs = [x > 0 for x in (float(start), *(event.x for event in path.events))]
+        assert path.status == "equilibrium"
+        assert distances[-1] <= float(F) * (1 + 1e-12)
+        assert all(distance > float(F) for distance in distances[:-1])
+        falls = -np.diff(
+            [distance if same else -distance for distance, same in zip(distances, _turns(signs), strict=True)]
+        )
+        assert falls == pytest.approx(2 * float(F), rel=1e-12)
+
+
+def _turns(signs: list[bool]) -> list[bool]:
+    """Return whether each turning point is on the side that half cycles lead to: only the last one may not be."""
+    return [sign == (i % 2 == 0) for i, sign in enumerate(signs)]
+
+
+@pytest.mark.parametrize(("n", "F"), [(1, "0.1"), (2, "0.02")])
+def test_the_continuum(n: int, F: str) -> None:
+    """Members inside are marginal orbits; those outside are none."""
+    half, x_f = 1 / (1 - Fraction(1, 4 * n * n)), Fraction(F)
+    end = half / (4 * n * n) - x_f
+    for part in ("-0.99", "-0.5", "0", "0.3", "0.99"):
+        orbit = published.one_sided_orbit(F, n, Fraction(part) * end)
+        middle = float(Fraction(part) * end)
+        assert [x for _, x in orbit.points] == pytest.approx([middle + float(half), middle - float(half)], rel=1e-12)
+        assert orbit.admissible
+        assert orbit.stable is None
+        assert orbit.multipliers[0] == pytest.approx(1, abs=1e-12)
+    for part in ("-1.01", "1.01"):
+        assert not published.one_sided_orbit(F, n, Fraction(part) * end).admissible
+    assert published.one_sided_end(F, n) == pytest.approx(float(end), abs=1e-7)
+
+
+def test_turning_points_of_the_continuum_at_one_half() -> None:
+    for middle in (Fraction(-1, 5), Fraction(1, 10)):
+        path = simulate(wall("0.1", "0.5"), t0=0, x0=middle + Fraction(4, 3), v0=0, t_end=60, digits=30)
+        points = [MP.mpf(event.x) - MP.mpf(middle.numerator) / middle.denominator for event in path.events]
+        assert len(points) >= 4
+        assert all(abs(abs(x) - MP.mpf(4) / 3) < 1e-26 for x in points)
+
+
+def test_one_stop_per_cycle_beside_the_continuum() -> None:
+    """It gets shorter for ever, and the motion tends to the end of the continuum."""
+    lengths = published.one_sided_stops("0.1", 1, Fraction(3, 10), 150)
+    assert len(lengths) in (150, 151)
+    assert all(after < before for before, after in pairwise(lengths[3:]))
+    assert 0 < lengths[-1] < 0.2 < lengths[3]
+
+
+def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
+    """So the map over a period is the identity there: multiplier 1. From outside the mass comes to the interval."""
+    low, high = rest_positions(RESTING, 1)
+    assert (low, high) == (Fraction(-4, 5), 1)
+    for x in (0, Fraction(1, 2), Fraction(-3, 5), low, high):
+        path = simulate(RESTING, t0=0, x0=x, v0=0, t_end=100)
+        assert not path.events
+        assert path(np.linspace(0, 100, 7))[0].tolist() == [float(x)] * 7
+    for x in (-3, Fraction(-9, 10), Fraction(11, 10), 4):
+        path = simulate(RESTING, t0=0, x0=x, v0=0, t_end=100)
+        assert path.events
+        assert float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01  # it may creep there for ever
+
+
+@pytest.mark.parametrize(("change", "name"), [({"Omega": 1}, "Omega"), ({"k": 0}, "k")])
+def test_formulas_say_where_there_is_no_such_motion(change: dict, name: str) -> None:
+    with pytest.raises(ParameterError, match=f"^{name} "):
+        Formulas(wall("0.1", "0.5").replace(**change))
