@@ -28,7 +28,6 @@ MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
 #: The domains below and above each boundary.
 NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
-SIDES = NEIGHBOURS
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

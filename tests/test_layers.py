@@ -138,28 +138,36 @@ def test_no_two_classes_have_one_name() -> None:
 
 #: Constants that every module of a kind has: the solvers of a peer, the title of a chapter.
 OF_EACH = {"SOLVERS", "TITLE"}
-#: Packages that draw and write pages; their names are looked at apart.
+#: Packages that draw and write pages. Beside numbers they have words, colours and symbols, each for its own page.
 PAGES = {"plot", "derive", "paper"}
 
 
-def constants(path: Path) -> Iterator[str]:
-    """Yield the names in capitals that a module gives a value."""
+def is_number(value: ast.expr) -> bool:
+    """Return whether a value is a number, or a tuple of numbers."""
+    parts = (ast.Constant, ast.UnaryOp, ast.BinOp, ast.Tuple, ast.operator, ast.unaryop, ast.expr_context)
+    numbers = (not isinstance(node, ast.Constant) or isinstance(node.value, int | float) for node in ast.walk(value))
+    return all(isinstance(node, parts) for node in ast.walk(value)) and all(numbers)
+
+
+def constants(path: Path, numbers_only: bool) -> Iterator[str]:
+    """Yield the names in capitals that a module gives a value; a single letter is a symbol of a formula."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         targets = node.targets if isinstance(node, ast.Assign) else []
         if isinstance(node, ast.AnnAssign) and node.value is not None:
             targets = [node.target]
         for target in targets:
             names = target.elts if isinstance(target, ast.Tuple) else [target]
-            yield from (name.id for name in names if isinstance(name, ast.Name) and name.id.isupper())
+            if is_number(node.value) or not numbers_only:
+                found = (name.id for name in names if isinstance(name, ast.Name) and name.id.isupper())
+                yield from (name for name in found if len(name) > 1)
 
 
 def test_a_constant_is_defined_once() -> None:
     """So its name says what it bounds, and no two modules mean different numbers by it."""
     homes: dict[str, set[str]] = {}
     for name, path in MODULES.items():
-        if name.split(".")[0] not in PAGES:
-            for constant in set(constants(path)) - OF_EACH:
-                homes.setdefault(constant, set()).add(name)
+        for constant in set(constants(path, name.split(".")[0] in PAGES)) - OF_EACH:
+            homes.setdefault(constant, set()).add(name)
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}
 
 

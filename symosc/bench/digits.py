@@ -19,7 +19,7 @@ from symosc.simulation.simulate import simulate
 
 MOTIONS, QUICK_MOTIONS = 2_000, 300
 EVENTS = 100_000
-SETS, PERIODS = 300, 50
+SETS, SWEPT_PERIODS = 300, 50
 ASKED_DIGITS, WORKING_DIGITS = 30, 40  # the second is what `simulate` computes with when the first is asked for
 
 
@@ -70,7 +70,7 @@ def _many(motions: int, repeats: int) -> dict[str, Any]:
 def _sweep(repeats: int) -> dict[str, Any]:
     p = load_scene("fig9").parameters
     sets = [p.replace(Omega=1 + Fraction(5 * n, SETS - 1)) for n in range(SETS)]
-    ends = [PERIODS * 2 * pi / float(each.Omega) for each in sets]
+    ends = [SWEPT_PERIODS * 2 * pi / float(each.Omega) for each in sets]
     default, as_it_is = _in_turns(
         repeats,
         lambda: simulate_many(sets, (0, 0, 0), ends),
@@ -118,7 +118,7 @@ def table(result: dict[str, Any]) -> str:
         [
             f"fig8 in simulate_many, {r['motions']} motions: {r['fig8_us']:.1f} us per event, "
             f"{r['fig8_over_fig5']:.1f} times fig5's {r['fig5_us']:.2f}",
-            f"{SETS} values of Omega, {PERIODS} periods of fig9: {r['sweep_sets_per_s']:.0f} per second, "
+            f"{SETS} values of Omega, {SWEPT_PERIODS} periods of fig9: {r['sweep_sets_per_s']:.0f} per second, "
             f"{r['sweep_default_over_inf']:.2f} times the time without more digits",
             f"simulate fig8: {r['simulate_fig8_us']:.0f} us per event, "
             f"{r['simulate_fig8_as_doubles_us']:.0f} in doubles alone",

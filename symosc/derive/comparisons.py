@@ -49,7 +49,7 @@ CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
 #: Digits of the orbits, and decimals that are worth printing.
-DIGITS, SHOWN, SHOWN_BORDER = 30, 14, 7
+COMPARISON_DIGITS, SHOWN_DECIMALS, SHOWN_BORDER = 30, 14, 7
 CLOSED, BORDER, TINY = 1e-12, 1e-7, 1e-4
 
 
@@ -75,7 +75,7 @@ class Value(NamedTuple):
     case: str
     formula: Any
     package: Any
-    decimals: int = SHOWN
+    decimals: int = SHOWN_DECIMALS
     tolerance: float = CLOSED
     said: str = ""
 
@@ -96,7 +96,7 @@ def amplitudes() -> list[Value]:
     found = []
     for c, F, Omega in AMPLITUDES:
         p = wall(F, Omega, c)
-        highest = max(point.x for point in published.slide_orbit(p, DIGITS).points)
+        highest = max(point.x for point in published.slide_orbit(p, COMPARISON_DIGITS).points)
         found.append(Value("x_0", _damped(c, F, Omega), Formulas(p).amplitude(), highest))
     return found
 
@@ -106,7 +106,7 @@ def multipliers() -> list[Value]:
     found = []
     for c, F, Omega in AMPLITUDES:
         p = wall(F, Omega, c)
-        one, other = published.slide_orbit(p, DIGITS).multipliers
+        one, other = published.slide_orbit(p, COMPARISON_DIGITS).multipliers
         names = (r"\lambda_1 + \lambda_2", r"\lambda_1 \lambda_2")
         numbers = zip(names, Formulas(p).trace_and_determinant(), (one + other, one * other), strict=True)
         found += [Value(name, _damped(c, F, Omega), formula, value.real) for name, formula, value in numbers]

@@ -85,7 +85,7 @@ def rows(display: Display, scope: Scope) -> list[tuple[list[str], Numbered]]:
         lines = line_breaks.lines(statement, decimals, left)
         if each.step.note:
             joined = rf"{lines[-1]} \quad\text{{{each.step.note}}}"
-            if line_breaks.width(lines[-1]) + 0.7 * len(plain_words(each.step.note)) < line_breaks.LINE - 4:
+            if line_breaks.width(lines[-1]) + 0.7 * len(plain_words(each.step.note)) < line_breaks.LINE_WIDTH - 4:
                 lines[-1] = joined
             else:
                 lines.append(rf"&\quad \text{{{each.step.note}}}")

@@ -21,9 +21,9 @@ from symosc.files import write_text
 from symosc.scenes import Scene
 
 #: Folders beside the main document: its chapters, and its figures.
-FOLDER, PICTURES = "chapters", "figures"
+FRAGMENTS_FOLDER, PICTURES = "chapters", "figures"
 MAIN, BIBTEX, PAGE = "derivations.tex", "references.bib", "derivations.html"
-SUFFIXES = {"latex": ".tex", "html": ".html", "markdown": ".md", "text": ".txt"}
+PAGE_SUFFIXES = {"latex": ".tex", "html": ".html", "markdown": ".md", "text": ".txt"}
 
 
 class Part(NamedTuple):
@@ -137,7 +137,7 @@ FORMATS: dict[str, Callable[..., str]] = {
 def main_document(chapters: list[Checked], scope: Scope) -> str:
     """Return the document that reads the chapters in."""
     body = "".join(as_latex(each, scope) for each in chapters)
-    return front.document(chapters, scope, body, FOLDER, numbers_of(chapters))
+    return front.document(chapters, scope, body, FRAGMENTS_FOLDER, numbers_of(chapters))
 
 
 def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: str = "latex") -> list[Path]:
@@ -152,10 +152,10 @@ def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: st
         _make(folder)
         return [write_text(folder / PAGE, as_page(chapters, scope))]
     numbers = numbers_of(chapters)
-    target = folder / FOLDER if form == "latex" else folder
+    target = folder / FRAGMENTS_FOLDER if form == "latex" else folder
     _make(target)
     paths = [
-        write_text(target / f"{chapter.key}{SUFFIXES[form]}", FORMATS[form](chapter, scope, numbers))
+        write_text(target / f"{chapter.key}{PAGE_SUFFIXES[form]}", FORMATS[form](chapter, scope, numbers))
         for chapter in chapters
     ]
     if form == "latex":

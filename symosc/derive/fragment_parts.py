@@ -11,8 +11,9 @@ from symosc.derive.chapters import domains, motion
 from symosc.derive.fragment_scope import FragmentScope
 from symosc.derive.latex import latex, named
 from symosc.derive.paper_form import paper_form
-from symosc.derive.scope import BELTS, SIDES
+from symosc.derive.scope import BELTS
 from symosc.derive.steps import Exact, Prose, Solves, Step, equation
+from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps as symbolic_maps
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, A, Omega, a_i, m, t, tau, theta_i, v, v_i, x, x_i
@@ -166,7 +167,7 @@ def _stick_map(label: str) -> Iterator[Any]:
     yield equation(
         f1, ride, "", Exact({f1: x_i + sp.integrate(speed, (tau, 0, tau)) - symbolic_maps.x_j}, sp.expand), label="f1"
     )
-    for alpha in SIDES[belt]:
+    for alpha in NEIGHBOURS[belt]:
         f2 = named(f"f_2^{{({alpha})}}")
         at = {v: speed, x: symbolic_maps.x_j, Omega * t: symbolic_maps.theta_j}
         right = sp.expand(m * motion.acceleration(alpha).subs(at))

@@ -15,9 +15,10 @@ from symosc.derive.chapters import grazing, jacobians, motion, sticks, switching
 from symosc.derive.fragment_parts import BASIS_TEXT, constant, map_items, motion_items
 from symosc.derive.fragment_scope import FragmentScope
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, SIDES, F, G, v_lambda
+from symosc.derive.scope import BELTS, F, G, v_lambda
 from symosc.derive.steps import Each, Exact, Prose, Relation, Sign, Step, equation
 from symosc.mappings.theorem7_cases import PLACES
+from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import (
     B0,
@@ -89,7 +90,7 @@ def _stick(scope: FragmentScope) -> Iterator[Any]:
         r"It ends where the first of the two changes its sign, and the mass slips into that domain. On belt 1"
     )
     for belt in (1, 2):
-        for alpha in SIDES[belt]:
+        for alpha in NEIGHBOURS[belt]:
             at = {v: BELTS[belt], Omega * t: theta}
             right = sp.expand(m * motion.acceleration(alpha).subs(at))
             reason = "and on belt 2" if (belt, alpha) == (2, 2) else ""

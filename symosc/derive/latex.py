@@ -19,7 +19,7 @@ Expr = Any  # sympy ships no types
 
 
 _dot, _x = r"\dot{x}", "x_{i+1}"
-NAMES = {
+LATEX_NAMES = {
     solution.v: _dot,
     solution.v_i: rf"{_dot}_{{i}}",
     solution.a_i: r"\ddot{x}_{i}",
@@ -100,8 +100,8 @@ class PaperPrinter(LatexPrinter):
         self.decimals = decimals
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
-        if expr in NAMES:
-            return NAMES[expr]
+        if expr in LATEX_NAMES:
+            return LATEX_NAMES[expr]
         if re.search(r"[\\{^]", expr.name):
             return str(expr.name)
         return re.sub(r"_\{(\w|\\[a-z]+)\}", r"_\1", super()._print_Symbol(expr))
@@ -308,7 +308,7 @@ class PlainPrinter(StrPrinter):
     """sympy's text with the letters of the LaTeX output, without its braces; numbers as decimals where they end."""
 
     def _print_Symbol(self, expr: Expr) -> str:
-        name = NAMES.get(expr, expr.name)
+        name = LATEX_NAMES.get(expr, expr.name)
         return plain_math(name) if re.search(r"[\\{^]", name) else str(name)
 
     def _print_Interval(self, expr: Expr) -> str:

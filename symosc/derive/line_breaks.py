@@ -13,7 +13,7 @@ from symosc.derive.steps import Relation
 Expr = Any  # sympy ships no types
 
 # Width of a line of mathematics, in units of a digit; the text is 16 cm wide and a number stands behind.
-LINE = 70.0
+LINE_WIDTH = 70.0
 
 _NARROW = {",": 0.6, ".": 0.6, "(": 0.8, ")": 0.8, "|": 0.6, "'": 0.5, "[": 0.6, "]": 0.6}
 _WIDE = {r"\Omega": 1.5, r"\quad": 2.0, r"\qquad": 4.0, r"\,": 0.4, r"\;": 0.6, r"\omega": 1.3, r"\theta": 1.0}
@@ -86,7 +86,7 @@ def lines(statement: Relation, decimals: bool = False, left_width: float | None 
     """
     left = latex(statement.left, decimals)
     taken = width(left) if left_width is None else left_width
-    rows = _broken(statement.right, decimals, max(LINE - taken - 4.0, 0.3 * LINE))
+    rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))
     return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
 
 

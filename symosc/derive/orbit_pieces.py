@@ -10,9 +10,9 @@ import sympy as sp
 
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, SIDES, Scope
-from symosc.derive.steps import CONTEXT, DIGITS
-from symosc.model import Parameters
+from symosc.derive.scope import BELTS, Scope
+from symosc.derive.steps import CONTEXT, STEP_DIGITS
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import BASIS, Omega, a_i, tau, theta_i, v_i, x_i
@@ -22,7 +22,7 @@ from symosc.words import Map, read_word
 @cache
 def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
     """Return the switching points (x, theta) of the orbit, 50 digits, found by the numeric package."""
-    orbit = find_orbit(parameters, word, digits=DIGITS + 5)
+    orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
     turn = CONTEXT.mpf(parameters.Omega.numerator) / parameters.Omega.denominator
     return tuple((x, turn * t) for t, x in orbit.points)
 
@@ -45,7 +45,7 @@ def equations(scope: Scope, word: str) -> tuple[tuple[Map, Any, Any, dict[Any, A
         meaning: dict[Any, Any] = {duration: (end_phase - here[1]) / Omega}
         after_stick = rows[i - 1].sticks
         if row.sticks:
-            domain = SIDES[row.end.boundary][0 if leaves == "below" else 1]
+            domain = NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1]
             f1 = maps.stick_residual()["f1"].xreplace({v_i: start})
             f2 = force(domain, maps.x_j, start, maps.theta_j)
         else:
@@ -81,9 +81,9 @@ def point(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
     values: dict[Any, Any] = {}
     for i, (x, theta) in enumerate(root(scope.parameters, word)):
         for letter, number in zip(letters_of(i), (x, theta), strict=True):
-            values[letter] = sp.Float(CONTEXT.nstr(number, DIGITS + 8), DIGITS + 10)
+            values[letter] = sp.Float(CONTEXT.nstr(number, STEP_DIGITS + 8), STEP_DIGITS + 10)
     for name, value in meaning.items():
-        values[name] = sp.N(value.subs(values), DIGITS + 10)
+        values[name] = sp.N(value.subs(values), STEP_DIGITS + 10)
     return values
 
 

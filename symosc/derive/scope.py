@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.latex import named
-from symosc.model import Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.scenes import Scene
 from symosc.symbolic import solution
 from symosc.symbolic.theorem7 import rational
@@ -20,7 +20,6 @@ Expr = Any  # sympy ships no types
 v1, v2 = sp.symbols("v_1 v_2", real=True)
 v_lambda = sp.Symbol("v_lambda", real=True)
 BELTS = {1: v1, 2: v2}
-SIDES = {1: (1, 2), 2: (2, 3)}
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class Scope:
         """The domains that occur: of the maps, and on both sides of their belts."""
         if self.scene is None:
             return 1, 2, 3
-        return tuple(sorted({side for boundary in self.boundaries for side in SIDES[boundary]}))
+        return tuple(sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]}))
 
     @cached_property
     def boundaries(self) -> tuple[int, ...]:

@@ -24,9 +24,9 @@ from symosc.symbolic import solution
 
 Expr = Any  # sympy ships no types
 
-DIGITS = 50
-CONTEXT = mp_context(DIGITS + 10)
-POINTS = 24
+STEP_DIGITS = 50
+CONTEXT = mp_context(STEP_DIGITS + 10)
+STEP_POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
 STEP_AGREEMENT = CONTEXT.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
@@ -318,7 +318,7 @@ def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
     return expr
 
 
-def points(expr: Expr, sample: Any = None, count: int = POINTS) -> Iterator[dict[Expr, Any]]:
+def points(expr: Expr, sample: Any = None, count: int = STEP_POINTS) -> Iterator[dict[Expr, Any]]:
     """Yield random points that the assumptions on the letters (or `sample`) allow, always the same ones."""
     letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
     dice = random.Random(20161031)
@@ -336,7 +336,7 @@ def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
     value = expr.subs(point, simultaneous=True)
     if value.free_symbols:
         raise StepError(str(expr), f"{sorted(map(str, value.free_symbols))} have no value")
-    number = sp.N(value, DIGITS + 10, maxn=400)
+    number = sp.N(value, STEP_DIGITS + 10, maxn=400)
     if not number.is_real:
         raise StepError(str(expr), f"is not real at {point}")
     return CONTEXT.mpf(number._to_mpmath(CONTEXT.prec))

@@ -23,7 +23,7 @@ from symosc.symbolic.theorem7 import rational
 WIDTH = 1e-8
 #: Cycles after which a motion is looked at, and what it may then still change by in a cycle.
 SEEN_AFTER = 60
-SETTLING, SETTLED = (8, 30, 120, 480), 1e-12
+SETTLING, SETTLED_DIFFERENCE = (8, 30, 120, 480), 1e-12
 
 
 @cache
@@ -33,7 +33,7 @@ def stops(parameters: Parameters) -> int | None:
     for cycles in SETTLING:
         path = simulate(parameters, t0=0, x0=0, v0=0, t_end=Fraction((cycles + 2) * turn), accuracy=1e-6)
         before, after = path((cycles + 0.5) * turn), path((cycles + 1.5) * turn)
-        if np.abs(after - before).max() < SETTLED * (1 + np.abs(after).max()):
+        if np.abs(after - before).max() < SETTLED_DIFFERENCE * (1 + np.abs(after).max()):
             onsets = [event.t / turn for event in path.events if event.kind == "stick"]
             return sum(cycles + 0.5 <= onset < cycles + 1.5 for onset in onsets)
     return None

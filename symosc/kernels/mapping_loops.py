@@ -15,7 +15,7 @@ from symosc.kernels.mapping import flight, flight_slopes, stick, stick_slopes
 BLOCK = 256
 
 # What evaluates the entire functions at a point: the formulas of `symosc.kernels.entire_branchless`, in their order.
-CLOSED, DIVISION, MIXED, SERIES = range(4)
+CLOSED_FORM, DIVISION, MIXED, SERIES = range(4)
 WIDE = 4  # `symosc.kernels.entire.basis`, with the C library's functions
 BACKWARD = 5  # nothing: theta_j < theta_i
 KINDS = 6
@@ -34,7 +34,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
         elif K.rate * tau < SERIES_BELOW:
             kind = SERIES
         elif K.apart and K.w0 * tau >= APART_ABOVE:
-            kind = CLOSED
+            kind = CLOSED_FORM
         else:
             kind = MIXED if K.rate0 * tau < SERIES_BELOW else DIVISION
         kinds[n] = kind

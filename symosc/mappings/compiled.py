@@ -11,9 +11,9 @@ from symosc.engine import arithmetic, binding
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import _generated, elementary, entire, entire_array, entire_branchless, mapping, mapping_loops
-from symosc.kernels.mapping_loops import BACKWARD, CLOSED, KINDS, WIDE
+from symosc.kernels.mapping_loops import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, check_parameters
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.words import MAPS, Map, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
@@ -153,7 +153,9 @@ class CompiledResidual:
         name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
         if row.sticks:
             wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
-            _loops(WIDE if wide else CLOSED)[name](points, *_belt_and_sides(row, self._K, self.exit), self._K, *results)
+            _loops(WIDE if wide else CLOSED_FORM)[name](
+                points, *_belt_and_sides(row, self._K, self.exit), self._K, *results
+            )
             return f, J
         kinds = np.empty(n, dtype=np.uint8)
         counts = _loops(WIDE)["kinds_of"](points[1], points[3], self._K, kinds)
@@ -182,7 +184,7 @@ def _speeds_and_domain(row: Map, K: Constants) -> tuple[tuple[float, float], flo
 
 
 def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tuple[float, float]]:
-    below, above = ((K.A1, K.A2, K.A3)[domain - 1] for domain in SIDES[row.start.boundary])
+    below, above = ((K.A1, K.A2, K.A3)[domain - 1] for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
     return _belt(K, row.start.boundary).v, sides
 

@@ -32,7 +32,7 @@ MARKS = "Blue circles: onset of a stick; green squares: its end."
 LETTERS = {"Omega": "Ω", "mu1": "μ1", "mu2": "μ2"}
 # A start with more digits than that is cut in captions.
 START_DIGITS = 12
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float, digits: int = 5) -> str:
@@ -40,7 +40,7 @@ def number(value: float, digits: int = 5) -> str:
     text = f"{value:.{digits}g}"
     mantissa, _, exponent = text.partition("e")
     if exponent:
-        power = "10" + str(int(exponent)).translate(SUPERSCRIPTS)
+        power = "10" + str(int(exponent)).translate(POWERS)
         return power if mantissa == "1" else f"{mantissa}·{power}".replace("-", "−")
     return mantissa.replace("-", "−")
 
@@ -221,7 +221,7 @@ def _distance(orbit: str) -> str:
 
 
 def _F(domain: int) -> str:
-    return f"F⁽{str(domain).translate(SUPERSCRIPTS)}⁾"
+    return f"F⁽{str(domain).translate(POWERS)}⁾"
 
 
 def _span(contact: Contact) -> str:

@@ -14,7 +14,7 @@ from symosc.derive.chapters import CHAPTERS
 from symosc.errors import SymoscError
 from symosc.paper.evidence import CORRECTED, NOT_AS_PRINTED, VERDICTS, Evidence
 
-FOLDER = Path(__file__).parent / "claims"
+CLAIMS_FOLDER = Path(__file__).parent / "claims"
 CHECKS = "symosc.paper.checks"
 #: The files, in the order in which they are read, and what each one is about.
 PARTS = {
@@ -139,7 +139,7 @@ class Unjudged:
 Record = TypeVar("Record", Erratum, Unjudged)
 
 
-def read_claims(pictures: Collection[str], folder: Path = FOLDER, checks: str = CHECKS) -> tuple[Claim, ...]:
+def read_claims(pictures: Collection[str], folder: Path = CLAIMS_FOLDER, checks: str = CHECKS) -> tuple[Claim, ...]:
     """Read all claims, in the order of PARTS.
 
     Parameters
@@ -175,7 +175,7 @@ def read_claims(pictures: Collection[str], folder: Path = FOLDER, checks: str = 
     return tuple(claims.values())
 
 
-def read_errata(folder: Path = FOLDER) -> tuple[Erratum, ...]:
+def read_errata(folder: Path = CLAIMS_FOLDER) -> tuple[Erratum, ...]:
     """Read the errata, in the order in which the letter to the authors lists them: that of the paper."""
     found = _records(folder, ERRATA, "erratum", Erratum)
     for erratum in found:
@@ -186,7 +186,7 @@ def read_errata(folder: Path = FOLDER) -> tuple[Erratum, ...]:
     return found
 
 
-def read_unjudged(folder: Path = FOLDER) -> tuple[Unjudged, ...]:
+def read_unjudged(folder: Path = CLAIMS_FOLDER) -> tuple[Unjudged, ...]:
     """Read what gets no verdict."""
     return _records(folder, UNJUDGED, "part", Unjudged)
 

@@ -15,18 +15,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.plot.drawing import STYLE
-from symosc.plot.panels import BELT, END, MASS, ONSET
+from symosc.plot.panels import BELT_COLOR, END_COLOR, MASS_COLOR, ONSET_COLOR
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import MAPS
 
-WIDTH = 3.6  # inches: one column of a page, and legible on a phone
-THIN, LINE, THICK = 0.6, 1.1, 2.4
+COLUMN_WIDTH = 3.6  # inches: one column of a page, and legible on a phone
+THIN_WEIGHT, LINE_WEIGHT, THICK_WEIGHT = 0.6, 1.1, 2.4
 GREY = "#666666"
-POINTS = 200
+DRAWN_POINTS = 200
 LEVELS = (r"$-(\mu_1+\mu_2)F_N$", r"$(\mu_1-\mu_2)F_N$", r"$(\mu_1+\mu_2)F_N$")
 BOX = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 SHADES = ("#eef3fb", "#fdfdfd", "#fbf1ee")  # of domains 1, 2 and 3
@@ -60,7 +60,7 @@ MAPPING_NAMES = {
 }
 MAPPING_SPAN = 3
 #: Start and end of a mapping: shape and colour.
-ENDS = (("o", ONSET), ("s", END))
+ENDS = (("o", ONSET_COLOR), ("s", END_COLOR))
 
 
 # --- Fig. 1 ---
@@ -74,20 +74,22 @@ def fig1() -> Figure:
     matplotlib.figure.Figure
     """
     with rc_context(STYLE):
-        drawing = Figure(figsize=(WIDTH, 2.0))
+        drawing = Figure(figsize=(COLUMN_WIDTH, 2.0))
         ax = _canvas(drawing, (-0.5, 11.7), (-3.4, 3.4))
         _wall(ax, 0.0, (-1.1, 1.1))
         _spring(ax, (0.0, 0.45), 4.7)
         ax.text(1.3, 0.85, "$k$", ha="center", va="bottom")
         _damper(ax, (0.0, -0.45), 4.7)
         ax.text(1.3, -0.8, "$c$", ha="center", va="top")
-        ax.add_patch(Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS, lw=LINE, zorder=3))
+        ax.add_patch(
+            Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE_WEIGHT, zorder=3)
+        )
         ax.text(5.7, 0.0, "$m$", ha="center", va="center", fontsize=11, zorder=4)
         for side, number in ((1, 2), (-1, 1)):
             _belt(ax, side, number)
-        _arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS)
+        _arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
         ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
-        _arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
+        _arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN_WEIGHT)
         ax.text(7.75, -0.5, "$x$", ha="left", va="center")
     return drawing
 
@@ -105,7 +107,7 @@ def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color
     look: dict[str, Any] = {
         "arrowstyle": "-|>",
         "mutation_scale": 8.0,
-        "lw": LINE,
+        "lw": LINE_WEIGHT,
         "shrinkA": 0.0,
         "shrinkB": 0.0,
     } | style
@@ -113,9 +115,9 @@ def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color
 
 
 def _wall(ax: Axes, x: float, y: tuple[float, float]) -> None:
-    ax.plot([x, x], y, color="black", lw=LINE)
+    ax.plot([x, x], y, color="black", lw=LINE_WEIGHT)
     for low in np.linspace(y[0], y[1] - 0.3, 7):
-        ax.plot([x - 0.35, x], [low, low + 0.3], color="black", lw=THIN)
+        ax.plot([x - 0.35, x], [low, low + 0.3], color="black", lw=THIN_WEIGHT)
 
 
 def _spring(ax: Axes, start: tuple[float, float], end: float) -> None:
@@ -123,16 +125,16 @@ def _spring(ax: Axes, start: tuple[float, float], end: float) -> None:
     x = np.linspace(start[0] + lead, end - lead, 4 * turns + 1)
     y = start[1] + height * np.sin(np.arange(4 * turns + 1) * np.pi / 2)
     x, y = (np.concatenate(parts) for parts in (([start[0]], x, [end]), ([start[1]], y, [start[1]])))
-    ax.plot(x, y, color="black", lw=LINE, solid_joinstyle="round")
+    ax.plot(x, y, color="black", lw=LINE_WEIGHT, solid_joinstyle="round")
 
 
 def _damper(ax: Axes, start: tuple[float, float], end: float) -> None:
     x, y = start
     left, right, half = 1.35, 2.35, 0.24
-    ax.plot([x, left], [y, y], color="black", lw=LINE)
-    ax.plot([right, left, left, right], [y + half, y + half, y - half, y - half], color="black", lw=LINE)
-    ax.plot([1.95, 1.95], [y - 0.17, y + 0.17], color="black", lw=1.6 * LINE)
-    ax.plot([1.95, end], [y, y], color="black", lw=LINE)
+    ax.plot([x, left], [y, y], color="black", lw=LINE_WEIGHT)
+    ax.plot([right, left, left, right], [y + half, y + half, y - half, y - half], color="black", lw=LINE_WEIGHT)
+    ax.plot([1.95, 1.95], [y - 0.17, y + 0.17], color="black", lw=1.6 * LINE_WEIGHT)
+    ax.plot([1.95, end], [y, y], color="black", lw=LINE_WEIGHT)
 
 
 def _belt(ax: Axes, side: int, number: int) -> None:
@@ -140,21 +142,21 @@ def _belt(ax: Axes, side: int, number: int) -> None:
     contact, radius, centres, mass = 0.9, 0.7, (3.6, 8.9), (4.7, 6.7)
     middle, outer = side * (contact + radius), side * (contact + 2 * radius)
     for centre in centres:
-        ax.add_patch(Circle((centre, middle), radius, facecolor="white", edgecolor=GREY, lw=THIN))
+        ax.add_patch(Circle((centre, middle), radius, facecolor="white", edgecolor=GREY, lw=THIN_WEIGHT))
         ax.plot([centre], [middle], "o", color=GREY, ms=1.8)
         bend = 0.5 * radius * np.exp(1j * np.radians([205, 335]))
         start, end = ((centre + z.real, middle + side * z.imag) for z in bend)
-        _arrow(ax, start, end, GREY, lw=THIN, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
+        _arrow(ax, start, end, GREY, lw=THIN_WEIGHT, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
     turn = np.linspace(-np.pi / 2, np.pi / 2, 60)
     bows = [(centres[1], np.cos(turn), np.sin(turn)), (centres[0], -np.cos(turn), -np.sin(turn))]
     rim = np.vstack([np.column_stack([x + radius * c, middle + radius * s]) for x, c, s in bows])
-    ax.add_patch(Polygon(rim, closed=True, fill=False, edgecolor=BELT, lw=1.5, zorder=2))
+    ax.add_patch(Polygon(rim, closed=True, fill=False, edgecolor=BELT_COLOR, lw=1.5, zorder=2))
     # A shoe behind the strand presses the belt against the mass.
     shoe = sorted((side * (contact + 0.07), side * (contact + 0.25)))
     ax.add_patch(Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0))
     _arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
     ax.text(5.9, outer + side * 0.6, "$F_N$", ha="left", va="center")
-    _arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT)
+    _arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT_COLOR)
     ax.text(7.4, side * (contact + 0.75), f"$v_{number}$", ha="center", va="center")
     ax.text(9.75, middle, f"belt {number}", ha="left", va="center")
 
@@ -180,26 +182,26 @@ def fig2(p: Parameters | None = None) -> Figure:
     reach, height = v2 - v1, max(map(abs, levels)) or 1.0
     edges = v1 - reach, v1, v2, v2 + reach
     with rc_context(STYLE):
-        drawing = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+        drawing = Figure(figsize=(COLUMN_WIDTH, 2.7), layout="constrained")
         ax = drawing.add_subplot()
-        ax.axhline(0.0, color=GREY, lw=THIN, zorder=1)
+        ax.axhline(0.0, color=GREY, lw=THIN_WEIGHT, zorder=1)
         for alpha, (level, name) in enumerate(zip(levels, LEVELS, strict=True), 1):
             low, high = edges[alpha - 1 : alpha + 1]
-            ax.plot([low, high], [level, level], color=MASS, lw=1.6, solid_capstyle="butt", zorder=3, label=name)
+            ax.plot([low, high], [level, level], color=MASS_COLOR, lw=1.6, solid_capstyle="butt", zorder=3, label=name)
             text, side = f"{name}\n$= {level:.4g}$", -1 if alpha == 3 else 1
             place = (low + high) / 2, level + 0.07 * side * height
             ax.text(*place, text, ha="center", va="top" if side < 0 else "bottom")
             ax.text(place[0], -1.3 * height, rf"$\Omega_{alpha}$", ha="center", va="center", color=GREY)
         for belt, speed in ((1, v1), (2, v2)):
-            ax.plot([speed, speed], levels[belt - 1 : belt + 1], color=ONSET, lw=THICK, zorder=4)
-            ax.axvline(speed, color=GREY, lw=THIN, ls=":", zorder=1)
+            ax.plot([speed, speed], levels[belt - 1 : belt + 1], color=ONSET_COLOR, lw=THICK_WEIGHT, zorder=4)
+            ax.axvline(speed, color=GREY, lw=THIN_WEIGHT, ls=":", zorder=1)
         ax.set_xlim(edges[0], edges[-1])
         ax.set_ylim(-1.5 * height, 1.25 * height)
         ax.set_xticks([v1, v2], [f"$v_1 = {v1:g}$", f"$v_2 = {v2:g}$"])
         ax.set_yticks([0.0], ["0"])
         ax.set_xlabel(r"velocity $\dot{x}$")
         ax.set_ylabel("friction force $F_f$")
-        key = [Line2D([], [], color=MASS, lw=1.6), Line2D([], [], color=ONSET, lw=THICK)]
+        key = [Line2D([], [], color=MASS_COLOR, lw=1.6), Line2D([], [], color=ONSET_COLOR, lw=THICK_WEIGHT)]
         words = ["slips: one value", "sticks: any value"]
         ax.legend(key, words, loc="upper left", frameon=False, handlelength=0.9, handletextpad=0.5, borderaxespad=0.2)
     return drawing
@@ -227,7 +229,7 @@ def fig3(scene: str = "fig5") -> Figure:
     x = left - 0.25 * (right - left), right + 0.25 * (right - left)
     v = v1 - 0.9 * (v2 - v1), v2 + 0.9 * (v2 - v1)
     with rc_context(STYLE):
-        drawing = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
         ax = drawing.add_subplot()
         for alpha, (low, high) in enumerate(((v[0], v1), (v1, v2), (v2, v[1])), 1):
             ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
@@ -243,9 +245,11 @@ def fig3(scene: str = "fig5") -> Figure:
                 zorder=5,
             )
         for belt, speed in ((1, v1), (2, v2)):
-            lo, hi = SIDES[belt]
-            ax.axhline(speed, color=BELT, lw=LINE, zorder=2)
-            ax.plot(zones[belt], [speed, speed], color=ONSET, lw=THICK + 0.6, solid_capstyle="butt", zorder=3)
+            lo, hi = NEIGHBOURS[belt]
+            ax.axhline(speed, color=BELT_COLOR, lw=LINE_WEIGHT, zorder=2)
+            ax.plot(
+                zones[belt], [speed, speed], color=ONSET_COLOR, lw=THICK_WEIGHT + 0.6, solid_capstyle="butt", zorder=3
+            )
             ax.text(
                 x[0] + 0.035 * (x[1] - x[0]),
                 speed,
@@ -259,7 +263,7 @@ def fig3(scene: str = "fig5") -> Figure:
         ax.set_ylim(v)
         _phase_axes(ax, v1, v2)
         key = [
-            Line2D([], [], color=ONSET, lw=THICK + 0.6),
+            Line2D([], [], color=ONSET_COLOR, lw=THICK_WEIGHT + 0.6),
             Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8),
         ]
         words = [r"sticks at $\Omega t = 0$", r"direction at $\Omega t = 0$"]
@@ -269,7 +273,7 @@ def fig3(scene: str = "fig5") -> Figure:
 
 def stick_zone(p: Parameters, belt: int) -> tuple[float, float]:
     """Return the displacements at which the mass sticks to a belt at phase 0: F(above) < 0 < F(below) (Theorem 4)."""
-    ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(SIDES[belt])]
+    ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
     return float(ends[0]), float(ends[1])
 
 
@@ -305,7 +309,7 @@ def fig4() -> Figure:
     p = MAPPING_PARAMETERS
     v1, v2 = float(p.v1), float(p.v2)
     with rc_context(STYLE):
-        drawing = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
         ax = drawing.add_subplot()
         for label in MAPPING_STARTS:
             _mapping(ax, label)
@@ -316,7 +320,7 @@ def fig4() -> Figure:
             place = right - 0.025 * (right - left), sum(edges) / 2
             ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11)
         for speed in (v1, v2):
-            ax.axhline(speed, color=BELT, lw=LINE, zorder=2)
+            ax.axhline(speed, color=BELT_COLOR, lw=LINE_WEIGHT, zorder=2)
         ax.set_xlim(left, right)
         ax.set_ylim(low, high)
         _phase_axes(ax, v1, v2)
@@ -335,16 +339,25 @@ def _phase_axes(ax: Axes, v1: float, v2: float) -> None:
 
 def _mapping(ax: Axes, label: str) -> None:
     motion = mapping_motion(label)
-    t = np.linspace(float(motion.t_start), float(motion.events[0].t), POINTS)
+    t = np.linspace(float(motion.t_start), float(motion.events[0].t), DRAWN_POINTS)
     x, v = motion(t)
     sticks = motion.segments[0].mode.startswith("belt")
-    ax.plot(x, v, color=MASS, lw=THICK if sticks else LINE, zorder=3, label=label, solid_capstyle="butt")
+    ax.plot(
+        x, v, color=MASS_COLOR, lw=THICK_WEIGHT if sticks else LINE_WEIGHT, zorder=3, label=label, solid_capstyle="butt"
+    )
     for index, (marker, color) in zip((0, -1), ENDS, strict=True):
         ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
     returns = v[0] == v[-1] and not sticks
-    middle = POINTS // 2
-    head = POINTS // 4 if returns else middle
-    arrow = {"arrowstyle": "-|>", "color": MASS, "lw": LINE, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
+    middle = DRAWN_POINTS // 2
+    head = DRAWN_POINTS // 4 if returns else middle
+    arrow = {
+        "arrowstyle": "-|>",
+        "color": MASS_COLOR,
+        "lw": LINE_WEIGHT,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 9,
+    }
     ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
     across, up, dx, dy = MAPPING_NAMES[label]
     at = int(np.argmax(np.abs(v - v[0]))) if returns else middle

@@ -25,7 +25,7 @@ from symosc.scenes import Scene
 
 START = ("t0", "x0", "v0")
 #: Periods after the start in which a touch is looked for, instants in them, and values of a number left free.
-PERIODS, INSTANTS, VALUES = 3, 300, 201
+SEARCHED_PERIODS, INSTANTS, VALUES = 3, 300, 201
 LONGEST = 12
 # Of the search for the time of the largest velocity.
 PEAK: dict[str, Any] = {"method": "bounded", "options": {"xatol": 1e-10}}
@@ -182,7 +182,7 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}
     p = scene.parameters.replace(**exact) if exact else scene.parameters
     A, belt = float(p.A(at.domain)), float(p.belt(at.boundary))
-    times = start[0] + PERIODS * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    times = start[0] + SEARCHED_PERIODS * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
 
     def beyond(t: np.ndarray) -> np.ndarray:
         return at.side * (flow(p, A, start, t)[1] - belt)

@@ -26,9 +26,9 @@ from symosc.simulation.ensemble import simulate_many
 #: How far a parameter is varied: this many times its size (at least 1) both ways, as far as the model allows.
 REACH = 10
 #: Values of a parameter that are tried: so many evenly spaced, and so many on each side ever closer to what is printed.
-EVEN, CLOSE = 120, 50
+EVEN_VALUES, CLOSER_VALUES = 120, 50
 #: So many of the smallest misses are minimised; an orbit is looked for where the miss is below this.
-VALLEYS, NEAR = 3, 0.002
+VALLEYS, NEAR_MISS = 3, 0.002
 # The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
 LEAST = 1e-3
 POSITIVE, NOT_NEGATIVE = ("m", "k", "Omega"), ("c", "mu1", "mu2", "FN")
@@ -93,7 +93,7 @@ def _along(scene: Scene, name: str) -> Nearest:
     for i in _valleys(sizes):
         around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
         at, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
-        if np.abs(miss).max() < NEAR:
+        if np.abs(miss).max() < NEAR_MISS:
             exact, gap = _least(lambda number: _gap(scene, name, number), around)
             if np.abs(gap).max() < np.abs(best).max():
                 best, value, orbit = gap, exact, True
@@ -117,9 +117,9 @@ def _valleys(sizes: np.ndarray) -> list[int]:
 
 def _tried(p: Parameters, name: str) -> np.ndarray:
     value, (low, high) = float(getattr(p, name)), range_of(p, name)
-    closer = np.geomspace(LEAST, 1.0, CLOSE)
+    closer = np.geomspace(LEAST, 1.0, CLOSER_VALUES)
     near = [value - (value - low) * closer, value + (high - value) * closer]
-    return np.unique(np.concatenate([np.linspace(low, high, EVEN), *near, [value]]))
+    return np.unique(np.concatenate([np.linspace(low, high, EVEN_VALUES), *near, [value]]))
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:

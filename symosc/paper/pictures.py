@@ -18,7 +18,7 @@ from symosc.paper.paper_figures import (
     product_figure,
     stick_figure,
 )
-from symosc.paper.window_figures import SCENES, window_caption, window_sweep
+from symosc.paper.window_figures import WINDOW_SCENES, window_caption, window_sweep
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _window(mapping: str) -> Picture:
 # What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 # What draws and what describes each form of figure.
-STICK = stick_figure, captions.stick_caption
+STICK_PICTURE = stick_figure, captions.stick_caption
 GRAZING_P2 = grazing_figure_P2, captions.grazing_P2_caption
 GRAZING_P3 = grazing_figure_P3, captions.grazing_P3_caption
 MOTION = motion_figure, captions.motion_caption
@@ -125,13 +125,13 @@ _ALL = (
         alt="Arcs in the strips of the phase plane and pieces of the boundaries, labelled P1 to P8.",
     ),
     _computed(
-        STICK,
+        STICK_PICTURE,
         "fig5",
         title="stick on belt 1",
         alt="The mass starts at rest, sticks to belt 1 three times and slips off it in between.",
     ),
     _computed(
-        STICK,
+        STICK_PICTURE,
         "fig6",
         title="stick on belt 2",
         alt="The mass sticks to belt 2 from the start, slips, slows down between the belts and sticks to belt 1.",
@@ -199,7 +199,7 @@ _ALL = (
         captions.product_caption,
         partial(product_figure, columns=1),
     ),
-    *map(_window, SCENES),
+    *map(_window, WINDOW_SCENES),
 )
 
 #: Every picture by its key: the paper's figures in its order, then Theorem 7.

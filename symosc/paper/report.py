@@ -37,7 +37,7 @@ BADGES = {
     ERROR: ("failed", "!"),
 }
 #: Words and symbols that the findings use without explaining them each time.
-WORDS = {
+NUMBER_MEANINGS = {
     "F(1), F(2), F(3)": "The acceleration in each domain, eq. (9); F⁽ˡᵒ⁾ and F⁽ʰⁱ⁾ are those below and above a belt.",
     "G⁽⁰⁾, G⁽¹⁾, G⁽²⁾, …": "F and its derivatives along the flow; G(1,2) is the first one in domain 2.",
     "P1 to P8": "The motions from one contact with a belt to the next, Fig. 4. P32 is P2, then P3.",
@@ -147,7 +147,13 @@ def files(results: Results) -> dict[str, str]:
     found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
     found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
     parts = {part: title for part, title in PARTS.items() if any(each.claim.part == part for each in results.judged)}
-    context = {**content, "parts": parts, "badges": BADGES, "groups": _groups(content["figures"]), "words": WORDS}
+    context = {
+        **content,
+        "parts": parts,
+        "badges": BADGES,
+        "groups": _groups(content["figures"]),
+        "words": NUMBER_MEANINGS,
+    }
     context |= {"severities": SEVERITIES, "kinds": NAMES}
     images = {key: _data_uri(each.svg) for key, each in drawn.items()}
     narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}

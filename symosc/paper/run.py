@@ -33,7 +33,7 @@ Tasks = dict[Key, Callable[[], Any]]
 #: Verdict of a check that raised, hung or died.
 ERROR = "error"
 #: Seconds after which a task counts as hanging.
-LIMIT = 300.0
+PICTURE_LIMIT = 300.0
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ def _in_parallel(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done], None
     try:
         futures: dict[Future[Done], Key] = {}
         for key, task in tasks.items():
-            futures[pool.schedule(timed, args=(task,), timeout=LIMIT)] = key
+            futures[pool.schedule(timed, args=(task,), timeout=PICTURE_LIMIT)] = key
         for future in as_completed(futures):
             yield futures[future], _outcome(future)
     finally:
@@ -263,7 +263,7 @@ def _outcome(future: Future[Done]) -> Done:
     try:
         return future.result()
     except Overdue:
-        return Done(error=f"no result within {LIMIT:g} s")
+        return Done(error=f"no result within {PICTURE_LIMIT:g} s")
     except ProcessExpired as death:
         return Done(error=f"the process ended with exit code {death.exitcode}")
 

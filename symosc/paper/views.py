@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from symosc.plot.figures import default_end
-from symosc.plot.panels import END, ONSET, SWITCH, Contact, Mark, View, view_of
+from symosc.plot.panels import END_COLOR, ONSET_COLOR, SWITCH_COLOR, Contact, Mark, View, view_of
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 
@@ -52,7 +52,7 @@ def several_periods_view(name: str) -> View:
     t0, T = start_time(name), period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     touching = first_contact(view)
-    marks = [Mark("start of period", ONSET, t0), Mark("end of period", END, t0 + T)]
+    marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
     marks += [] if touching is None else [_contact_mark(touching)]
     contacts = tuple(Contact(mark.t, mark.t, view.boundary) for mark in marks)
     return replace(view, marks=tuple(marks), contacts=contacts, magnified=(), belt_reach=LONG_REACH)
@@ -75,8 +75,8 @@ def grazing_view(name: str) -> View:
     marks = (
         view.marks[0],
         _contact_mark(touching),
-        Mark("onset of stick", ONSET, stick.since),
-        Mark("end of stick", END, stick.until),
+        Mark("onset of stick", ONSET_COLOR, stick.since),
+        Mark("end of stick", END_COLOR, stick.until),
     )
     return replace(view, marks=marks, contacts=(touching, stick), magnified=(touching,), belt_reach=LONG_REACH)
 
@@ -116,7 +116,7 @@ def largest_velocity(view: View) -> tuple[float, float]:
 
 
 def _contact_mark(contact: Contact) -> Mark:
-    return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH, contact.since)
+    return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH_COLOR, contact.since)
 
 
 @lru_cache

@@ -16,7 +16,7 @@ from symosc.model import Parameters
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
 from symosc.plot.drawing import STYLE
-from symosc.plot.panels import SWITCH, look
+from symosc.plot.panels import SWITCH_COLOR, look
 from symosc.plot.sweep import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -24,16 +24,16 @@ from symosc.simulation.trajectory import Event
 
 #: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
 #: the one that is about that belt.
-SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
+WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
 # In inches: as wide as Figs. 1 to 4, and legible on a phone.
-SIZE = 3.6, 3.1
+WINDOW_INCHES = 3.6, 3.1
 
 
 def window_sweep(mapping: str) -> Figure:
     """Draw when a mapping grazes against its belt's speed, the graze of its scene, and what Theorem 7 leaves out."""
     where, name = place(mapping), f"v{place(mapping).boundary}"
     drawing = sweep_figure(_room(mapping), mapping, name, *_range(mapping), order="full")
-    drawing.set_size_inches(SIZE)
+    drawing.set_size_inches(WINDOW_INCHES)
     (axes,) = drawing.axes
     axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
     for area in axes.collections:
@@ -47,8 +47,10 @@ def window_sweep(mapping: str) -> Figure:
         line.set_label(names.get(str(line.get_label()), line.get_label()))
     graze = _graze(mapping)
     if graze is not None:
-        style: dict[str, Any] = look("grazing point", SWITCH) | {"clip_on": False, "ls": ""}
-        axes.plot(float(graze.v), _phase(graze, load_scene(SCENES[mapping]).parameters), label="grazing point", **style)
+        style: dict[str, Any] = look("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
+        axes.plot(
+            float(graze.v), _phase(graze, load_scene(WINDOW_SCENES[mapping]).parameters), label="grazing point", **style
+        )
     drawing.legends[0].remove()
     with rc_context(STYLE):
         handles, labels = axes.get_legend_handles_labels()
@@ -58,12 +60,12 @@ def window_sweep(mapping: str) -> Figure:
 
 def _number(mapping: str) -> str:
     """Return the number of the paper's figure whose parameters are taken."""
-    return printed_scene(SCENES[mapping]).removeprefix("fig")
+    return printed_scene(WINDOW_SCENES[mapping]).removeprefix("fig")
 
 
 def _equality(mapping: str) -> Fraction:
     """Return the speed > 0 at which |gamma| = B0 Omega/m."""
-    p = load_scene(SCENES[mapping]).parameters
+    p = load_scene(WINDOW_SCENES[mapping]).parameters
     return abs(p.B0) * p.Omega / p.k
 
 
@@ -75,14 +77,14 @@ def _range(mapping: str) -> tuple[Fraction, Fraction]:
 def _room(mapping: str) -> Parameters:
     """Return the scene's parameters with the other belt out of the way: the window does not depend on its speed."""
     low, high = _range(mapping)
-    p = load_scene(SCENES[mapping]).parameters
+    p = load_scene(WINDOW_SCENES[mapping]).parameters
     return p.replace(v2=high + 1) if place(mapping).boundary == 1 else p.replace(v1=low - 1)
 
 
 def _graze(mapping: str) -> Event | None:
     """Return the scene's graze, if it is one of the mapping."""
     where, domain = place(mapping), f"Omega{place(mapping).domain}"
-    events = simulate(SCENES[mapping]).events
+    events = simulate(WINDOW_SCENES[mapping]).events
     grazes = [event for event in events if event.kind == "graze"]
     return next((each for each in grazes if each.boundary == where.boundary and each.source == domain), None)
 
@@ -95,7 +97,7 @@ def _phase(graze: Event, p: Parameters) -> float:
 
 def window_caption(mapping: str) -> str:
     """Return the caption of `window_sweep`."""
-    where, p = place(mapping), load_scene(SCENES[mapping]).parameters
+    where, p = place(mapping), load_scene(WINDOW_SCENES[mapping]).parameters
     case = grazing_window(p, mapping).case.strip("()").partition(".")[2]
     graze = _graze(mapping)
     red = "" if graze is None else f"; star: its graze at t = {number(float(graze.t), 7)}"

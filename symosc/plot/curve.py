@@ -16,8 +16,8 @@ from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
 #: Shapes of the ends inside a window, by how the reason begins; others are diamonds.
 END_SHAPES = {"end of the window": "o", "beyond": "o", "the flow touches": "s"}
-START, CONTACT, GAP = "#d7191c", "#1f3fd6", "0.85"
-QUARTERS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
+START_COLOR, CONTACT_COLOR, GAP_COLOR = "#d7191c", "#1f3fd6", "0.85"
+ANGLE_TICKS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
 TURN = 2 * pi
 
 
@@ -67,10 +67,10 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
 
 def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
     for piece in curve.pieces:
-        axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START, linewidth=1.2)
+        axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
         _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
     for low, high, origin in curve.gaps:
-        axes.axvspan(low, high, color=GAP, linewidth=0, label=f"from: {origin}")
+        axes.axvspan(low, high, color=GAP_COLOR, linewidth=0, label=f"from: {origin}")
     axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
     axes.set_title("flight to the grazing point")
     if not curve.pieces:
@@ -83,8 +83,8 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the left half of `figure_grazing_curve` into axes of another figure."""
     for piece in curve.pieces:
-        _line(axes, piece.theta, piece.x, START, label="start")
-        _line(axes, piece.theta_m, piece.x_m, CONTACT, label="grazing point", style=(0, (4, 1.6)))
+        _line(axes, piece.theta, piece.x, START_COLOR, label="start")
+        _line(axes, piece.theta_m, piece.x_m, CONTACT_COLOR, label="grazing point", style=(0, (4, 1.6)))
         _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
     belt = place(curve.mapping).boundary
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
@@ -134,7 +134,7 @@ def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> N
             "marker": next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D"),
             "markersize": 3.5,
             "linestyle": "none",
-            "color": START,
+            "color": START_COLOR,
             "zorder": 3,
             "clip_on": False,
         }
@@ -146,7 +146,7 @@ def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> N
 
 def _quarters(axes: Axes) -> None:
     low, high = axes.get_xlim()
-    shown = {k: QUARTERS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
+    shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
     inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
     axes.set_xticks([k * pi / 2 for k in inside], [shown[k] for k in inside])
 

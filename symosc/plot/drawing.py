@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
 
-SUFFIXES = (".pdf", ".svg", ".png")
+FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 
 STYLE: dict[Any, Any] = {
     "font.family": "STIXGeneral",
@@ -123,8 +123,10 @@ def _suffix(path: str | Path) -> str:
     """Return the suffix of a figure's file; standard output gets SVG."""
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise OutputError(name, f"a figure's name must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    if suffix not in FIGURE_SUFFIXES:
+        raise OutputError(
+            name, f"a figure's name must end in {', '.join(FIGURE_SUFFIXES[:-1])} or {FIGURE_SUFFIXES[-1]}"
+        )
     return suffix
 
 

@@ -16,7 +16,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.plot.drawing import STYLE, Drawing, figure_of, read_panels
-from symosc.plot.insets import ROOM, TOP, draw_insets
+from symosc.plot.insets import INSET_TOP, ROOM, draw_insets
 from symosc.plot.panels import PANELS, SHAPES, Panel, View, look, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
@@ -218,7 +218,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             panel(ax, view)
             if number == tall:
                 draw_insets(ax, view)
-            place: dict[str, Any] = {"x": -0.12} | ({"y": TOP} if number == tall else {})
+            place: dict[str, Any] = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
             title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
             title.set_in_layout(number != tall)  # the grid keeps that room free
             ax.tick_params(labelfontfamily="STIXGeneral")

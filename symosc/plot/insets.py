@@ -8,12 +8,22 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from symosc.plot.panels import BELT, END, MASS, ONSET, SHORT_STICK, SWITCH, Contact, View, look
+from symosc.plot.panels import (
+    BELT_COLOR,
+    END_COLOR,
+    MASS_COLOR,
+    ONSET_COLOR,
+    SHORT_STICK,
+    SWITCH_COLOR,
+    Contact,
+    View,
+    look,
+)
 
 # Height of the room above the axes, over the height of these with their labels.
 ROOM = 0.66
 # Bottom and height of an inset in it, and the top of what stands above it (fractions of the axes).
-BOTTOM, HEIGHT, TOP = 1.16, 0.5, 1.97
+INSET_BOTTOM, HEIGHT, INSET_TOP = 1.16, 0.5, 1.97
 # Left end and width, for one inset and for two.
 BOXES = {1: ((0.2, 0.6),), 2: ((0.1, 0.36), (0.63, 0.36))}
 TEXT: dict[str, Any] = {"fontsize": 7.5, "ha": "center", "va": "center"}
@@ -23,7 +33,7 @@ POINTS = 400
 def draw_insets(ax: Axes, view: View) -> None:
     """Magnify what a view says into insets above axes, where there must be room for them."""
     for contact, (left, width) in zip(view.magnified, BOXES.get(len(view.magnified), ()), strict=True):
-        _inset(ax, view, contact, (left, BOTTOM, width, HEIGHT))
+        _inset(ax, view, contact, (left, INSET_BOTTOM, width, HEIGHT))
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
@@ -35,10 +45,10 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     away = view.trajectory(times)[1] - speed
     shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
     inset = ax.inset_axes(box)
-    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS, lw=1.3)
-    inset.axhline(0, color=BELT, lw=0.6, zorder=3)
-    stick = ((since, "onset of stick", ONSET), (until, "end of stick", END))
-    for time, label, color in stick if until > since else ((since, "grazing point", SWITCH),):
+    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)
+    inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
+    stick = ((since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR))
+    for time, label, color in stick if until > since else ((since, "grazing point", SWITCH_COLOR),):
         inset.plot((time - since) / 10.0**shift, 0, linestyle="none", **look(label, color))
     if until > since:
         # Clear of the belt, between the branches of the curve.

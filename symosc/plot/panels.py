@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.simulation.trajectory import Trajectory
 
-BELT, MASS = "black", "#d7191c"
-ONSET, END, SWITCH = "#1f3fd6", "#0f8a2a", "#d7191c"
-FORCE_BELOW, FORCE_ABOVE = ONSET, END
+BELT_COLOR, MASS_COLOR = "black", "#d7191c"
+ONSET_COLOR, END_COLOR, SWITCH_COLOR = "#1f3fd6", "#0f8a2a", "#d7191c"
+FORCE_BELOW, FORCE_ABOVE = ONSET_COLOR, END_COLOR
 ABOVE_STYLE = (0, (4, 1.6))
 
 #: Shape and size (points) of each mark. Over its onset the end of a stick leaves a rim, because it is smaller.
@@ -37,7 +37,7 @@ SHAPES = {
 # With more marks than this they shrink, so that together they cover no more of the curves; down to this size.
 ROOMY, LEAST_SCALE = 16, 0.2
 
-POINTS_PER_PERIOD, LEAST_POINTS, MOST_POINTS = 120, 40, 20_000
+POINTS_PER_PERIOD, LEAST_LINE_POINTS, MOST_LINE_POINTS = 120, 40, 20_000
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
 # ... unless it is shorter than this fraction of t, where its curve would show rounding errors.
@@ -111,7 +111,7 @@ class View:
     @property
     def domains(self) -> tuple[int, int]:
         """The domains below and above the boundary."""
-        return SIDES[self.boundary]
+        return NEIGHBOURS[self.boundary]
 
     def belts(self) -> list[int]:
         """Return the belts whose speed is near enough to the velocities to be drawn."""
@@ -141,11 +141,11 @@ def _sample_times(trajectory: Trajectory) -> np.ndarray:
     p = trajectory.parameters
     period = 2 * pi / max(float(p.Omega), sqrt(p.k / p.m))
     edges = [float(segment.t_start) for segment in trajectory.segments] + [float(trajectory.t_end)]
-    step = max(period / POINTS_PER_PERIOD, (edges[-1] - edges[0]) / MOST_POINTS)
-    start = np.linspace(0, 1, LEAST_POINTS // 2) ** 4
+    step = max(period / POINTS_PER_PERIOD, (edges[-1] - edges[0]) / MOST_LINE_POINTS)
+    start = np.linspace(0, 1, LEAST_LINE_POINTS // 2) ** 4
     times = []
     for low, high in pairwise(edges):
-        even = np.linspace(0, 1, int(min(max((high - low) / step, LEAST_POINTS), MOST_POINTS)))
+        even = np.linspace(0, 1, int(min(max((high - low) / step, LEAST_LINE_POINTS), MOST_LINE_POINTS)))
         times.append(low + (high - low) * np.union1d(even, start))
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 
@@ -154,12 +154,12 @@ def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
     start = float(trajectory.t_start)
     on_belt = trajectory.segments[0].mode.startswith("belt")
     belt = int(trajectory.segments[0].mode[-1])
-    marks = [Mark("onset of stick", ONSET, start, belt) if on_belt else Mark("start", "white", start)]
+    marks = [Mark("onset of stick", ONSET_COLOR, start, belt) if on_belt else Mark("start", "white", start)]
     kinds = {
-        "stick": ("onset of stick", ONSET),
-        "slip": ("end of stick", END),
-        "cross": ("crossing", SWITCH),
-        "graze": ("grazing point", SWITCH),
+        "stick": ("onset of stick", ONSET_COLOR),
+        "slip": ("end of stick", END_COLOR),
+        "cross": ("crossing", SWITCH_COLOR),
+        "graze": ("grazing point", SWITCH_COLOR),
     }
     marks += [Mark(*kinds[event.kind], float(event.t), event.boundary) for event in trajectory.events]
     return tuple(marks)
@@ -177,7 +177,7 @@ def _displacement(ax: Axes, view: View) -> None:
         speed, x = float(view.trajectory.parameters.belt(contact.belt)), view.trajectory(contact.since)[0]
         reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
         ends = np.array([contact.since - reach, contact.until + reach])
-        ax.plot(ends, x + speed * (ends - contact.since), color=BELT, lw=0.6, zorder=3, label="belt")
+        ax.plot(ends, x + speed * (ends - contact.since), color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
     _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[0])
     _time_axis(ax, view)
@@ -215,7 +215,7 @@ def _forces_in_velocity(ax: Axes, view: View) -> None:
     _forces(ax, view, view.v, lambda t: view.trajectory(t)[1])
     for belt in view.belts():
         speed = float(view.trajectory.parameters.belt(belt))
-        ax.axvline(speed, color=BELT, lw=0.6, zorder=1, label="belt")
+        ax.axvline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
         ax.annotate(f"$v_{belt}$", (speed, 1), (0, 2), ("data", "axes fraction"), "offset points", ha="center")
     ax.set_xlabel(r"velocity $\dot{x}$")
 
@@ -253,7 +253,7 @@ PANELS: dict[str, Panel] = {
 
 
 def _curve(ax: Axes, view: View, across: np.ndarray, up: np.ndarray, label: str) -> None:
-    ax.plot(across, up, color=MASS, lw=1.3 * max(view.scale, 0.5), label="mass")
+    ax.plot(across, up, color=MASS_COLOR, lw=1.3 * max(view.scale, 0.5), label="mass")
     ax.set_ylabel(label)
 
 
@@ -269,7 +269,7 @@ def _belt_lines(ax: Axes, view: View) -> None:
     near = float(p.v2 - p.v1) < NEAR_BELTS * (high - low)  # their names would lie over each other
     for belt in view.belts():
         speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
-        ax.axhline(speed, color=BELT, lw=0.6, zorder=3, label="belt")
+        ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
         ax.annotate(f"$v_{belt}$", (1, speed), (4, shift), ("axes fraction", "data"), "offset points", va="center")
 
 
@@ -308,7 +308,7 @@ def look(label: str, color: str, scale: float = 1.0) -> dict[str, Any]:
     """Return how a mark is drawn: its shape, colour and size."""
     marker, size = SHAPES[label]
     edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
-    level += color == END
+    level += color == END_COLOR
     return {"marker": marker, "ms": size * scale, "mfc": color, "mec": edge, "mew": width * scale, "zorder": level}
 
 

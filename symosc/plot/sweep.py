@@ -26,11 +26,11 @@ from symosc.mappings.theorem7_cases import (
 )
 from symosc.model import Parameters
 from symosc.plot.drawing import one_axes, style_for
-from symosc.plot.windows import CRITICAL, QUARTERS, SHADE, TURN, critical_phases, draw_dot, tex
+from symosc.plot.windows import CRITICAL_COLOR, PHASE_TICKS, SHADE_COLOR, TURN, critical_phases, draw_dot, tex
 
 SWEEP_POINTS = 801
 # A value nearer to the frame than this part of the axis gets room of that size.
-LEAST_ROOM, ROOM = 0.02, 0.04
+LEAST_ROOM, FRAME_ROOM = 0.02, 0.04
 NAMES = {"Omega": r"\Omega", "B0": "B_0", "k": "k", "v1": "v_1", "v2": "v_2"}
 
 
@@ -95,7 +95,7 @@ def sweep_figure(
             xlabel=f"${NAMES[name]}$", ylabel=r"$\mathrm{mod}(\Omega t_m, 2\pi)$", xlim=(low, high), ylim=(0, TURN)
         )
         _mark_value(axes, float(getattr(p, name)))
-        axes.set_yticks(np.arange(5) * pi / 2, QUARTERS)
+        axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
         handles, labels = axes.get_legend_handles_labels()
         if handles:
@@ -112,7 +112,7 @@ def _mark_value(axes: Axes, value: float) -> None:
     if not low <= value <= high:
         return
     axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
-    room, width = ROOM * (high - low), high - low
+    room, width = FRAME_ROOM * (high - low), high - low
     near_low, near_high = value - low < LEAST_ROOM * width, high - value < LEAST_ROOM * width
     axes.set_xlim(low - room * near_low, high + room * near_high)
 
@@ -171,7 +171,7 @@ def _areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> 
     floor, ceiling, label = np.zeros_like(values), np.full_like(values, TURN), "window"
     for where, lower, upper in ((wrapped, floor, high), (wrapped, low, ceiling), (found.kind == ARC, low, high)):
         if where.any():
-            axes.fill_between(values, lower, upper, where=where, color=SHADE, linewidth=0.4, label=label)
+            axes.fill_between(values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label)
             label = "_"  # no second entry in the legend
 
 
@@ -182,5 +182,5 @@ def _borders(axes: Axes, values: np.ndarray, found: Any) -> None:
     label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
     for curve in (found.theta_cr % TURN, pi - found.theta_cr):
         broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)
-        axes.plot(values, broken, color=CRITICAL, linewidth=1.0, linestyle=(0, (4, 2)), label=label)
+        axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=(0, (4, 2)), label=label)
         label = None

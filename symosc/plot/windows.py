@@ -22,10 +22,10 @@ from symosc.mappings.theorem7_cases import (
 )
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
-INSIDE, SHADE, OUTSIDE, CRITICAL = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
+INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 TURN = 2 * pi
-QUARTERS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
-POINTS = 1441
+PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
+CIRCLE_POINTS = 1441
 
 
 def window_figure(
@@ -102,23 +102,25 @@ def tex(mapping: str) -> str:
 
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
-    around = np.linspace(0, TURN, POINTS)
-    axes.plot(np.cos(around), np.sin(around), color=OUTSIDE, linewidth=1.0, zorder=1)
+    around = np.linspace(0, TURN, CIRCLE_POINTS)
+    axes.plot(np.cos(around), np.sin(around), color=OUTSIDE_COLOR, linewidth=1.0, zorder=1)
     for low, high, *_ in window.intervals:
-        arc = np.linspace(low, high, max(2, int(POINTS * (high - low) / TURN)))
-        axes.plot(np.cos(arc), np.sin(arc), color=INSIDE, linewidth=3.0, solid_capstyle="butt", zorder=2)
+        arc = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
+        axes.plot(np.cos(arc), np.sin(arc), color=INSIDE_COLOR, linewidth=3.0, solid_capstyle="butt", zorder=2)
     critical = critical_phases(window)
     for theta, belongs in critical:
-        axes.plot([0, cos(theta)], [0, sin(theta)], color=CRITICAL, linewidth=0.7, zorder=1)
+        axes.plot([0, cos(theta)], [0, sin(theta)], color=CRITICAL_COLOR, linewidth=0.7, zorder=1)
         draw_dot(axes, cos(theta), sin(theta), belongs)
     if critical:
         level = sin(critical[0][0])
-        axes.plot([-1.15, 1.15], [level, level], color=CRITICAL, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
+        axes.plot([-1.15, 1.15], [level, level], color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
     names = (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$")
     for (theta, _), name in zip(critical, names, strict=False):
         beyond = 1.28 if abs(cos(theta)) < 0.5 else 1.22
         side = "left" if cos(theta) > 0.1 else "right" if cos(theta) < -0.1 else "center"
-        axes.text(beyond * cos(theta), beyond * sin(theta), name, color=CRITICAL, ha=side, va="center", fontsize=8)
+        axes.text(
+            beyond * cos(theta), beyond * sin(theta), name, color=CRITICAL_COLOR, ha=side, va="center", fontsize=8
+        )
     _quarter_marks(axes, [theta for theta, _ in critical])
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
@@ -131,7 +133,7 @@ def _quarter_marks(axes: Axes, taken: list[float]) -> None:
         axes.plot([0.94 * cos(theta), cos(theta)], [0.94 * sin(theta), sin(theta)], color="black", linewidth=0.6)
         if all(cos(theta - other) < 0.95 for other in taken):
             side = ("left", "center", "right", "center")[quarter]
-            axes.text(1.12 * cos(theta), 1.2 * sin(theta), QUARTERS[quarter], ha=side, va="center", fontsize=7)
+            axes.text(1.12 * cos(theta), 1.2 * sin(theta), PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
@@ -147,7 +149,11 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
     """Draw a full dot for what belongs to a window, an open one for what does not."""
-    style: dict[str, Any] = {"color": INSIDE, "markerfacecolor": INSIDE if belongs else "white", "markersize": 4.5}
+    style: dict[str, Any] = {
+        "color": INSIDE_COLOR,
+        "markerfacecolor": INSIDE_COLOR if belongs else "white",
+        "markersize": 4.5,
+    }
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
@@ -156,7 +162,7 @@ def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
     axes.set(xlim=(0, TURN), xlabel=r"$\mathrm{mod}(\Omega t_m, 2\pi)$", ylabel="$x_m$")
-    axes.set_xticks(np.arange(5) * pi / 2, QUARTERS)
+    axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
     p = window.parameters
     axes.set_title(f"domain {window.place.domain} at $v_{window.place.boundary} = {show(window.speed)}$", fontsize=8)
     if p.k == 0:
@@ -164,17 +170,17 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
         phase = "$F = 0$ fixes the phase" if window.contact_phases else "no phase of the window has $F = 0$"
         axes.text(0.5, 0.9, f"$k = 0$: $x_m$ is free, {phase}", transform=axes.transAxes, ha="center")
         for low, high, *_ in window.intervals:
-            axes.axvspan(low, high, color=SHADE, linewidth=0)
+            axes.axvspan(low, high, color=SHADE_COLOR, linewidth=0)
         for theta in window.contact_phases:
-            axes.axvline(float(theta), color=INSIDE, linewidth=1.6)
+            axes.axvline(float(theta), color=INSIDE_COLOR, linewidth=1.6)
         return
-    around = np.linspace(0, TURN, POINTS)
-    axes.plot(around, _places(window, around), color=OUTSIDE, linewidth=0.8)
+    around = np.linspace(0, TURN, CIRCLE_POINTS)
+    axes.plot(around, _places(window, around), color=OUTSIDE_COLOR, linewidth=0.8)
     for low, high, *_ in window.intervals:
-        part = np.linspace(low, high, max(2, int(POINTS * (high - low) / TURN)))
-        axes.plot(part, _places(window, part), color=INSIDE, linewidth=2.0)
+        part = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
+        axes.plot(part, _places(window, part), color=INSIDE_COLOR, linewidth=2.0)
     for theta, belongs in critical_phases(window):
-        axes.axvline(theta, color=CRITICAL, linewidth=0.7, linestyle=(0, (4, 3)), zorder=0)
+        axes.axvline(theta, color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=0)
         for shown in (theta, TURN) if theta == 0 else (theta,):
             draw_dot(axes, shown, float(_places(window, np.array([theta]))[0]), belongs)
 

@@ -18,7 +18,7 @@ from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, ON_BELT, REST
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, read_start_error, show, whole_number
+from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.closer_look import Backup, touch_digits
@@ -29,7 +29,6 @@ ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
 # With many digits an event takes milliseconds.
 MOST_EXACT_EVENTS = 20_000
-MOST_DIGITS = 10_000
 # With `digits`, more than this many times the digits are tried only to tell a touch from a near miss.
 MOST_WORKING = 12
 
@@ -90,7 +89,7 @@ def simulate(
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
         return in_doubles(start, most, read_accuracy(accuracy))
-    digits = whole_number("digits", digits, 5, MOST_DIGITS)
+    digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
     return _with_digits(start, most, digits)

@@ -12,7 +12,7 @@ from symosc.derive.chapters import CHAPTERS
 from symosc.derive.numbering import CITATION
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
-TEXTS = {key: (COMMITTED / document.FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
+TEXTS = {key: (COMMITTED / document.FRAGMENTS_FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
 
 

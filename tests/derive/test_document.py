@@ -86,7 +86,7 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
 @pytest.mark.parametrize("key", KEYS)
 def test_committed_latex_is_current(key: str) -> None:
     found = chapter(key)
-    path = COMMITTED / document.FOLDER / f"{key}.tex"
+    path = COMMITTED / document.FRAGMENTS_FOLDER / f"{key}.tex"
     old, new = path.read_text(encoding="utf-8"), document.as_latex(found, Scope(), WholeDocument([]))
     lines = (text.splitlines(keepends=True) for text in (old, new))
     assert old == new, "".join(difflib.unified_diff(*lines, "committed", "printed now")) + ACCEPT
@@ -113,7 +113,7 @@ def test_an_undecided_check_fails() -> None:
 
 def test_each_chapter_has_one_name() -> None:
     assert {path.stem for path in COMMITTED.glob("*.py")} == set(CHAPTERS)
-    assert {path.stem for path in (COMMITTED / document.FOLDER).glob("*.tex")} == set(CHAPTERS)
+    assert {path.stem for path in (COMMITTED / document.FRAGMENTS_FOLDER).glob("*.tex")} == set(CHAPTERS)
     for key in CHAPTERS:
         assert f'run("{key}")' in (COMMITTED / f"{key}.py").read_text(encoding="utf-8")
 
@@ -193,7 +193,9 @@ def test_formulas_fit_the_line() -> None:
             if not isinstance(display, displays.Display):
                 continue
             for rows, _ in displays.rows(display, Scope()):
-                assert all(line_breaks.width(row.replace("&", "")) < 1.12 * line_breaks.LINE for row in rows), rows
+                assert all(line_breaks.width(row.replace("&", "")) < 1.12 * line_breaks.LINE_WIDTH for row in rows), (
+                    rows
+                )
 
 
 @pytest.mark.parametrize("key", KEYS)

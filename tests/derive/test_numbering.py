@@ -15,7 +15,7 @@ from symosc.derive.numbering import REFERENCE, Numbering, resolved
 from symosc.derive.scope import Scope
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
-TEXTS = {key: (COMMITTED / document.FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
+TEXTS = {key: (COMMITTED / document.FRAGMENTS_FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
 
 
@@ -48,7 +48,7 @@ def test_latex_counts_like_the_other_formats(numbers: Numbering, tmp_path: Path)
     subprocess.run(["pdflatex", "-interaction=nonstopmode", document.MAIN], cwd=work, capture_output=True, check=True)
     aux = (work / document.MAIN).with_suffix(".aux").read_text(encoding="latin-1")
     for key in CHAPTERS:
-        path = work / document.FOLDER / f"{key}.aux"
+        path = work / document.FRAGMENTS_FOLDER / f"{key}.aux"
         aux += path.read_text(encoding="latin-1") if path.is_file() else ""
     counted = dict(re.findall(r"\\newlabel\{([^{}]*)\}\{\{([\d.]*)\}", aux))
     assert {label: number for label, number in counted.items() if label in numbers.of} == {

@@ -9,7 +9,7 @@ import pytest
 from stand_in_claims import CLAIM
 
 from symosc.derive.chapters import CHAPTERS
-from symosc.paper.claims import FOLDER, ClaimsError, read_claims
+from symosc.paper.claims import CLAIMS_FOLDER, ClaimsError, read_claims
 from symosc.paper.pictures import PICTURES
 
 CLAIMS = read_claims(PICTURES)
@@ -22,7 +22,7 @@ def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
 
 
 def test_derivations_that_claims_name_are_chapters() -> None:
-    text = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.glob("*.toml"))
+    text = "\n".join(path.read_text(encoding="utf-8") for path in CLAIMS_FOLDER.glob("*.toml"))
     assert set(re.findall(r'^derivation = "(.*)"', text, re.MULTILINE)) <= set(CHAPTERS)
 
 

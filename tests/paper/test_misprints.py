@@ -30,17 +30,17 @@ def test_a_misprinted_parameter_is_found(name: str, true: str) -> None:
     found, other = search_parameters(wrong, (name, "m"))
     assert found.name == name
     assert found.orbit
-    assert found.distance <= starts.HALF_UNIT
+    assert found.distance <= starts.PRINTED_HALF_UNIT
     assert found.value == pytest.approx(float(true), abs=2e-3)
     assert found.searched[0] < float(true) < found.searched[1]
-    assert other.distance > starts.HALF_UNIT
+    assert other.distance > starts.PRINTED_HALF_UNIT
 
 
 @pytest.mark.parametrize(("name", "true"), [("Omega", "1.7"), ("mu2", "0.33")])
 def test_a_misprinted_parameter_of_a_motion_with_sticks_is_found(name: str, true: str) -> None:
     right = printed(replace(FIG10, parameters=FIG10.parameters.replace(**{name: true})))
     (found,) = search_parameters(replace(right, parameters=FIG10.parameters), (name,))
-    assert found.distance <= starts.HALF_UNIT
+    assert found.distance <= starts.PRINTED_HALF_UNIT
     assert found.value == pytest.approx(float(true), abs=2e-3)
 
 
@@ -49,9 +49,9 @@ def test_a_misprinted_start_is_found(name: str) -> None:
     right = printed(FIG9)
     wrong = replace(right, **{name: getattr(right, name) + Fraction(1, 2)})
     found = {each.name: each for each in search_start(wrong)}
-    assert found[name].distance <= starts.HALF_UNIT
+    assert found[name].distance <= starts.PRINTED_HALF_UNIT
     assert found[name].value == pytest.approx(float(getattr(right, name)), abs=1e-4)
-    assert all(each.distance > starts.HALF_UNIT for other, each in found.items() if other != name)
+    assert all(each.distance > starts.PRINTED_HALF_UNIT for other, each in found.items() if other != name)
 
 
 @pytest.mark.slow

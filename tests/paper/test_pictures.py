@@ -15,8 +15,8 @@ from matplotlib.transforms import Bbox
 
 from symosc import find_orbit, load_scene, plot, simulate
 from symosc.paper.pictures import PICTURES
-from symosc.plot.panels import END, ONSET, SWITCH
-from symosc.plot.windows import INSIDE
+from symosc.plot.panels import END_COLOR, ONSET_COLOR, SWITCH_COLOR
+from symosc.plot.windows import INSIDE_COLOR
 
 pytestmark = pytest.mark.slow  # draws all figures
 
@@ -86,7 +86,7 @@ def test_panels_are_those_of_the_papers_caption(key: str, drawn: dict[str, Figur
             domains = FORCES_OF[number_of(key)]
             curves = [line for line in ax.lines if str(line.get_label()).startswith("$F")]
             assert [line.get_label() for line in curves] == [f"$F^{{({domain})}}$" for domain in domains]
-            assert [line.get_color() for line in curves] == [ONSET, END]  # blue and green
+            assert [line.get_color() for line in curves] == [ONSET_COLOR, END_COLOR]  # blue and green
 
 
 @pytest.mark.parametrize("key", ["fig5", "fig6", "fig9", "fig10"])
@@ -206,7 +206,7 @@ def test_fig10_magnifies_the_printed_start(drawn: dict[str, Figure]) -> None:
     (inset,) = drawn["fig10-orbit"].axes[2].child_axes
     end, start = inset.lines[2].get_xdata()[0], inset.lines[3].get_xdata()[0]
     assert start - end == pytest.approx(0.01, abs=1e-5)
-    assert inset.lines[2].get_markerfacecolor() == END
+    assert inset.lines[2].get_markerfacecolor() == END_COLOR
 
 
 @pytest.mark.parametrize("key", COMPUTED)
@@ -317,7 +317,7 @@ def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) ->
     ends = [line for line in axes.lines if line.get_marker() == "o"]
     grazes, not_grazing = sorted(ends, key=lambda line: line.get_markerfacecolor() == "white")
     assert np.ravel(grazes.get_data()) == pytest.approx(np.array(left_out))
-    assert (grazes.get_markerfacecolor(), not_grazing.get_markerfacecolor()) == (INSIDE, "white")
+    assert (grazes.get_markerfacecolor(), not_grazing.get_markerfacecolor()) == (INSIDE_COLOR, "white")
     assert "does not graze" in [text.get_text() for text in legend.get_texts()]
     assert any("grazes, not in (5" in text.get_text() for text in legend.get_texts())
     # Equality is where the scene's k |v| is B0 Omega, and the picture shows as much again beyond it.
@@ -354,4 +354,4 @@ def test_files_are_small_and_the_same_each_time(tmp_path: Path) -> None:
 def test_red_dots_are_red(drawn: dict[str, Figure]) -> None:
     for key, label in (("fig7-exact", "grazing point"), ("fig8", "contact"), ("fig9", "crossing")):
         (line,) = [line for line in drawn[key].axes[1].lines if line.get_label() == label]
-        assert line.get_markerfacecolor() == SWITCH
+        assert line.get_markerfacecolor() == SWITCH_COLOR

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from symosc.paper.claims import ERRATA, FOLDER, PARTS, UNJUDGED
+from symosc.paper.claims import CLAIMS_FOLDER, ERRATA, PARTS, UNJUDGED
 from symosc.paper.typeset import typeset
 
 
@@ -28,4 +28,4 @@ def test_formulas_in_text(text: str, html: str) -> None:
 
 
 def test_parts_are_the_files() -> None:
-    assert {path.stem for path in FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}
+    assert {path.stem for path in CLAIMS_FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}

@@ -108,7 +108,7 @@ def test_what_goes_wrong_is_a_result(results: Results) -> None:
 
 @pytest.mark.slow
 def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symosc.paper.run.LIMIT", 0.5)
+    monkeypatch.setattr("symosc.paper.run.PICTURE_LIMIT", 0.5)
     (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
     assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
 

@@ -30,7 +30,7 @@ from symosc.paper.checks import (
 from symosc.paper.claims import Claim, read_claims
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 from symosc.paper.pictures import PICTURES
-from symosc.plot.panels import ONSET
+from symosc.plot.panels import ONSET_COLOR
 from symosc.words import MAPS
 
 pytestmark = pytest.mark.slow  # half a minute of computer algebra
@@ -235,7 +235,7 @@ def test_turn_grows_with_the_angle() -> None:
     angles = np.linspace(0, 2 * pi, 400, endpoint=False)
     turns = [printed_cases.turn(np.sin(angle), np.cos(angle)) for angle in angles]
     assert np.all(np.diff(turns) > 0)
-    assert [printed_cases.turn(Fraction(s), Fraction(c)) for s, c in rational_cases.QUARTERS] == [0, 1, 2, 3]
+    assert [printed_cases.turn(Fraction(s), Fraction(c)) for s, c in rational_cases.QUARTER_POINTS] == [0, 1, 2, 3]
     assert theorem_7._angle(printed_cases.turn(np.sin(4.0), np.cos(4.0))) == pytest.approx(4.0, abs=1e-14)
 
 
@@ -270,7 +270,7 @@ def test_fig2_has_the_levels_of_its_parameters() -> None:
     curves = [(str(line.get_label()), *map(np.asarray, line.get_data())) for line in ax.lines]
     levels = {label: set(y) for label, _, y in curves if str(label).startswith("$")}
     assert levels == {r"$-(\mu_1+\mu_2)F_N$": {-6.0}, r"$(\mu_1-\mu_2)F_N$": {2.0}, r"$(\mu_1+\mu_2)F_N$": {6.0}}
-    jumps = [(*x, *y) for line, (_, x, y) in zip(ax.lines, curves, strict=True) if line.get_color() == ONSET]
+    jumps = [(*x, *y) for line, (_, x, y) in zip(ax.lines, curves, strict=True) if line.get_color() == ONSET_COLOR]
     assert jumps == [(-2.0, -2.0, -6.0, 2.0), (1.0, 1.0, 2.0, 6.0)]
 
 

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from symosc import OutputError, ParameterError, load_scene, plot, scene_names, simulate
 from symosc.plot import drawing, figures
-from symosc.plot.panels import BELT, END, MASS, ONSET, SWITCH
+from symosc.plot.panels import BELT_COLOR, END_COLOR, MASS_COLOR, ONSET_COLOR, SWITCH_COLOR
 
 MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
 HUES = {"red": 0, "green": 1, "blue": 2}
@@ -56,15 +56,17 @@ def test_the_legend_covers_no_panel(fig5: Figure) -> None:
     assert not any(ax.get_tightbbox().overlaps(legend) for ax in fig5.axes)  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(("color", "hue"), [(MASS, "red"), (SWITCH, "red"), (ONSET, "blue"), (END, "green")])
+@pytest.mark.parametrize(
+    ("color", "hue"), [(MASS_COLOR, "red"), (SWITCH_COLOR, "red"), (ONSET_COLOR, "blue"), (END_COLOR, "green")]
+)
 def test_colours_are_those_of_the_paper(color: str, hue: str) -> None:
     assert int(np.argmax(to_rgb(color))) == HUES[hue]
-    assert BELT == "black"
+    assert BELT_COLOR == "black"
 
 
 def test_forces_are_blue_and_green(fig5: Figure) -> None:
     below, above = fig5.axes[3].lines[1:3]
-    assert (to_hex(below.get_color()), to_hex(above.get_color())) == (ONSET, END)
+    assert (to_hex(below.get_color()), to_hex(above.get_color())) == (ONSET_COLOR, END_COLOR)
 
 
 def test_dots_are_at_the_events(fig5: Figure) -> None:
@@ -126,7 +128,7 @@ def test_forces_against_displacement_and_velocity() -> None:
     for ax, name in zip(drawing.axes, ("x", "v"), strict=True):
         expected = [(getattr(e, name), trajectory.force(domain, e.t)) for domain in (1, 2) for e in events]
         np.testing.assert_allclose(dots(ax, "crossing"), expected, rtol=0, atol=1e-9)
-        assert to_hex(lines(ax, "crossing")[0].get_markerfacecolor()) == SWITCH
+        assert to_hex(lines(ax, "crossing")[0].get_markerfacecolor()) == SWITCH_COLOR
 
 
 def test_a_start_on_a_belt_is_the_onset_of_its_stick() -> None:
@@ -165,7 +167,7 @@ def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:
     assert saved.read_bytes().startswith(MAGIC[".svg"])
 
 
-@pytest.mark.parametrize("suffix", drawing.SUFFIXES)
+@pytest.mark.parametrize("suffix", drawing.FIGURE_SUFFIXES)
 def test_files_by_suffix_the_same_each_time(suffix: str, tmp_path: Path) -> None:
     paths = [plot.save(plot.figure("fig7", panels="c"), tmp_path / f"{n}{suffix}") for n in "ab"]
     first, second = (path.read_bytes() for path in paths)

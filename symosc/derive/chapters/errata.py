@@ -15,7 +15,7 @@ from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
     CONTEXT,
-    DIGITS,
+    STEP_DIGITS,
     Check,
     Close,
     Exact,
@@ -260,7 +260,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any, start: Any) -> tuple[A
 
 
 def _decimal(name: str, value: Any, decimals: int, reason: str, note: str = "", label: str = "") -> Step:
-    number = sp.N(value, DIGITS + 10)
+    number = sp.N(value, STEP_DIGITS + 10)
     shown = rounded(number._to_mpmath(200), decimals)
     check = Close(lambda: number._to_mpmath(200), decimals)
     return Step(Relation(named(name), "=", shown), reason, check, note, decimals=True, label=label)
@@ -307,7 +307,7 @@ def _figure7() -> Iterator[Any]:
 
 
 def _number(expr: Any) -> Any:
-    return sp.N(expr, DIGITS + 10)._to_mpmath(200)
+    return sp.N(expr, STEP_DIGITS + 10)._to_mpmath(200)
 
 
 def _figure8() -> Iterator[Any]:

@@ -12,7 +12,19 @@ from symosc.derive.blocks import block, proof
 from symosc.derive.chapters.domains import generic_basis, modes
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, DIGITS, AtRoot, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.derive.steps import (
+    CONTEXT,
+    STEP_DIGITS,
+    AtRoot,
+    Exact,
+    Heading,
+    Prose,
+    Relation,
+    Sign,
+    Step,
+    equation,
+    fact,
+)
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -202,7 +214,7 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
     from symosc.orbits.find import find_orbit
 
     p = load_scene(scene).parameters
-    found = find_orbit(p, word, digits=DIGITS + 5)
+    found = find_orbit(p, word, digits=STEP_DIGITS + 5)
     product = CONTEXT.mpf(1)
     for each in found.multipliers:
         product = product * CONTEXT.mpmathify(each)
@@ -271,4 +283,4 @@ def _monodromy() -> Iterator[Any]:
 
 
 def _float(number: Any) -> Any:
-    return sp.Float(CONTEXT.nstr(number, DIGITS + 5), DIGITS + 10)
+    return sp.Float(CONTEXT.nstr(number, STEP_DIGITS + 5), STEP_DIGITS + 10)

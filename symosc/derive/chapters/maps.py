@@ -9,8 +9,9 @@ import sympy as sp
 
 from symosc.derive.blocks import Table, block, proof
 from symosc.derive.latex import latex, named
-from symosc.derive.scope import BELTS, SIDES, Scope, v_lambda
+from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import Exact, Heading, Prose, Solves, equation
+from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import A_m, Omega, a_i, f0, m, tau, theta_i, v_i, x_i
 from symosc.words import MAPS, Map
@@ -51,7 +52,7 @@ def _planes(scope: Scope) -> Iterator[Any]:
         row = MAPS[label]
         belt, other = row.start.boundary, row.end.boundary
         if row.sticks:
-            lo, hi = SIDES[belt]
+            lo, hi = NEIGHBOURS[belt]
             rows.append((f"$P_{label[1]}$", *_between(row), f"stick on belt {belt}", f"{lo} or {hi}", belt, belt))
             continue
         rows.append((f"$P_{label[1]}$", *_between(row), rf"flight in $\Omega_{row.domain}$", row.domain, belt, other))
@@ -156,7 +157,7 @@ def _with_numbers(scope: Scope) -> Iterator[Any]:
         row = MAPS[label]
         if row.sticks:
             yield Prose(rf"$P_{label[1]}$ rides on belt {row.start.boundary} with the speed below, and slips into")
-            for alpha in SIDES[row.start.boundary]:
+            for alpha in NEIGHBOURS[row.start.boundary]:
                 name = named(rf"f_2^{{({label[1]})}}")
                 right = sp.expand(force(alpha, maps.x_j, BELTS[row.start.boundary], maps.theta_j))
                 true = force(alpha, maps.x_j, BELTS[row.start.boundary], maps.theta_j)

@@ -10,8 +10,9 @@ import sympy as sp
 
 from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, LOWER, SIDES, UPPER, F, Scope, mu_lambda, v_lambda
+from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
 
@@ -50,7 +51,7 @@ def stick_force(belt: int) -> Any:
 
 def belt_meaning(belt: int, at_speed: bool = False) -> dict[Any, Any]:
     """Return what the letters of belt lambda stand for at one of the two belts."""
-    lo, hi = SIDES[belt]
+    lo, hi = NEIGHBOURS[belt]
     at = {v: BELTS[belt]} if at_speed else {}
     sides = {F(LOWER): newton(lo).subs(at), F(UPPER): newton(hi).subs(at)}
     return sides | {mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}

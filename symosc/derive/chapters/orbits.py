@@ -13,10 +13,10 @@ from symosc.derive.blocks import Table, block, proof
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import named
 from symosc.derive.orbit_pieces import equations, extremes, letters_of, point, put, root
-from symosc.derive.scope import BELTS, SIDES, Scope
+from symosc.derive.scope import BELTS, Scope
 from symosc.derive.steps import (
     CONTEXT,
-    DIGITS,
+    STEP_DIGITS,
     AtRoot,
     Check,
     Close,
@@ -33,7 +33,7 @@ from symosc.derive.steps import (
     fact,
     rounded,
 )
-from symosc.model import Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -205,7 +205,7 @@ def _admissible(scope: Scope, word: str) -> Iterator[Any]:
         belt = row.start.boundary
         before = equations(scope, word)[i - 1][0]
         cells: list[Any] = [str(i + 1)]
-        for alpha in SIDES[belt]:
+        for alpha in NEIGHBOURS[belt]:
             value = put(scope, force(alpha, letters_of(i)[0], BELTS[belt], letters_of(i)[1]))
             if before.sticks and row.domain == alpha:
                 cells.append("0")  # the stick ends where this one vanishes: an equation above
@@ -243,7 +243,7 @@ def _between(scope: Scope, word: str) -> Iterator[Any]:
     for i, (row, *_) in enumerate(equations(scope, word)):
         for name, number, bounds in extremes(scope, word, i):
             rows.append((f"$P_{row.label[1]}$ from {i + 1}", name, _decimal("z", number, 8), bounds[0]))
-            shown = sp.Float(CONTEXT.nstr(number, DIGITS), DIGITS)
+            shown = sp.Float(CONTEXT.nstr(number, STEP_DIGITS), STEP_DIGITS)
             for op, bound in bounds[1]:
                 facts.append(fact(shown, op, bound, AtRoot(dict)))
     facts.append(fact(_word_number(word), "=", _word_number(word), Followed(scope.parameters, word)))
@@ -276,7 +276,7 @@ class Followed(Check):
 
     def run(self, statement: Relation) -> StepEvidence:
         """See `Check`."""
-        orbit = find_orbit(self.parameters, self.word, digits=DIGITS)
+        orbit = find_orbit(self.parameters, self.word, digits=STEP_DIGITS)
         (t, x), belt = orbit.points[0], read_word(self.word).maps[0].start.boundary
         speed = getattr(self.parameters, f"v{belt}")
         error = (CONTEXT.mpf(10) ** -40, CONTEXT.mpf(10) ** -40, 0)

@@ -10,8 +10,9 @@ import sympy as sp
 from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, SIDES, UPPER, F, Scope, mu_lambda, v_lambda
+from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 
@@ -121,7 +122,7 @@ def _exits(scope: Scope) -> Iterator[Any]:
     )
     rows = []
     for belt in scope.boundaries:
-        for alpha in SIDES[belt]:
+        for alpha in NEIGHBOURS[belt]:
             at = {v: BELTS[belt], Omega * t: theta}
             right = sp.expand(m * acceleration(alpha).subs(at))
             step = equation(m * F(alpha), right, "", Exact({F(alpha): newton(alpha).subs(at)}, sp.expand))

@@ -9,7 +9,16 @@ import numpy as np
 
 from symosc.paper.checks.contacts import lowered, mode_text, motion, number, text, verdict
 from symosc.paper.checks.flown_again import flown_again
-from symosc.paper.checks.grazing_figures import HALF_UNIT, LATE, Graze, exact, fig7, fig8, print_is_right, steady_square
+from symosc.paper.checks.grazing_figures import (
+    LAST_HALF_UNIT,
+    LATE,
+    Graze,
+    exact,
+    fig7,
+    fig8,
+    print_is_right,
+    steady_square,
+)
 from symosc.paper.checks.stick_figures import flight_after, forces_hold, together
 from symosc.paper.evidence import Evidence
 from symosc.scenes import Scene
@@ -44,7 +53,7 @@ def same_point(figure: Graze) -> Evidence:
     path = motion(exact(figure), LATE)
     blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.parameters.Omega))
     raw = returns(figure.printed, 1)[0]
-    same = max(abs(dx), abs(dv)) <= HALF_UNIT
+    same = max(abs(dx), abs(dv)) <= LAST_HALF_UNIT
     numbers = {
         "x, ẋ at the blue point": f"{text(blue[0], 10)}, {text(blue[1], 10)}",
         "x, ẋ at the green point": f"{text(green[0], 10)}, {text(green[1], 10)}",
@@ -55,14 +64,14 @@ def same_point(figure: Graze) -> Evidence:
         f"One period after the start the mass is at (x, ẋ) = ({text(green[0], 7)}, {text(green[1], 7)}), and it was at "
         f"({text(blue[0], 7)}, {text(blue[1], 7)}): {'one point' if same else 'two points'} of the phase plane."
     )
-    return Evidence(verdict(max(abs(raw[0]), abs(raw[1])) <= HALF_UNIT, same), finding, numbers)
+    return Evidence(verdict(max(abs(raw[0]), abs(raw[1])) <= LAST_HALF_UNIT, same), finding, numbers)
 
 
 def periodic(figure: Graze) -> Evidence:
     """Check whether the motion is periodic, or approaches one; and whether the periodic motion can graze."""
     p, count = figure.parameters, 4
     changes = [hypot(*each) for each in returns(exact(figure), count)]
-    fixed = changes[0] <= HALF_UNIT
+    fixed = changes[0] <= LAST_HALF_UNIT
     factor = changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
     square, level = steady_square(p), p.belt(figure.belt) ** 2
     approaches = factor < 1 and motion(exact(figure), LATE).segments[-1].mode == "Omega1"
@@ -100,7 +109,7 @@ def not_at_belt(scenes: list[Scene], belt: int) -> Evidence:
     finding = (
         f"The velocities differ from v{lowered(belt)} by {text(min(gaps), 6)} or more: these are no grazing points."
     )
-    return Evidence(verdict(min(gaps) > HALF_UNIT), finding, numbers)
+    return Evidence(verdict(min(gaps) > LAST_HALF_UNIT), finding, numbers)
 
 
 # --- the stick after the graze of Fig. 8 ---

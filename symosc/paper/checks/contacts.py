@@ -12,18 +12,18 @@ from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import BeltConstants
 from symosc.exact import show
 from symosc.kernels._generated import acceleration
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
-DIGITS = 30
+CONTACT_DIGITS = 30
 #: A force (acceleration) below this at a contact that is known to 30 digits is 0.
-ZERO = 1e-20
+NO_FORCE = 1e-20
 SHOWN = 15
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+DIGITS_ABOVE = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class SceneContact(NamedTuple):
@@ -85,13 +85,13 @@ def motion(scene: Scene, t_end: Any = None) -> Trajectory:
 
 @cache
 def _motion(scene: Scene, t_end: Any = None) -> Trajectory:
-    return simulate(scene, t_end=t_end, digits=DIGITS)
+    return simulate(scene, t_end=t_end, digits=CONTACT_DIGITS)
 
 
 @cache
 def arithmetic(p: Parameters) -> MpArithmetic:
     """Return the constants of a parameter set, with 40 digits."""
-    return MpArithmetic(p, DIGITS + 10)
+    return MpArithmetic(p, CONTACT_DIGITS + 10)
 
 
 def number(p: Parameters, value: Fraction) -> Any:
@@ -130,7 +130,7 @@ def forces(p: Parameters, at: SceneContact) -> Forces:
     K, cosine, v = exact.K, exact.context.cos(at.theta), exact.number(p.belt(at.belt))
     constants = (K.A1, K.A2, K.A3)
     below, above = (
-        acceleration(at.x, v, cosine, constants[domain - 1], K.cm, K.w0sq, K.f0) for domain in SIDES[at.belt]
+        acceleration(at.x, v, cosine, constants[domain - 1], K.cm, K.w0sq, K.f0) for domain in NEIGHBOURS[at.belt]
     )
     return Forces(below, above)
 
@@ -161,12 +161,16 @@ def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
 def stick_holds(along: list[Forces]) -> bool:
     """Return whether F^(below) > 0 > F^(above) (Theorem 4) from the onset on up to the end, at which one may be 0."""
     inside, end = along[:-1], along[-1]
-    return all(each.below > ZERO and each.above < -ZERO for each in inside) and end.below > -ZERO and end.above < ZERO
+    return (
+        all(each.below > NO_FORCE and each.above < -NO_FORCE for each in inside)
+        and end.below > -NO_FORCE
+        and end.above < NO_FORCE
+    )
 
 
 def is_zero(force: Any) -> bool:
     """Return whether a force at a contact is 0 to all digits."""
-    return bool(abs(force) < ZERO)
+    return bool(abs(force) < NO_FORCE)
 
 
 def verdict(as_printed: bool, corrected: bool = False) -> str:
@@ -187,7 +191,7 @@ def text(value: Any, digits: int = SHOWN) -> str:
 
 def force_text(value: Any) -> str:
     """Return a force at a contact as text; one that vanishes as 0 with its bound."""
-    return f"0 (to {ZERO:g})" if is_zero(value) else text(value)
+    return f"0 (to {NO_FORCE:g})" if is_zero(value) else text(value)
 
 
 def mode_text(mode: Any) -> str:
@@ -203,4 +207,4 @@ def lowered(label: Any) -> str:
 
 def force_name(domain: int) -> str:
     """Return F⁽¹⁾ for 1."""
-    return f"F⁽{str(domain).translate(SUPERSCRIPTS)}⁾"
+    return f"F⁽{str(domain).translate(DIGITS_ABOVE)}⁾"

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks import contacts
 from symosc.paper.checks.linear_flow import flow
@@ -109,7 +109,7 @@ def _one(p: Parameters, stretch: FlownPiece) -> Opinion:
     else:
         belt = -stretch.where
         x, v = x0 + v0 * (t - t0), np.full_like(t, float(p.belt(belt)))
-        lo, hi = SIDES[belt]
+        lo, hi = NEIGHBOURS[belt]
         inside = np.minimum(_force(p, lo, t, x, v), -_force(p, hi, t, x, v))
     size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
     difference = max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size
@@ -126,7 +126,7 @@ def _follows(p: Parameters, stretch: FlownPiece, then: int) -> bool:
     """Tell whether Theorems 4 and 5 let a stretch be followed by another; where a force is 0 they leave it open."""
     t, x, v = map(np.asarray, stretch.end)
     belt = 1 if abs(float(v) - float(p.v1)) < abs(float(v) - float(p.v2)) else 2
-    lo, hi = SIDES[belt]
+    lo, hi = NEIGHBOURS[belt]
     below, above = float(_force(p, lo, t, x, v)), float(_force(p, hi, t, x, v))
     size = max(1.0, abs(below), abs(above))
     allowed = {

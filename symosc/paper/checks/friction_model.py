@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks import dop853
 from symosc.paper.checks.contacts import looked_at
 from symosc.paper.checks.flown_again import flown_again
@@ -17,9 +17,9 @@ from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
-CASES = 240
+FRICTION_CASES = 240
 #: Scenes of the paper whose motions have every state between them.
-SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10")
+FRICTION_SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10")
 FIGURES = ("fig5", "fig6", "fig7", "fig8", "fig9", "fig10")
 
 
@@ -65,7 +65,7 @@ def domain_of(p: Parameters, v: Fraction) -> list[int]:
 
 
 def _parameter_sets() -> list[Parameters]:
-    return [contact.p for contact in contacts(1, CASES, seed=3)]
+    return [contact.p for contact in contacts(1, FRICTION_CASES, seed=3)]
 
 
 def friction_levels() -> Evidence:
@@ -92,7 +92,7 @@ def friction_at_the_jumps() -> Evidence:
     """Eq. (1) at x' = v1 and v2: its intervals, and the single values whose closed intervals end there too."""
     held = outside = at_an_end = 0
     for boundary in (1, 2):
-        for contact in contacts(boundary, CASES, seed=40 + boundary):
+        for contact in contacts(boundary, FRICTION_CASES, seed=40 + boundary):
             if contact.sticks:
                 p, (low, high) = contact.p, friction_interval(contact.p, boundary)
                 # x'' = 0: friction holds all other forces.
@@ -113,7 +113,7 @@ def friction_at_the_jumps() -> Evidence:
 
 
 def _motions() -> list[Trajectory]:
-    return [simulate(load_scene(name), max_events=40) for name in SCENES]
+    return [simulate(load_scene(name), max_events=40) for name in FRICTION_SCENES]
 
 
 def equations_of_motion() -> Evidence:
@@ -142,8 +142,8 @@ def stick_condition() -> Evidence:
     """Eq. (2) with |F_s1| <= mu1 FN, its counterpart on belt 2, and Theorem 4."""
     total = differs = equal = stays = leaves = wrong_strict = 0
     for boundary in (1, 2):
-        lo, hi = SIDES[boundary]
-        for contact in contacts(boundary, CASES, seed=10 + boundary):
+        lo, hi = NEIGHBOURS[boundary]
+        for contact in contacts(boundary, FRICTION_CASES, seed=10 + boundary):
             p = contact.p
             held = (p.mu1 if boundary == 1 else p.mu2) * p.FN
             force = stick_force(p, boundary, contact.x, contact.c)
@@ -191,7 +191,7 @@ def mirrored(p: Parameters) -> Parameters:
 def friction_order() -> Evidence:
     """The assumption mu1 >= mu2: is it needed? A mirror turns every motion into one with mu1 and mu2 exchanged."""
     worst, events, other = 0.0, 0, 0
-    for name in SCENES:
+    for name in FRICTION_SCENES:
         scene = load_scene(name)
         p = scene.parameters
         given = looked_at(simulate(scene, max_events=12))
@@ -200,7 +200,9 @@ def friction_order() -> Evidence:
         other += kinds != [(event.kind, event.boundary) for event in given.events]
         gaps = [abs(a.t - b.t) + abs(a.x + b.x) for a, b in zip(given.events, seen.events, strict=False)]
         worst, events = max([worst, *gaps]), events + len(gaps)
-    cases = [contact for boundary in (1, 2) for contact in contacts(boundary, CASES, seed=20) if _is_strict(contact)]
+    cases = [
+        contact for boundary in (1, 2) for contact in contacts(boundary, FRICTION_CASES, seed=20) if _is_strict(contact)
+    ]
     reversed_ = [contact for contact in cases if contact.p.mu1 < contact.p.mu2]
     wrong = sum((contact.force(contact.boundary) > 0 > contact.force(contact.boundary + 1)) != contact.sticks
                 for contact in reversed_)  # fmt: skip
@@ -287,8 +289,8 @@ def vector_fields() -> Evidence:
     """Eqs. (8) to (10): the field (9) is (5) divided by the mass, and jumps by 2 mu FN/m."""
     wrong = jumps = total = 0
     for boundary in (1, 2):
-        for contact in contacts(boundary, CASES, seed=30 + boundary):
-            p, lo, hi = contact.p, *SIDES[boundary]
+        for contact in contacts(boundary, FRICTION_CASES, seed=30 + boundary):
+            p, lo, hi = contact.p, *NEIGHBOURS[boundary]
             for alpha in (lo, hi):
                 total += 1
                 wrong += vector_field(p, alpha, contact.x, contact.speed, contact.c) != contact.force(alpha)

@@ -19,7 +19,7 @@ from symosc.grazing.start import GrazingStart, grazing_start
 from symosc.grazing.state import is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import place
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks.contacts import (
     contacts,
     force_name,
@@ -38,9 +38,9 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.trajectory import Trajectory
 
 #: Half a unit of the fourth decimal, to which the paper prints its starts.
-HALF_UNIT = Fraction(1, 20000)
+LAST_HALF_UNIT = Fraction(1, 20000)
 LATE = 60
-SAMPLES = 8000
+GRAZE_SAMPLES = 8000
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def fig8() -> Graze:
 
 def print_is_right(figure: Graze) -> bool:
     """Tell whether a start that grazes rounds to the printed start, with all parameters as printed."""
-    return nearest_graze(figure.printed, figure.mapping, float(HALF_UNIT)).rounds
+    return nearest_graze(figure.printed, figure.mapping, float(LAST_HALF_UNIT)).rounds
 
 
 # --- is there a graze at all? ---
@@ -140,9 +140,9 @@ def steady_square(p: Parameters) -> Fraction:
 
 def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[float, float]:
     """Return when the velocity of a flight in domain 1 is highest, and how high."""
-    times = np.linspace(float(path.t_start) if since is None else since, float(path.t_end), SAMPLES)
+    times = np.linspace(float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES)
     i = int(np.argmax(path(times)[1]))
-    if i in (0, SAMPLES - 1):
+    if i in (0, GRAZE_SAMPLES - 1):
         return float(times[i]), float(path(times[i])[1])
     top = brentq(lambda t: float(path.force(1, t)), times[i - 1], times[i + 1], xtol=1e-13)
     return top, float(path(top)[1])
@@ -153,9 +153,9 @@ def clear_since(path: Trajectory, belt: int) -> float:
     p = path.parameters
     K, level = constants(p), float(p.belt(belt))
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
-        v, a, phase = float(path(t)[1]), float(path.force(SIDES[belt][0], t)), float(p.Omega) * t
+        v, a, phase = float(path(t)[1]), float(path.force(NEIGHBOURS[belt][0], t)), float(p.Omega) * t
         start = Launch(v, a, sin(phase), cos(phase))
-        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, level, SIDES[belt][0], K):
+        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, level, NEIGHBOURS[belt][0], K):
             return float(t)
     return float("inf")
 
@@ -185,7 +185,7 @@ def tangential(figure: Graze) -> Evidence:
     if not path.events:
         return Evidence(verdict(False), "There is no contact from the exact start either.", numbers)
     at, event, side = contacts(scene)[0], path.events[0], place(figure.mapping).domain
-    force = forces(p, at)[side - SIDES[at.belt][0]]
+    force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
     order = is_grazing(p, figure.mapping, at.x, at.theta)
     touches = event.kind == "graze" and is_zero(force) and order.grazing
     numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"

@@ -12,14 +12,14 @@ from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.paper.checks.contacts import motion, text, verdict
 from symosc.paper.checks.flown_again import flown_again
-from symosc.paper.checks.grazing_figures import HALF_UNIT, Graze, contacts_text, fig7, fig8, reaches_belt
+from symosc.paper.checks.grazing_figures import LAST_HALF_UNIT, Graze, contacts_text, fig7, fig8, reaches_belt
 from symosc.paper.checks.linear_flow import flow
 from symosc.paper.evidence import NOT_AS_PRINTED, Evidence
 from symosc.paper.graze_search import START, FreeValue, nearest_graze, search
 from symosc.scenes import Scene
 
 #: A parameter is printed with no more significant digits than this.
-DIGITS = 3
+MISPRINTED_DIGITS = 3
 #: A phase of the contact is a quarter of a turn if it is within so much of one.
 PHASE = 1e-4
 
@@ -35,7 +35,7 @@ def contact_or_misprint(scene: Scene, mapping: str) -> Evidence:
     as_printed = reaches_belt(scene, place(mapping).boundary)
     if as_printed.verdict != NOT_AS_PRINTED:
         return as_printed
-    found = search(scene, mapping, float(HALF_UNIT))
+    found = search(scene, mapping, float(LAST_HALF_UNIT))
     numbers = dict(as_printed.numbers)
     for name in (*scene.parameters.as_dict(), *START):
         of_name = [each for each in found if each.name == name]
@@ -53,7 +53,7 @@ def explains(scene: Scene, found: FreeValue) -> bool:
     if found.name in ("x0", "v0"):
         return True
     decimals = len(found.shortest.partition(".")[2])
-    return found.digits <= DIGITS if found.name != "t0" else decimals <= 1
+    return found.digits <= MISPRINTED_DIGITS if found.name != "t0" else decimals <= 1
 
 
 def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
@@ -85,7 +85,7 @@ def fig8_start() -> Evidence:
 def start_grazes(figure: Graze) -> Evidence:
     """Find the start of a graze next to the printed one, of all phases of the contact: does it round to it?"""
     scene, mapping = figure.scene, figure.mapping
-    near = nearest_graze(scene, mapping, float(HALF_UNIT))
+    near = nearest_graze(scene, mapping, float(LAST_HALF_UNIT))
     changed = [
         f"{name} = {text(getattr(scene.parameters, name))}"
         for name in scene.parameters.as_dict()
@@ -95,7 +95,7 @@ def start_grazes(figure: Graze) -> Evidence:
         "printed x₀, ẋ₀": f"{text(scene.x0)}, {text(scene.v0)}",
         "nearest start that grazes, minus printed: x₀, ẋ₀": f"{near.dx:+.3g}, {near.dv:+.3g}",
         "time of its contact": f"{near.t_m:.9g}",
-        "half a unit of the last printed digit": f"{float(HALF_UNIT):g}",
+        "half a unit of the last printed digit": f"{float(LAST_HALF_UNIT):g}",
         "contacts from the printed start": contacts_text(motion(scene)),
     }
     held, how = False, "which does not round to it"
@@ -126,5 +126,5 @@ def _exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
     numbers["x₀, ẋ₀ of a start that grazes"] = f"{found.start['x0'][:22]}, {found.start['v0'][:22]}"
     numbers["contacts from it"] = contacts_text(path)
     numbers["|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form"] = f"{gap:.1g}"
-    inside = all(abs(value - getattr(scene, name)) <= HALF_UNIT for name, value in start.items())
+    inside = all(abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items())
     return inside and path.events[0].kind == "graze" and gap < 1e-9

@@ -10,13 +10,13 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.paper.checks.rational_cases import RationalContact, as_text
 from symosc.paper.checks.theorems import exact_contacts, slope_of_field
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence
 
 #: Components of the states of a general system; more bring nothing new.
-SIZE = 3
+DIMENSION = 3
 
 
 # --- what the paper prints ---
@@ -56,7 +56,7 @@ def along_boundary_flow(contact: RationalContact, alpha: int) -> Fraction:
 def _vector(name: str, t: Any) -> Any:
     import sympy as sp
 
-    return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(SIZE)])
+    return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(DIMENSION)])
 
 
 def general_system() -> Evidence:
@@ -106,11 +106,11 @@ def reduction() -> Evidence:
     import sympy as sp
 
     t, height = sp.symbols("t h")
-    n, flow, boundary = sp.Matrix(sp.symbols(f"n0:{SIZE}")), _vector("x", t), _vector("b", t)
+    n, flow, boundary = sp.Matrix(sp.symbols(f"n0:{DIMENSION}")), _vector("x", t), _vector("b", t)
     values = g_functions(n, flow - boundary, t)
     # The boundary flow stays in the plane, n . b = const: one component of it follows from the others.
-    last = (height - sum(n[i] * boundary[i] for i in range(SIZE - 1))) / n[SIZE - 1]
-    staying = {boundary[SIZE - 1]: last}
+    last = (height - sum(n[i] * boundary[i] for i in range(DIMENSION - 1))) / n[DIMENSION - 1]
+    staying = {boundary[DIMENSION - 1]: last}
     rests = []
     for order, value in enumerate(values, 1):
         printed = (n.T * flow.diff(t, order))[0]
@@ -165,7 +165,7 @@ def _compare(
         return Evidence(CONFIRMED, "Necessary and sufficient at all contacts.", numbers)
     one = left_out[0]
     numbers["a contact that is left out"] = as_text(one)
-    for alpha in SIDES[one.boundary]:
+    for alpha in NEIGHBOURS[one.boundary]:
         numbers[f"F({alpha}) there, and its derivatives"] = ", ".join(map(str, one.derivatives(alpha)))
     numbers["what the exact flow does there"] = f"goes on {'on' if one.sticks else 'in'} {one.next_mode}"
     finding = f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the one given here"
@@ -176,7 +176,7 @@ def lemma_1() -> Evidence:
     """Lemma 1, eq. (20), with the normal vector either way."""
 
     def says(contact: RationalContact) -> bool:
-        lo, hi = SIDES[contact.boundary]
+        lo, hi = NEIGHBOURS[contact.boundary]
         up = sliding_condition(contact.force(hi), contact.force(lo))  # n = (0, 1) points to the domain above
         down = sliding_condition(-contact.force(lo), -contact.force(hi))
         return up or down
@@ -188,7 +188,7 @@ def lemma_2() -> Evidence:
     """Lemma 2, eqs. (21) and (22), from the domain below to the one above and back."""
 
     def says(contact: RationalContact) -> bool:
-        lo, hi = SIDES[contact.boundary]
+        lo, hi = NEIGHBOURS[contact.boundary]
         up = passing_condition(True, contact.force(lo), contact.force(hi))
         return up or passing_condition(False, contact.force(hi), contact.force(lo))
 
@@ -201,11 +201,11 @@ def lemma_3() -> Evidence:
     def says(contact: RationalContact) -> bool:
         return any(
             tangency_condition(alpha == contact.boundary, contact.force(alpha), slope_of_field(contact, alpha))
-            for alpha in SIDES[contact.boundary]
+            for alpha in NEIGHBOURS[contact.boundary]
         )
 
     def does(contact: RationalContact) -> bool:
-        return any(contact.grazes(alpha) for alpha in SIDES[contact.boundary])
+        return any(contact.grazes(alpha) for alpha in NEIGHBOURS[contact.boundary])
 
     return _compare(says, does, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0")
 

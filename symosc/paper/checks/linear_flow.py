@@ -14,7 +14,7 @@ import numpy as np
 from symosc.model import Parameters
 
 #: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.
-APART = 1e-8
+FAR_APART = 1e-8
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
@@ -22,8 +22,8 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)
     half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
-    if abs(half) < APART * c / m:
-        half = APART * c / m
+    if abs(half) < FAR_APART * c / m:
+        half = FAR_APART * c / m
     one, two = -c / (2 * m) + half, -c / (2 * m) - half
     swing = B0 / (k - m * Omega**2 + 1j * c * Omega)
 

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks import dop853
 from symosc.paper.checks.contacts import looked_at
 from symosc.paper.checks.flown_again import flown_again
@@ -25,13 +25,13 @@ from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
-SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
+MAPPED_SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
 FLIGHTS = ("P2", "P3", "P5", "P6", "P7", "P8")
-EVENTS = 40
+MAPPED_EVENTS = 40
 #: A residual that vanishes, relative to the size of its terms.
-ZERO = 1e-11
+NO_RESIDUAL = 1e-11
 #: Exact contacts that are looked through for ends of sticks.
-EXITS = 300
+EXIT_DOMAINS = 300
 SIDE_NAMES = {-1: "below", 0: "on it", 1: "above"}
 
 
@@ -69,7 +69,7 @@ def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
 
 @cache
 def _motions() -> tuple[tuple[str, Trajectory], ...]:
-    return tuple((name, simulate(load_scene(name), max_events=EVENTS)) for name in SCENES)
+    return tuple((name, simulate(load_scene(name), max_events=MAPPED_EVENTS)) for name in MAPPED_SCENES)
 
 
 def _segments() -> Iterator[tuple[str, Trajectory, Any, Any, Any]]:
@@ -106,10 +106,10 @@ def planes_as_limits() -> Evidence:
 
 def basic_mappings() -> Evidence:
     """Eqs. (50) and (51): every way from plane to plane through one domain, or on one belt, is one of the eight."""
-    ways = {((belt, 0), (belt, 0)) for belt in SIDES}
+    ways = {((belt, 0), (belt, 0)) for belt in NEIGHBOURS}
     for domain in (1, 2, 3):
         # The belts at a domain, and the side of them on which it is.
-        planes = [(belt, -1 if domain == belt else 1) for belt, sides in SIDES.items() if domain in sides]
+        planes = [(belt, -1 if domain == belt else 1) for belt, sides in NEIGHBOURS.items() if domain in sides]
         ways |= set(product(planes, planes))
     listed = set(PLANES.values())
     numbers = {
@@ -136,7 +136,7 @@ def trajectories_in_domains() -> Evidence:
 
 def _domains(belt: int, side: int) -> tuple[int, ...]:
     """Return the domain on a side of a belt, none for the belt itself."""
-    return () if side == 0 else (SIDES[belt][side > 0],)
+    return () if side == 0 else (NEIGHBOURS[belt][side > 0],)
 
 
 # --- the ends of sticks ---
@@ -144,10 +144,10 @@ def _domains(belt: int, side: int) -> tuple[int, ...]:
 
 def _stick_exits(boundary: int, equation: int) -> Evidence:
     """Compare a printed end of sticks with the exact flow where one of the forces vanishes, and with a figure."""
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     exits: Counter[int] = Counter()
     satisfied: Counter[int] = Counter()
-    for contact in contacts(boundary, EXITS, seed=50 + boundary):
+    for contact in contacts(boundary, EXIT_DOMAINS, seed=50 + boundary):
         # The stick ends here: held so far by both forces, and the exact flow leaves the belt.
         slopes = {alpha: contact.slope(alpha) for alpha in (lo, hi)}
         if contact.force(lo) == 0 > contact.force(hi) and slopes[lo] < 0:
@@ -184,9 +184,9 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
     def forces(elapsed: Any) -> dict[int, Any]:
         place, phase = x + float(p.belt(boundary)) * elapsed, np.cos(float(p.Omega) * (t + elapsed))
         rest = float(p.B0) * phase - float(p.k) * place - float(p.c * p.belt(boundary))
-        return {alpha: (float(p.A(alpha)) + rest) / float(p.m) for alpha in SIDES[boundary]}
+        return {alpha: (float(p.A(alpha)) + rest) / float(p.m) for alpha in NEIGHBOURS[boundary]}
 
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     grid = np.linspace(0.0, 20.0, 4001)
     along = forces(grid)
     last = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))
@@ -238,7 +238,7 @@ def governing_equations() -> Evidence:
     numbers = {label: f"{counts[label]} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 {other[label]:.2g}"
                for label in FLIGHTS}  # fmt: skip
     right = all(counts[label] for label in FLIGHTS)
-    right = right and max(worst.values()) < ZERO and max(other.values()) < dop853.DOP853_AGREEMENT
+    right = right and max(worst.values()) < NO_RESIDUAL and max(other.values()) < dop853.DOP853_AGREEMENT
     finding = f"f₁ = f₂ = 0 at the ends of {sum(counts.values())} flights of six kinds, to {max(worst.values()):.1g}"
     finding += f"; by DOP853 to {max(other.values()):.1g}"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}.", numbers)
@@ -246,12 +246,12 @@ def governing_equations() -> Evidence:
 
 def four_grazes() -> Evidence:
     """Before Theorem 7: four cases of grazing, those of P2, P3, P5 and P6."""
-    pairs = sorted((domain, boundary) for boundary, sides in SIDES.items() for domain in sides)
+    pairs = sorted((domain, boundary) for boundary, sides in NEIGHBOURS.items() for domain in sides)
     of_maps = sorted((row.domain, row.boundary) for row in PLACES.values())
     grazes: Counter[tuple[int, int]] = Counter()
-    for boundary in SIDES:
-        for contact in contacts(boundary, EXITS, seed=60 + boundary):
-            grazes.update((alpha, boundary) for alpha in SIDES[boundary] if contact.grazes(alpha))
+    for boundary in NEIGHBOURS:
+        for contact in contacts(boundary, EXIT_DOMAINS, seed=60 + boundary):
+            grazes.update((alpha, boundary) for alpha in NEIGHBOURS[boundary] if contact.grazes(alpha))
     numbers = {
         "pairs of a domain and a boundary that it has": str(len(pairs)),
         "of them the place of P₂, P₃, P₅ or P₆": str(sum(pair in of_maps for pair in pairs)),

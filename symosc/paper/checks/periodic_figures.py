@@ -6,13 +6,13 @@ from functools import cache
 from itertools import cycle, pairwise
 
 from symosc.mappings.equations import residual
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.contacts import (
-    DIGITS,
-    ZERO,
+    CONTACT_DIGITS,
+    NO_FORCE,
     SceneContact,
     contacts,
     force_name,
@@ -30,7 +30,7 @@ from symosc.paper.checks.contacts import (
     verdict,
 )
 from symosc.paper.checks.flown_again import flown_again
-from symosc.paper.checks.grazing_figures import HALF_UNIT
+from symosc.paper.checks.grazing_figures import LAST_HALF_UNIT
 from symosc.paper.checks.stick_figures import sticks_at_start
 from symosc.paper.evidence import NOT_AS_PRINTED, Evidence
 from symosc.scenes import Scene, load_scene
@@ -48,7 +48,7 @@ def orbit_of(scene: Scene) -> PeriodicOrbit | None:
 @cache
 def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
     try:
-        found = find_orbit(scene.parameters, scene.structure, digits=DIGITS)
+        found = find_orbit(scene.parameters, scene.structure, digits=CONTACT_DIGITS)
     except ConvergenceError:
         return None
     return found if found.admissible else None
@@ -105,13 +105,13 @@ def start_on_orbit(scene: Scene) -> Evidence:
     if found is None:
         return no_orbit(scene)
     near = found.approach(scene, WITHIN)
-    on_orbit = max(abs(near.dt), abs(near.dx)) <= HALF_UNIT
+    on_orbit = max(abs(near.dt), abs(near.dx)) <= LAST_HALF_UNIT
     path, period = motion(scene), float(found.period)
     count = min(3, int((float(path.t_end) - float(path.t_start)) / period))
     states = [path(float(scene.t0) + i * period) for i in range(count + 1)]
     numbers = {
         "start minus nearest switching point: t, x": f"{near.dt:+.7f}, {near.dx:+.7f}",
-        "half a unit of the last printed digit": f"{float(HALF_UNIT):g}",
+        "half a unit of the last printed digit": f"{float(LAST_HALF_UNIT):g}",
         "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, {near.offset_v:+.7f}",
         f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
         f"switching points of {lowered(found.word)}: t, x": "; ".join(
@@ -174,7 +174,7 @@ def in_order(scene: Scene) -> Evidence:
         jump = max(abs(each.below - each.above) for each in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
         finding += f"; the acceleration jumps, by {text(jump, 6)}"
-    return Evidence(verdict(bool(ordered and worst < ZERO)), finding + ".", numbers)
+    return Evidence(verdict(bool(ordered and worst < NO_FORCE)), finding + ".", numbers)
 
 
 # --- Fig. 9: passing ---
@@ -202,7 +202,7 @@ def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
 
 def products_positive(scene: Scene, belt: int) -> Evidence:
     """Check that both forces have one sign at every switching point (Theorem 5)."""
-    points, (lo, hi) = switching_points(scene, belt), SIDES[belt]
+    points, (lo, hi) = switching_points(scene, belt), NEIGHBOURS[belt]
     both = [forces(scene.parameters, at) for at in points]
     if not both:
         return Evidence(verdict(False), "There is no switching point.", {"switching points": "0"})
@@ -229,7 +229,7 @@ def fig9_passes() -> Evidence:
 def passes(scene: Scene, belt: int) -> Evidence:
     """Check that every contact is a crossing in the direction of both forces, as Theorem 5 says."""
     p, path = scene.parameters, motion(scene)
-    lo, hi = (f"Omega{domain}" for domain in SIDES[belt])
+    lo, hi = (f"Omega{domain}" for domain in NEIGHBOURS[belt])
     rows: dict[str, list[SceneContact]] = {"up": [], "down": []}
     right = True
     for at, event in zip(contacts(scene), path.events, strict=True):
@@ -325,7 +325,7 @@ def fig10_onsets() -> Evidence:
 
 def onsets(scene: Scene, belt: int) -> Evidence:
     """Check the force product where the mass begins to stick, on the printed motion up to its end."""
-    p, (lo, hi) = scene.parameters, SIDES[belt]
+    p, (lo, hi) = scene.parameters, NEIGHBOURS[belt]
     found = [stick for stick in sticks(scene) if stick.belt == belt]
     if not found:
         return Evidence(verdict(False), f"There is no stick on belt {belt}.", {"sticks": "0"})
@@ -350,7 +350,7 @@ def fig10_ends() -> Evidence:
 
 def ends(scene: Scene, belt: int) -> Evidence:
     """Check that one force vanishes where a stick ends, and that a flight into its domain follows."""
-    p, (lo, hi) = scene.parameters, SIDES[belt]
+    p, (lo, hi) = scene.parameters, NEIGHBOURS[belt]
     found = [(stick, stick.end) for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
     if not found:
         return Evidence(verdict(False), f"No stick on belt {belt} ends.", {"sticks": "0"})

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
-from symosc.paper.checks.rational_cases import PHASES, RationalContact
+from symosc.paper.checks.rational_cases import RATIONAL_PHASES, RationalContact
 
 #: Angles are written as rational numbers, a turn as 4: pi/2 is 1, pi is 2. (See `turn`.)
-HALF, FULL = Fraction(2), Fraction(4)
+HALF, FULL_CIRCLE = Fraction(2), Fraction(4)
 
 
 class Arc(NamedTuple):
@@ -53,21 +53,21 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
     zero, quarter = Fraction(0), Fraction(1)
     if PLACES[mapping].side > 0:
         cases = [
-            (0 < g < a, [Arc(zero, HALF + d, True), Arc(FULL - d, FULL)]),
-            (0 < g == a, [Arc(zero, 3 * quarter, True), Arc(3 * quarter, FULL)]),
-            (0 < a < g, [Arc(zero, FULL, True)]),
+            (0 < g < a, [Arc(zero, HALF + d, True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
+            (0 < g == a, [Arc(zero, 3 * quarter, True), Arc(3 * quarter, FULL_CIRCLE)]),
+            (0 < a < g, [Arc(zero, FULL_CIRCLE, True)]),
             (g == 0, [Arc(zero, HALF)]),
             (g < 0 and a > abs(g), [Arc(d, HALF - d)]),
             (g < 0 and a < abs(g), []),
         ]
     else:
         cases = [
-            (0 < g < a, [Arc(HALF + d, FULL - d)]),
+            (0 < g < a, [Arc(HALF + d, FULL_CIRCLE - d)]),
             (0 < a <= g, []),
-            (g == 0, [Arc(HALF, FULL)]),
-            (g < 0 and a > abs(g), [Arc(zero, d, True), Arc(HALF - d, FULL)]),
-            (g < 0 and a == abs(g), [Arc(zero, quarter, True), Arc(quarter, FULL)]),
-            (g < 0 and a < abs(g), [Arc(zero, FULL, True)]),
+            (g == 0, [Arc(HALF, FULL_CIRCLE)]),
+            (g < 0 and a > abs(g), [Arc(zero, d, True), Arc(HALF - d, FULL_CIRCLE)]),
+            (g < 0 and a == abs(g), [Arc(zero, quarter, True), Arc(quarter, FULL_CIRCLE)]),
+            (g < 0 and a < abs(g), [Arc(zero, FULL_CIRCLE, True)]),
         ]
     return [(number, arcs) for number, (holds, arcs) in enumerate(cases, 1) if holds]
 
@@ -106,7 +106,7 @@ def touching(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c:
 DRIVES = (Fraction(3), Fraction(7, 4))
 #: gamma over the amplitude: sines of rational points, so that the ends of the windows are among the phases; 0, equality
 #: and beyond.
-RATIOS = tuple(sorted({s for s, _ in PHASES} | {Fraction(6, 5), Fraction(-6, 5)}))
+RATIOS = tuple(sorted({s for s, _ in RATIONAL_PHASES} | {Fraction(6, 5), Fraction(-6, 5)}))
 
 
 class Row(NamedTuple):
@@ -132,7 +132,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
             cases = printed_window(mapping, gamma, amplitude) or [(0, [])]
-            for s, c in PHASES:
+            for s, c in RATIONAL_PHASES:
                 contact = touching(mapping, gamma, amplitude, s, c)
                 grazes, slope = contact.grazes(domain), contact.slope(domain)
                 special = slope == 0 and abs(gamma) == abs(amplitude)

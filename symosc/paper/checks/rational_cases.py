@@ -14,17 +14,17 @@ from fractions import Fraction
 from functools import cached_property
 from math import factorial
 
-from symosc.model import SIDES, Parameters
+from symosc.model import NEIGHBOURS, Parameters
 
 #: Time before and after a contact, and the terms of the power series. The first term that does not vanish has order 4
 #: at most here, and numbers of few digits: it is many orders of magnitude larger than all that is left out.
 SHORT = Fraction(1, 10**8)
-TERMS = 6
+SUM_TERMS = 6
 
 #: Sines and cosines of phases: the quarters of the circle, and rational points between them.
-QUARTERS = ((0, 1), (1, 0), (0, -1), (-1, 0))
+QUARTER_POINTS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 TRIPLES = ((3, 4, 5), (5, 12, 13))
-PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTERS) + tuple(
+RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) + tuple(
     (Fraction(a * x, hyp), Fraction(b * y, hyp))
     for leg, other, hyp in TRIPLES
     for x, y in ((leg, other), (other, leg))
@@ -56,17 +56,17 @@ def velocity_series(
     Returns
     -------
     list of Fraction
-        TERMS coefficients, the first one is v.
+        SUM_TERMS coefficients, the first one is v.
     """
     place = [x, v]
     wave, turned = c, -s  # cos(theta) and its derivative by theta
     scale = Fraction(1)  # Omega^n/n!
-    for n in range(TERMS - 1):
+    for n in range(SUM_TERMS - 1):
         drive = p.B0 * wave * scale + (constant if n == 0 else 0)
         place.append((drive - p.c * (n + 1) * place[n + 1] - p.k * place[n]) / (p.m * (n + 1) * (n + 2)))
         wave, turned = turned, -wave
         scale = scale * p.Omega / (n + 1)
-    return [(n + 1) * place[n + 1] for n in range(TERMS)]
+    return [(n + 1) * place[n + 1] for n in range(SUM_TERMS)]
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class RationalContact:
     @property
     def next_mode(self) -> str:
         """Where the motion goes on, in the words of `Trajectory.mode`."""
-        lo, hi = SIDES[self.boundary]
+        lo, hi = NEIGHBOURS[self.boundary]
         if self.side(hi, after=True) > 0:
             return f"Omega{hi}"
         return f"Omega{lo}" if self.side(lo, after=True) < 0 else f"belt{self.boundary}"
@@ -140,7 +140,7 @@ class RationalContact:
     @property
     def passes(self) -> bool:
         """Whether the flow arrives from one domain and leaves into the other."""
-        lo, hi = SIDES[self.boundary]
+        lo, hi = NEIGHBOURS[self.boundary]
         up = self.side(lo, after=False) < 0 < self.side(hi, after=True)
         return up or self.side(lo, after=True) < 0 < self.side(hi, after=False)
 
@@ -167,7 +167,7 @@ def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalConta
     def positive(top: int = 12) -> Fraction:
         return Fraction(draw.randint(1, top), draw.randint(1, 4))
 
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     for number in range(count):
         kind = max(number % 6 - 1, 0)
         v1 = Fraction(draw.randint(-8, 8), draw.randint(1, 4))
@@ -177,7 +177,7 @@ def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalConta
             **values, c=positive() - Fraction(1, 4), A0=draw.randint(-20, 20), v1=v1, v2=v1 + positive(),
             mu1=frictions[0], mu2=frictions[1],
         )  # fmt: skip
-        s, c = draw.choice(PHASES) if draw.random() > 0.2 else PHASES[0]
+        s, c = draw.choice(RATIONAL_PHASES) if draw.random() > 0.2 else RATIONAL_PHASES[0]
         if kind >= 3:  # G^(1) = 0 where F = 0: k v = -B0 Omega sin
             v = -p.B0 * p.Omega * s / p.k
             p = p.replace(v1=v, v2=v + 1) if boundary == 1 else p.replace(v1=v - 1, v2=v)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.paper.checks.contacts import forces, is_zero, sticks, text, verdict
 from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.friction_model import added_force, vector_field
@@ -61,7 +61,7 @@ def forces_or_accelerations() -> Evidence:
     for boundary in (1, 2):
         for contact in exact_contacts(boundary):
             p = contact.p
-            for alpha in SIDES[boundary]:
+            for alpha in NEIGHBOURS[boundary]:
                 field = vector_field(p, alpha, contact.x, contact.speed, contact.c)
                 force = p.A0 + added_force(p, alpha) + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
                 total, wrong = total + 1, wrong + (p.m * field != force)

@@ -11,7 +11,7 @@ from symosc.paper.misprints import REACH, Nearest, search_parameters, search_sta
 from symosc.scenes import Scene, load_scene
 
 #: Half a unit of the last printed digit of t0 and x0.
-HALF_UNIT = 0.00005
+PRINTED_HALF_UNIT = 0.00005
 
 
 def start(scene: Scene) -> Evidence:
@@ -26,7 +26,9 @@ def start(scene: Scene) -> Evidence:
 def misprint(scene: Scene) -> Evidence:
     """Search for one number whose misprint explains the start of a periodic scene."""
     start = search_start(scene)
-    if any(_explains(each) and abs(each.value - float(getattr(scene, each.name))) <= HALF_UNIT for each in start):
+    if any(
+        _explains(each) and abs(each.value - float(getattr(scene, each.name))) <= PRINTED_HALF_UNIT for each in start
+    ):
         numbers = {f"{each.name} free": _nearest(each) for each in start}
         return Evidence(CONFIRMED, "The printed start is on the orbit, to all its digits.", numbers)
     parameters = search_parameters(scene)
@@ -39,7 +41,7 @@ def misprint(scene: Scene) -> Evidence:
         finding = (
             f"No single number explains the start. With {free}, parameters up to {REACH} times the printed value, the "
             f"motion misses the start after one period by {best.distance:.4f} at least, in t or x (with {best.name} = "
-            f"{best.value:.5g}); an orbit would have to go through it to within {HALF_UNIT}."
+            f"{best.value:.5g}); an orbit would have to go through it to within {PRINTED_HALF_UNIT}."
         )
         return Evidence(NOT_AS_PRINTED, finding + _remark(scene, start), numbers)
     values = " or ".join(f"{each.name} = {each.value:.5g}" for each in explaining)
@@ -48,7 +50,7 @@ def misprint(scene: Scene) -> Evidence:
 
 def _explains(each: Nearest) -> bool:
     # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half a unit.
-    allowed = HALF_UNIT * (1 + abs(each.value)) if each.name == "v0" else HALF_UNIT
+    allowed = PRINTED_HALF_UNIT * (1 + abs(each.value)) if each.name == "v0" else PRINTED_HALF_UNIT
     return each.orbit and each.distance <= allowed
 
 
@@ -67,7 +69,7 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
         return {}
     theta = float(p.Omega * scene.t0)
     known = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
-    spread = HALF_UNIT * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
+    spread = PRINTED_HALF_UNIT * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
     return {
         "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
         "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",

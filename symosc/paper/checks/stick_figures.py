@@ -5,9 +5,9 @@ from __future__ import annotations
 from scipy.optimize import brentq
 
 from symosc.mappings.equations import residual
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.paper.checks.contacts import (
-    ZERO,
+    NO_FORCE,
     SceneContact,
     Stick,
     contacts,
@@ -30,7 +30,7 @@ from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.evidence import UNDECIDED, Evidence
 from symosc.scenes import Scene, load_scene
 
-SAMPLES = 2000
+STICK_SAMPLES = 2000
 
 
 # --- the first stick of a scene: what Figs. 5 and 6 say about it ---
@@ -95,7 +95,7 @@ def together(scene: Scene, belt: int) -> Evidence:
     needed = [m * each.below - grip for each in forces_along(p, stick)]
     lasts, way = end.t - stick.onset.t, end.x - stick.onset.x
     apart = abs(way - number(p, p.belt(belt)) * lasts)
-    enough = max(abs(force) for force in needed) <= grip + ZERO
+    enough = max(abs(force) for force in needed) <= grip + NO_FORCE
     used_up = is_zero(abs(needed[-1]) - grip)
     grips = f"stays within μ{lowered(belt)} F_N = {text(most)}" if enough else f"exceeds {text(most)}"
     finding = (
@@ -108,7 +108,7 @@ def together(scene: Scene, belt: int) -> Evidence:
         "way of the mass minus way of the belt": text(apart, 2),
         f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": ", ".join(text(each, 10) for each in needed),
     }
-    return Evidence(verdict(bool(lasts > 0 and apart < ZERO and enough)), finding, numbers)
+    return Evidence(verdict(bool(lasts > 0 and apart < NO_FORCE and enough)), finding, numbers)
 
 
 @flown_again
@@ -128,7 +128,7 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     found = first_stick(scene, belt)
     if found is None:
         return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, SIDES[belt]
+    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
     along = forces_along(scene.parameters, stick)
     held = stick_holds(along)
     lowest, highest = min(each.below for each in along), max(each.above for each in along)
@@ -160,7 +160,7 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
     found = first_stick(scene, belt)
     if found is None:
         return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, SIDES[belt]
+    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
     at = forces(scene.parameters, end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
     finding = (
@@ -201,7 +201,7 @@ def flight_after(scene: Scene, belt: int, domains: tuple[int, ...]) -> Evidence:
     f1, f2 = residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))
     lasts, domain = after.t - end.t, int(str(stick.into)[-1])
     # The engine flies with gains from the contact; (54) is evaluated here from one contact to the next.
-    held = domain in domains and lasts > 0 and max(abs(f1), abs(f2)) < ZERO
+    held = domain in domains and lasts > 0 and max(abs(f1), abs(f2)) < NO_FORCE
     drag = p.A(domain) - p.A0
     finding = (
         f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
@@ -224,7 +224,7 @@ def fig5_after_product() -> Evidence:
 
 def product_after(scene: Scene, belt: int) -> Evidence:
     """Check the sign of the force product from the end of the first stick up to the next contact."""
-    found, path, (lo, hi) = first_stick(scene, belt), motion(scene), SIDES[belt]
+    found, path, (lo, hi) = first_stick(scene, belt), motion(scene), NEIGHBOURS[belt]
     if found is None:
         return no_stick(scene, belt)
     end = found[1]
@@ -234,9 +234,9 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     def product(t: float) -> float:
         return float(path.force(lo, t) * path.force(hi, t))
 
-    times = [since + (until - since) * (j + 1) / (SAMPLES + 1) for j in range(SAMPLES)]
+    times = [since + (until - since) * (j + 1) / (STICK_SAMPLES + 1) for j in range(STICK_SAMPLES)]
     products = [product(t) for t in times]
-    turn = next((j for j in range(1, SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None)
+    turn = next((j for j in range(1, STICK_SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None)
     numbers = {"t of the green point": text(since), "followed until t": text(until)}
     numbers["product just after the green point"] = text(products[0], 6)
     numbers["lowest product"] = text(min(products), 6)
@@ -267,11 +267,11 @@ def fig6_start() -> Evidence:
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     """Check that the start is on the belt and holds (Theorem 4); a stick that only comes later is a correction."""
-    p, lo, hi = scene.parameters, *SIDES[belt]
+    p, lo, hi = scene.parameters, *NEIGHBOURS[belt]
     at = start_contact(scene, belt)
     both = forces(p, at)
     on_belt = scene.v0 == p.belt(belt)
-    held = on_belt and both.below > ZERO and both.above < -ZERO
+    held = on_belt and both.below > NO_FORCE and both.above < -NO_FORCE
     first = next((stick for stick in sticks(scene) if stick.belt == belt), None)
     where = (
         f"At t₀ = {text(scene.t0)} {force_name(lo)} = {text(both.below, 8)}, {force_name(hi)} = {text(both.above, 8)}"

@@ -10,7 +10,7 @@ from symosc.grazing.check import check_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.paper.checks.printed_cases import DRIVES, RATIOS, contains, printed_window, rows_of, touching, turn
-from symosc.paper.checks.rational_cases import PHASES
+from symosc.paper.checks.rational_cases import RATIONAL_PHASES
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence
 from symosc.scenes import load_scene
 
@@ -59,7 +59,7 @@ def _same_ends(mapping: str) -> list[bool]:
     found = []
     for amplitude in DRIVES:
         for gamma in (ratio * amplitude for ratio in RATIOS):
-            p = touching(mapping, gamma, amplitude, *PHASES[0]).p
+            p = touching(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
             ours = [(low, high, closed) for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals]
             for _, arcs in printed_window(mapping, gamma, amplitude):
                 printed = [(_angle(arc.low), _angle(arc.high), arc.closed) for arc in arcs]

@@ -15,7 +15,7 @@ from symosc.model import Parameters
 from symosc.paper.checks.contacts import looked_at
 from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.printed_cases import RATIOS, contains, printed_window, touching, turn
-from symosc.paper.checks.rational_cases import PHASES, as_text, contacts
+from symosc.paper.checks.rational_cases import RATIONAL_PHASES, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -82,7 +82,7 @@ def grazing_inequality() -> Evidence:
     total = wrong = differs = 0
     for mapping, where in PLACES.items():
         for ratio in RATIOS:
-            for s, c in PHASES:
+            for s, c in RATIONAL_PHASES:
                 contact = touching(mapping, ratio * 3, Fraction(3), s, c)
                 p, force = contact.p, contact.force(where.domain)
                 slope = slope_at_contact(p, force, contact.speed, s)
@@ -104,7 +104,7 @@ def gamma_is_fixed() -> Evidence:
     total = other = 0
     for mapping, where in PLACES.items():
         for ratio in RATIOS:
-            for s, c in PHASES:
+            for s, c in RATIONAL_PHASES:
                 contact = touching(mapping, ratio * 3, Fraction(3), s, c)
                 if contact.grazes(where.domain):
                     p = contact.p

@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 
-from symosc.model import SIDES
+from symosc.model import NEIGHBOURS
 from symosc.paper.checks.rational_cases import RationalContact, as_text, contacts
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence
 from symosc.simulation.simulate import simulate
 
-CASES = 360
+THEOREM_CASES = 360
 # The motion is asked for so long after a start at t = 0; by then it is as it was at the beginning.
 MOMENT = Fraction(1, 10**6)
 
@@ -53,7 +53,7 @@ BEFORE = "tₘ₊"
 @cache
 def exact_contacts(boundary: int) -> tuple[RationalContact, ...]:
     """Return contacts of all kinds with a belt, in rational numbers."""
-    return tuple(contacts(boundary, CASES, seed=boundary))
+    return tuple(contacts(boundary, THEOREM_CASES, seed=boundary))
 
 
 def _judge(
@@ -67,7 +67,7 @@ def _judge(
     cases = exact_contacts(boundary)
     wrong = [contact for contact in cases if printed(contact) != true(contact)]
     generic = [contact for contact in wrong if not degenerate(contact)]
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     numbers = {
         "rational contacts": str(len(cases)),
         f"of them {words[0]} by the exact flow": str(sum(true(contact) for contact in cases)),
@@ -107,7 +107,7 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
 
 
 def _theorem4(boundary: int) -> Evidence:
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     return _judge(
         boundary,
         lambda contact: stick_condition(contact.force(lo), contact.force(hi)),
@@ -128,7 +128,7 @@ def theorem4_belt2() -> Evidence:
 
 
 def _theorem5(boundary: int) -> Evidence:
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
     return _judge(
         boundary,
         lambda contact: passing_condition(contact.force(lo), contact.force(hi)),
@@ -149,7 +149,7 @@ def theorem5_belt2() -> Evidence:
 
 
 def _theorem6(boundary: int) -> Evidence:
-    lo, hi = SIDES[boundary]
+    lo, hi = NEIGHBOURS[boundary]
 
     def printed(contact: RationalContact) -> bool:
         rows = ((True, lo), (False, hi))
@@ -179,7 +179,7 @@ def both_sides_at_once() -> Evidence:
     grazing = both = each = 0
     least = None
     for boundary in (1, 2):
-        lo, hi = SIDES[boundary]
+        lo, hi = NEIGHBOURS[boundary]
         for contact in exact_contacts(boundary):
             if contact.slope(lo) == 0 or contact.slope(hi) == 0:
                 continue
@@ -206,7 +206,7 @@ def grazing_definition() -> Evidence:
     """Before Theorem 7: grazing is a tangency after which the flow returns; what that says where G^(1) = 0 too."""
     counts = {"F = 0, G⁽¹⁾ ≠ 0": [0, 0], "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0": [0, 0], "F = G⁽¹⁾ = G⁽²⁾ = 0": [0, 0]}
     for contact in (*exact_contacts(1), *exact_contacts(2)):
-        for alpha in SIDES[contact.boundary]:
+        for alpha in NEIGHBOURS[contact.boundary]:
             orders = contact.derivatives(alpha)
             if orders[0] == 0:
                 name = list(counts)[0 if orders[1] else 1 if orders[2] else 2]
@@ -222,7 +222,7 @@ def no_third_way() -> Evidence:
     """Between Theorems 4 and 5 nothing is left where no force vanishes: the boundary never repels."""
     strict = stick = passing = repelled = neither = 0
     for contact in (*exact_contacts(1), *exact_contacts(2)):
-        lo, hi = SIDES[contact.boundary]
+        lo, hi = NEIGHBOURS[contact.boundary]
         below, above = contact.force(lo), contact.force(hi)
         if below * above == 0:
             continue
@@ -248,7 +248,7 @@ def g_functions() -> Evidence:
     worst_value = worst_slope = Fraction(0)
     count = 0
     for contact in (*exact_contacts(1)[:100], *exact_contacts(2)[:100]):
-        for alpha in SIDES[contact.boundary]:
+        for alpha in NEIGHBOURS[contact.boundary]:
             first, second, *_ = contact.derivatives(alpha)
             worst_value = max(worst_value, abs(first - contact.force(alpha)))
             worst_slope = max(worst_slope, abs(second - slope_of_field(contact, alpha)))
@@ -281,7 +281,7 @@ def time_labels() -> Evidence:
     """The words after (19): which of t_m+ and t_m- is before the contact."""
     passing = before = 0
     for contact in (*exact_contacts(1), *exact_contacts(2)):
-        lo, hi = SIDES[contact.boundary]
+        lo, hi = NEIGHBOURS[contact.boundary]
         for source, side in ((lo, -1), (hi, 1)):
             target = hi if source == lo else lo
             if contact.passes and contact.next_mode == f"Omega{target}":
