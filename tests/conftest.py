@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+from once import SHARED, alone, compile_once
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the folder that the workers share; they share the compiler as well."""
+    if not hasattr(config, "workerinput"):  # the first process
+        os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    else:
+        compile_once()
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
@@ -19,22 +31,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+def report() -> Path:
     """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it.
 
     The environment variable SYMOSC_REPORT names one that was just made.
     """
-    import fcntl
-
     if made := os.environ.get("SYMOSC_REPORT"):
         assert (Path(made) / "report.json").is_file(), f"no report in SYMOSC_REPORT = {made}"
         return Path(made)
 
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if hasattr(request.config, "workerinput") else base
-    folder = shared / "whole-report"
-    with open(shared / "whole-report.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with alone("whole-report") as folder:
         if not folder.exists():
             command = [sys.executable, "-m", "symosc", "reproduce", "-o", str(folder)]
             result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from chapters import chapter
 from click.testing import CliRunner
 from latex_reader import Reader
 from sympy.core.function import AppliedUndef
