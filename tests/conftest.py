@@ -24,10 +24,20 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """A campaign is slow as well, so that `-m "not slow"` leaves it out."""
+    """Mark what the quick tests leave out: campaigns, and of a test with `quick(n)` all but n cases."""
+    cases: dict[str, list[pytest.Item]] = {}
     for item in items:
         if item.get_closest_marker("campaign"):
             item.add_marker(pytest.mark.slow)
+        if item.get_closest_marker("quick") and not item.get_closest_marker("slow"):
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for same in cases.values():
+        marker = same[0].get_closest_marker("quick")
+        assert marker is not None
+        wanted = min(marker.args[0], len(same))
+        kept = {(2 * i + 1) * len(same) // (2 * wanted) for i in range(wanted)}  # evenly spread
+        for i in set(range(len(same))) - kept:
+            same[i].add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

@@ -18,6 +18,7 @@ def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
     return run, crosscheck(name, run.t, run.x, run.v)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "t_end"), [("fig5", 20.0), ("fig9", 15.0), ("fig10", 15.0), ("fig6", 20.0)])
 def test_a_tight_run_passes(name: str, t_end: float) -> None:
     run, result = check(name, t_end, **TIGHT)

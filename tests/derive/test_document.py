@@ -59,6 +59,7 @@ PIECES = {"domains": 4}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("key", "part"),
     [
@@ -179,6 +180,7 @@ def test_command(tmp_path: Path) -> None:
         assert "\\subsection" not in text
 
 
+@pytest.mark.slow
 def test_without_latex_one_line_says_how(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     result = run("events", "-o", str(tmp_path), "--pdf")

@@ -105,6 +105,7 @@ def test_real_contacts_and_then_no_touch(Omega: str, digits: int | None) -> None
 # -- a tiny drive: in the end it decides ------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("size", "flight"), [(3, "Omega1 up"), (9, "Omega2 down"), (16, "Omega2 up"), (22, "Omega3 down")]
 )
@@ -129,6 +130,7 @@ def assert_errors_within_flights(trajectory: Any) -> None:
         assert event.t_error <= segment.t_end - segment.t_start
 
 
+@pytest.mark.slow
 def test_an_event_behind_a_tiny_drive() -> None:
     """Doubles once ended as t_end, without these two."""
     p = Parameters(

@@ -35,6 +35,7 @@ def test_no_mismatch_on_the_papers_scenes(scene: str, count: int) -> None:
         assert sum(report.orders.values()) == report.n_random + report.n_adversarial
 
 
+@pytest.mark.slow
 def test_equality_is_met_exactly() -> None:
     # fig7: k v1 = B0 Omega; the quartic tangency at 3 pi/2 is sampled, and 1e-14 beside it
     report = check_grazing(load_scene("fig7").parameters, "P2", n=10)
@@ -92,6 +93,7 @@ def _replace_window(monkeypatch: pytest.MonkeyPatch, make: Any) -> None:
     monkeypatch.setattr(check, "grazing_window", make)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", few([3, 8, 13], 3, 8))
 def test_a_shifted_window_is_found_out(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
     def shifted(p: Parameters, mapping: str) -> GrazingWindow:
@@ -116,6 +118,7 @@ def test_the_papers_reading_fails_at_the_equality(monkeypatch: pytest.MonkeyPatc
     assert len(report.mismatches) == 2  # DOP853 cannot tell
 
 
+@pytest.mark.slow
 def test_the_wrong_map_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def swapped(p: Parameters, mapping: str) -> GrazingWindow:
         right, other = grazing_window(p, mapping), grazing_window(p, "P3")
@@ -143,6 +146,7 @@ def test_a_wrong_contact_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- the report ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_report_is_plain_data() -> None:
     report = check_grazing(BASE, "P2", n=50, seed=3)
     data = json.loads(json.dumps(report.to_dict(), default=str))
@@ -155,6 +159,7 @@ def test_report_is_plain_data() -> None:
     assert "seed 3" in text
 
 
+@pytest.mark.slow
 def test_the_seed_decides_the_phases() -> None:
     first, second = (check_grazing(BASE, "P2", n=50, seed=1).n_grazing for _ in range(2))
     assert first == second

@@ -87,6 +87,7 @@ def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
         assert max(errors(found, oracle(p, tau))) < 12 + K.rate * float(tau), (p, float(tau))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("regime", REGIMES)
 def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
     """Also just above and far below the time from which on the series is not used."""

@@ -48,6 +48,7 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
 }  # fmt: skip
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", few(SCENES, "m = 1e-6, overdamped"))
 def test_hard_scenes(name: str) -> None:
     changes, start, least = SCENES[name]
@@ -145,6 +146,7 @@ def test_a_peak_through_a_transparent_belt(mapping: str, friction: str, exponent
     assert_agrees(simulated(p, start), run)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("exponent", [5, 9, 13])
 @pytest.mark.parametrize("mapping", CONTACTS)
 def test_a_peak_soon_after_the_start(mapping: str, exponent: int) -> None:
@@ -205,6 +207,7 @@ def test_sticks_of_a_tenth_of_a_microsecond(mapping: str, scale: str) -> None:
 # -- a force that dips through zero on a belt, or just not ------------------------------------------------------------
 
 
+@pytest.mark.quick(20)
 @pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
 @pytest.mark.parametrize("slips", [True, False], ids=["slips", "holds"])
 @pytest.mark.parametrize(("boundary", "side"), [(1, "low"), (1, "high"), (2, "low"), (2, "high")])

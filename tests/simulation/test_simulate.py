@@ -59,6 +59,7 @@ def test_printed_starts_show_their_micro_sticks(name: str, milliseconds: float) 
     assert end.t - onset.t == pytest.approx(length, abs=2e-12)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     "name", ["fig5", "fig6", "fig7", "fig7-corrected", "fig9", "fig9-orbit", "fig10", "fig10-orbit"]
 )
@@ -134,6 +135,7 @@ def test_fig8_with_150_digits_shows_all_196_events(fig8_oracle: OracleRun) -> No
         assert float(min(sticks)) == pytest.approx(9.3e-43, rel=2e-3)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 def test_forty_digits_are_forty_digits(name: str) -> None:
     scene = load_scene(name)

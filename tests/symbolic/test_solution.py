@@ -22,12 +22,14 @@ def left_over(residuals: dict) -> dict:
 # --- the flow ---
 
 
+@pytest.mark.slow
 def test_the_flow_solves_the_equation_of_motion_in_general() -> None:
     residuals = s.prove()
     assert {"equation of motion", "x at t_i", "v at t_i", "a at t_i"} < residuals.keys()
     assert left_over(residuals) == {}
 
 
+@pytest.mark.quick(1)
 @REGIMES
 def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None:
     residuals = s.prove(regime)

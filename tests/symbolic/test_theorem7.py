@@ -134,6 +134,7 @@ def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
 LINES = (gamma, a, gamma - a, gamma + a)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["paper", "full"])
 def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
