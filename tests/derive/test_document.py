@@ -54,8 +54,8 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every fourth step of the chapter of the domains; the other three quarters are a campaign.
-PIECES = {"domains": 4}
+#: Every eighth step of the chapter of the domains, and every third of the maps; the others are a campaign.
+PIECES = {"domains": 8, "maps": 3}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 
 
@@ -81,8 +81,8 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
         for wrong in changed:
             with pytest.raises(StepError):
                 wrong.verify()
-    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, a little more of a part.
-    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.3) * len(steps), untouched
+    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, more of a part.
+    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.4) * len(steps), untouched
 
 
 @pytest.mark.parametrize("key", KEYS)

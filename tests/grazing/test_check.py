@@ -21,7 +21,7 @@ BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["fig5", "fig7", "fig8", "fig10"])
-@sample_of(400, 2000)
+@sample_of(150, 2000)
 def test_no_mismatch_on_the_papers_scenes(scene: str, count: int) -> None:
     p = load_scene(scene).parameters
     for mapping in MAPS:
@@ -63,7 +63,7 @@ def test_equality_is_met_exactly() -> None:
     ],
     ids=str,
 )
-@sample_of(100, 500)
+@sample_of(40, 500)
 def test_no_mismatch_elsewhere(changes: dict[str, Any], count: int) -> None:
     for mapping in MAPS:
         report = check_grazing(BASE.replace(**changes), mapping, n=count)
@@ -182,7 +182,7 @@ def test_bad_input(changes: dict[str, Any], mapping: str, n: Any, name: str) -> 
 
 
 @pytest.mark.slow
-@sample_of(500, 4000)
+@sample_of(100, 4000)
 def test_all_shipped_scenes(count: int) -> None:
     for scene in scene_names():
         for mapping in MAPS:
