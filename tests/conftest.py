@@ -24,20 +24,29 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what the quick tests leave out: campaigns, and of a test with `quick(n)` all but n cases."""
-    cases: dict[str, list[pytest.Item]] = {}
+    """Mark what is left out: of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
+
+    Of a test with `quick(n)` all but n cases of those that are left are slow.
+    """
+    _leave_out(items, "full", unless="campaign", mark="campaign")
     for item in items:
         if item.get_closest_marker("campaign"):
-            item.add_marker(pytest.mark.slow)
-        if item.get_closest_marker("quick") and not item.get_closest_marker("slow"):
-            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    for same in cases.values():
-        marker = same[0].get_closest_marker("quick")
-        assert marker is not None
-        wanted = min(marker.args[0], len(same))
-        kept = {(2 * i + 1) * len(same) // (2 * wanted) for i in range(wanted)}  # evenly spread
-        for i in set(range(len(same))) - kept:
-            same[i].add_marker(pytest.mark.slow)
+            item.add_marker("slow")
+    _leave_out(items, "quick", unless="slow", mark="slow")
+
+
+def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:
+    """Mark all but n cases of each test with `marker(n)`; those that stay are evenly spread."""
+    tests: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker(marker) and not item.get_closest_marker(unless):
+            tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in tests.values():
+        (wanted,) = cases[0].get_closest_marker(marker).args  # type: ignore[union-attr]
+        wanted = min(wanted, len(cases))
+        kept = {(2 * i + 1) * len(cases) // (2 * wanted) for i in range(wanted)}
+        for i in set(range(len(cases))) - kept:
+            cases[i].add_marker(mark)
 
 
 @pytest.fixture(scope="session")

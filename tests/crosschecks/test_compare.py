@@ -248,7 +248,7 @@ def test_an_invented_event_of_a_list(grid: Any) -> None:
 
 
 @pytest.mark.slow
-@sample_of(20, 60)
+@sample_of(8, 60)
 def test_right_samples_of_random_systems_pass(count: int) -> None:
     """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
     rng = np.random.default_rng(5)

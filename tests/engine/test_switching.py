@@ -110,6 +110,7 @@ def test_a_force_that_is_only_just_enough_on_a_belt(name: str, digits: int | Non
 # -- grazes and multiple roots in flight ------------------------------------------------------------------------------
 
 
+@pytest.mark.full(6)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("digits", [None, 30])
 @pytest.mark.parametrize("Omega", ["1.3", "2"])  # the return takes less, and more, than a period of the drive

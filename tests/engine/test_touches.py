@@ -47,6 +47,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 # -- periodic touches of all kinds -------------------------------------------------------------------------------------
 
 
+@pytest.mark.full(11)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", NEIGHBOURS)
@@ -102,6 +103,7 @@ def test_both_belts_are_touched_in_turn(mapping: str) -> None:
     assert all(a != b for a, b in pairwise(turns))
 
 
+@pytest.mark.full(4)
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_touch_where_two_searches_meet(offset: float) -> None:
@@ -147,6 +149,7 @@ def assert_part_of(found: Any, right: Any) -> None:
         assert (found.status, len(found.events)) == (right.status, len(right.events))
 
 
+@pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
 @pytest.mark.parametrize("mapping", ["P2", "P5"])

@@ -47,6 +47,7 @@ def test_equality_is_met_exactly() -> None:
     assert report.orders[2] == 2
 
 
+@pytest.mark.full(5)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",

@@ -35,6 +35,7 @@ def test_the_table_is_the_one_of_the_trajectories() -> None:
 # --- against mpmath ---
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 @sample_of(12, 100)

@@ -160,6 +160,7 @@ def test_micro_sticks_are_magnified() -> None:
     assert all(inset.get_position().y0 > velocity.get_position().y1 for inset in velocity.child_axes)
 
 
+@pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:

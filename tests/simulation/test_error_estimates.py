@@ -60,6 +60,7 @@ def test_errors_are_as_estimated_in_many_scenes(family: str) -> None:
     assert_good_estimates(sample(family, range(100, 200), 700))
 
 
+@pytest.mark.full(2)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [6, 12, 17, 30])
 def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:

@@ -82,6 +82,7 @@ def test_exact_grazes_solve_the_equation(number: int) -> None:
         assert abs(a) < 1e-40 * float(1 + abs(scene.p.B0 / scene.p.m))
 
 
+@pytest.mark.full(2)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("numbers", few([range(2), range(2, 6)], range(2, 6)))
 @pytest.mark.parametrize("family", ["settle", "approach"])

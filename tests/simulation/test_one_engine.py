@@ -89,6 +89,7 @@ def available(use_numba: bool) -> None:
         pytest.importorskip("numba", reason="numba is the extra `fast`")
 
 
+@pytest.mark.full(22)
 @pytest.mark.quick(6)
 @ENGINES
 @pytest.mark.parametrize("seed", few([0, 1], 1))
@@ -120,6 +121,7 @@ def test_shipped_scenes_bit_for_bit(name: str, use_numba: bool) -> None:
         assert_one_engine(problem, use_numba, start_error=scene.start_error, **options)
 
 
+@pytest.mark.full(3)
 @pytest.mark.quick(3)
 @ENGINES
 @pytest.mark.parametrize("accuracy", few([1e-9, 1e-12, math.inf, 1e-15], 1e-15))

@@ -168,6 +168,7 @@ def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
         check(evaluate, ALL, p, 4, name)
 
 
+@pytest.mark.full(7)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("language", ["python", "numpy"])
 @pytest.mark.parametrize("regime", REGIMES)

@@ -49,6 +49,7 @@ def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) 
         assert left_over(s.prove()), f"nobody noticed the sign of {term}"
 
 
+@pytest.mark.full(3)
 @pytest.mark.slow
 @REGIMES
 def test_the_proof_sees_a_wrong_closed_form(regime: s.Regime, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -91,6 +92,7 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     assert seen == set(s.REGIMES)
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @JOINS
 def test_regimes_join_continuously(join: s.Join) -> None:
@@ -112,6 +114,7 @@ def test_a_join_that_is_none_shows_a_gap() -> None:
     assert left_over(s.gaps(wrong))
 
 
+@pytest.mark.full(3)
 @pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
