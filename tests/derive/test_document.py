@@ -48,8 +48,8 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every eighth step of the chapter of the domains, and every third of the maps; the others are a campaign.
-PIECES = {"domains": 8, "maps": 3}
+#: Every eighth step of the chapter of the domains; the others are a campaign.
+PIECES = {"domains": 8}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 
 
