@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,7 +46,8 @@ def _lock_the_compiler() -> None:
     compile_it, busy = Dispatcher.compile, []
 
     def compile_alone(self: Any, signature: Any) -> Any:
-        if busy:  # what the function calls
+        # What the function calls is compiled with it. Other threads do not wait: they may hold numba's own lock.
+        if busy or threading.current_thread() is not threading.main_thread():
             return compile_it(self, signature)
         with alone(f"{self.py_func.__qualname__}.compiled"):
             busy.append(self)
