@@ -3,38 +3,63 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+from once import SHARED, alone, compile_once
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the folder that the workers share; they share the compiler as well."""
+    if not hasattr(config, "workerinput"):  # the first process
+        os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    else:
+        compile_once()
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """A campaign is slow as well, so that `-m "not slow"` leaves it out."""
+    """Mark what is left out: of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
+
+    Of a test with `quick(n)` all but n cases of those that are left are slow.
+    """
+    _leave_out(items, "full", unless="campaign", mark="campaign")
     for item in items:
         if item.get_closest_marker("campaign"):
-            item.add_marker(pytest.mark.slow)
+            item.add_marker("slow")
+    _leave_out(items, "quick", unless="slow", mark="slow")
+
+
+def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:
+    """Mark all but n cases of each test with `marker(n)`; those that stay are evenly spread."""
+    tests: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker(marker) and not item.get_closest_marker(unless):
+            tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in tests.values():
+        (wanted,) = cases[0].get_closest_marker(marker).args  # type: ignore[union-attr]
+        wanted = min(wanted, len(cases))
+        kept = {(2 * i + 1) * len(cases) // (2 * wanted) for i in range(wanted)}
+        for i in set(range(len(cases))) - kept:
+            cases[i].add_marker(mark)
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+def report() -> Path:
     """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it.
 
     The environment variable SYMOSC_REPORT names one that was just made.
     """
-    import fcntl
-
     if made := os.environ.get("SYMOSC_REPORT"):
         assert (Path(made) / "report.json").is_file(), f"no report in SYMOSC_REPORT = {made}"
         return Path(made)
 
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if hasattr(request.config, "workerinput") else base
-    folder = shared / "whole-report"
-    with open(shared / "whole-report.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with alone("whole-report") as folder:
         if not folder.exists():
             command = [sys.executable, "-m", "symosc", "reproduce", "-o", str(folder)]
             result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -22,6 +22,7 @@ LONG = ("Branch", "BranchEnd", "Case", "ConvergenceError", "GrazingReport", "con
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 
 
+@pytest.mark.quick(9)
 @pytest.mark.parametrize("name", few(PUBLIC, *LONG))
 def test_public_name_has_an_example_that_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     subject = PUBLIC[name]

@@ -52,13 +52,16 @@ def body(path: Path) -> list[ast.stmt]:
     return module.body
 
 
-def imports(path: Path) -> Iterator[str]:
-    """Yield what a file imports, wherever in it."""
+@cache
+def imports(path: Path) -> list[str]:
+    """Return what a file imports, wherever in it."""
+    found = []
     for node in nodes(path):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            found += [f"{node.module}.{alias.name}" for alias in node.names]
+    return found
 
 
 def used(path: Path) -> Iterator[str]:
@@ -151,7 +154,7 @@ def is_number(value: ast.expr) -> bool:
 
 def constants(path: Path, numbers_only: bool) -> Iterator[str]:
     """Yield the names in capitals that a module gives a value; a single letter is a symbol of a formula."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    for node in body(path):
         targets = node.targets if isinstance(node, ast.Assign) else []
         if isinstance(node, ast.AnnAssign) and node.value is not None:
             targets = [node.target]
@@ -173,7 +176,7 @@ def test_a_constant_is_defined_once() -> None:
 
 def functions_in(path: Path) -> Iterator[ast.FunctionDef]:
     """Yield the functions and methods of a file."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.FunctionDef):
             yield node
 
@@ -209,7 +212,7 @@ def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:
     asking = {
         name.split(".")[0]
         for name, path in MODULES.items()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes(path)
         if (isinstance(node, ast.Name) and node.id == "resolve")
         or (isinstance(node, ast.Constant) and node.value == "resolve")
     }

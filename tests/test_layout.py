@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -99,8 +99,7 @@ def modules() -> list[str]:
     """Return the modules that say more than what they import."""
     found = []
     for path in sorted(ROOT.rglob("*.py")):
-        body = ast.parse(path.read_text(encoding="utf-8")).body
-        if any(isinstance(node, (ast.FunctionDef, ast.ClassDef)) for node in body) and path.stem != "__main__":
+        if re.search("^(def|class) ", path.read_text(encoding="utf-8"), re.MULTILINE) and path.stem != "__main__":
             found.append(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
     return found
 

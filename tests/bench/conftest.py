@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import pytest
 from bench_work import FAKES
+from once import alone
 
 from symosc.bench import work_precision
 
 
 @pytest.fixture(scope="session")
 def work() -> dict[str, Any]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work_precision, "SPAN_LIMIT", 1.0)
-        patch.setattr(work_precision, "BUDGET", 0.01)
-        return work_precision.run(solvers=FAKES, scenes={"fig5": (6, 9, 12), "fig9": (5, 5, 5)})
+    with alone("work-precision") as path:
+        if not path.exists():
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(work_precision, "SPAN_LIMIT", 1.0)
+                patch.setattr(work_precision, "BUDGET", 0.01)
+                made = work_precision.run(solvers=FAKES, scenes={"fig5": (6, 9, 12), "fig9": (5, 5, 5)})
+            path.write_bytes(pickle.dumps(made))
+        found: dict[str, Any] = pickle.loads(path.read_bytes())
+    return found

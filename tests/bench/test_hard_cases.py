@@ -40,6 +40,7 @@ def test_every_group_has_cases_and_a_quick_one() -> None:
             )
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize(("base", "mapping", "t_m", "t0", "exponent"), [(*row[:4], e) for row in PEAKS for e in row[5]])
 @pytest.mark.parametrize("side", [1, -1])
 def test_peaks_are_as_far_from_the_belt_as_said(

@@ -84,6 +84,7 @@ CASES = {
 }
 
 
+@pytest.mark.full(14)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("solver", CAREFUL, ids=lambda solver: solver.name)
 def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
@@ -98,6 +99,7 @@ def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
     assert max(float(abs(f.x - e.x)) for f, e in zip(found, exact, strict=True)) < 1e-11
 
 
+@pytest.mark.full(20)
 @pytest.mark.parametrize("speed", [EASY.v1, EASY.v2])
 @pytest.mark.parametrize("x0", [-6, -1, 0, 1, 6])
 @pytest.mark.parametrize("solver", CAREFUL, ids=lambda solver: solver.name)

@@ -164,6 +164,7 @@ def test_exit_codes_of_the_program(tmp_path: Path) -> None:
     assert re.fullmatch(r"symosc: error: [^\n]+\n", failed.stderr)
 
 
+@pytest.mark.slow
 def test_a_closed_pipe_is_quiet() -> None:
     reader, writer = os.pipe()
     os.close(reader)
@@ -172,6 +173,7 @@ def test_a_closed_pipe_is_quiet() -> None:
     assert (result.returncode, result.stderr) == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
 def test_a_full_disk_is_one_line() -> None:
     with open("/dev/full", "w") as out:

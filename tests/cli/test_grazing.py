@@ -105,6 +105,7 @@ def test_latex() -> None:
     assert lines[0] == grazing_window(load_scene("fig7").parameters, "P2").latex()
 
 
+@pytest.mark.quick(14)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -173,6 +174,8 @@ def dots(axes: Any) -> list[tuple[float, float, bool]]:
     return [(line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor() != "white") for line in lines]
 
 
+@pytest.mark.full(8)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("changes", [{}, {"B0": -9}, {"k": 36}, {"v1": -1}, {"B0": 0}, {"v1": 0}], ids=str)
 def test_window_figure_shows_the_ends_and_the_contacts(mapping: str, changes: dict[str, Any]) -> None:
@@ -214,6 +217,8 @@ def shaded(axes: Any, x: float, y: float) -> bool:
     return any(path.contains_point((x, y)) for area in axes.collections for path in area.get_paths())
 
 
+@pytest.mark.full(3)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("mapping", "name"),
     [("P2", "Omega"), ("P2", "B0"), ("P2", "k"), ("P3", "v1"), ("P5", "v2"), ("P6", "B0"), ("P6", "v2"), ("P3", "k")],

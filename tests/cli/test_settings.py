@@ -23,8 +23,8 @@ def test_settings() -> None:
         (("k",), "is not NAME=VALUE"),
         (("",), "is not NAME=VALUE"),
         (("k=1", "k=2"), "k is set twice"),
-        (("t_end=3",), "t_end is no parameter; use --t-end"),
-        (("x0=3",), "x0 is no parameter; use --x0"),
+        (("t_end=3",), "t_end is not a parameter; use --t-end"),
+        (("x0=3",), "x0 is not a parameter; use --x0"),
     ],
 )
 def test_settings_that_are_none(settings: tuple[str, ...], words: str) -> None:
@@ -59,7 +59,7 @@ def test_folders() -> None:
     assert folder_name("out") == "out"
     assert folder_name("./-") == "./-"
     for name in ("", "-"):
-        with pytest.raises(click.BadParameter, match="is no folder"):
+        with pytest.raises(click.BadParameter, match="is not a folder"):
             folder_name(name)
 
 

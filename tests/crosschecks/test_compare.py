@@ -18,6 +18,7 @@ def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
     return run, crosscheck(name, run.t, run.x, run.v)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "t_end"), [("fig5", 20.0), ("fig9", 15.0), ("fig10", 15.0), ("fig6", 20.0)])
 def test_a_tight_run_passes(name: str, t_end: float) -> None:
     run, result = check(name, t_end, **TIGHT)
@@ -247,7 +248,7 @@ def test_an_invented_event_of_a_list(grid: Any) -> None:
 
 
 @pytest.mark.slow
-@sample_of(20, 60)
+@sample_of(8, 60)
 def test_right_samples_of_random_systems_pass(count: int) -> None:
     """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
     rng = np.random.default_rng(5)

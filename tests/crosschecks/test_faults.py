@@ -18,7 +18,8 @@ def samples(name: str = "fig9") -> tuple[np.ndarray, np.ndarray]:
 
 def flying(name: str, domain: str, least: int = 10) -> int:
     """Return a sample in the middle of a flight, far from its events."""
-    modes = [simulate(name, t_end=8).mode(float(t)) for t in T]
+    motion = simulate(name, t_end=8)
+    modes = [motion.mode(float(t)) for t in T]
     for i in range(least, len(T) - least):
         if set(modes[i - least : i + least]) == {domain}:
             return i

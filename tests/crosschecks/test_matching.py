@@ -69,6 +69,7 @@ def spoiled(how: str, events: Pairs, i: int, rng: np.random.Generator, times: np
 MISTAKES = ("duplicate", "five times", "late", "shifted", "missing", "invented", "wrong kind", "wrong order")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.campaign)])
 def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -158,6 +159,7 @@ def test_a_start_on_a_belt_may_be_listed_once() -> None:
     assert crosscheck("fig5", t, *simulate("fig5", t_end=6)(t), events=[(0.0, "cross")]).invented
 
 
+@pytest.mark.slow
 def test_an_event_at_the_last_sample_may_be_listed_or_not() -> None:
     exact = simulate("fig9", t_end=8)
     for event in exact.events:

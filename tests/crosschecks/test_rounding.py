@@ -76,6 +76,7 @@ def check_rounded(rng: np.random.Generator, cut: Round, words: str) -> None:
     assert not crosscheck(p, times, cut(x), cut(v)).ok
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 6, 10])
 @pytest.mark.parametrize("kind", [decimals, significant])
@@ -135,6 +136,7 @@ def test_a_list_with_few_digits_is_judged_at_them() -> None:
     assert len(crosscheck("fig9", t, *exact(t), events=off).invented) == len(own)
 
 
+@pytest.mark.slow
 def test_a_short_list_beside_rounded_samples() -> None:
     exact = simulate("fig9", t_end=8)
     cut = significant(5)[0]
@@ -146,6 +148,7 @@ def test_a_short_list_beside_rounded_samples() -> None:
     assert not crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=[(own[0][0] + 1e-3, "cross")]).ok
 
 
+@pytest.mark.slow
 def test_times_that_rounding_has_made_equal() -> None:
     exact = simulate("fig9", t_end=3)
     t = np.linspace(0.1324, 1.1, 1500)
@@ -170,6 +173,7 @@ def test_results_are_compared_copied_and_pickled() -> None:
         assert (one != something) is True
 
 
+@pytest.mark.slow
 def test_a_result_with_nan_equals_its_copy() -> None:
     exact = simulate("fig8", t_end=70)
     t = np.linspace(2.5, float(exact.t_end), 200)

@@ -221,6 +221,7 @@ def test_npz_files(tmp_path: Path) -> None:
         one_line(lambda: crosscheck("fig9", path), "is not an npz file")
 
 
+@pytest.mark.slow
 def test_more_events_than_can_be_meant() -> None:
     """Two samples and a million periods between them: an answer in seconds, not a search for hours."""
     result = crosscheck("fig9", [0.1324, 1e6], [4.5447, 1.0], [1.0, 1.0])

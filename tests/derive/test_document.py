@@ -6,12 +6,12 @@ import difflib
 import json
 import re
 import runpy
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 import sympy as sp
+from chapters import chapter
 from click.testing import CliRunner
 from latex_reader import Reader
 from sympy.core.function import AppliedUndef
@@ -34,11 +34,6 @@ SCENES = ("fig5", "fig8", "fig9", "fig10")
 ACCEPT = "accept it with: symosc derive all -o derivations"
 
 
-@cache
-def chapter(key: str) -> document.Checked:
-    return document.check_chapter(key, Scope())
-
-
 class WholeDocument(Numbering):
     """Every reference is within the document; LaTeX knows the numbers."""
 
@@ -53,11 +48,12 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every fourth step of the chapter of the domains; the other three quarters are a campaign.
-PIECES = {"domains": 4}
+#: Every eighth step of the chapter of the domains; the others are a campaign.
+PIECES = {"domains": 8}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("key", "part"),
     [
@@ -79,8 +75,8 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
         for wrong in changed:
             with pytest.raises(StepError):
                 wrong.verify()
-    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, a little more of a part.
-    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.3) * len(steps), untouched
+    # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, more of a part.
+    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.4) * len(steps), untouched
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -150,10 +146,13 @@ def test_a_scene_shows_only_what_it_needs(scene: str, monkeypatch: pytest.Monkey
 
 @pytest.mark.slow
 @pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
-def test_latex_takes_it_without_complaint(tmp_path: Path) -> None:
-    chapters = [chapter(key) for key in CHAPTERS]
-    document.write_document(chapters, Scope(), tmp_path)
-    assert pdf.make_pdf(tmp_path / document.MAIN).stat().st_size > 50_000
+def test_latex_takes_it_without_complaint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The whole command, on chapters that were checked before; a warning, or a box overfull by 5 pt, fails."""
+    checked = {key: chapter(key) for key in CHAPTERS}
+    monkeypatch.setattr(document, "check_chapter", lambda key, *rest: checked[key])
+    result = run("all", "--pdf", "-o", str(tmp_path))
+    assert (result.exit_code, result.return_value) == (0, 0), result.output
+    assert (tmp_path / document.MAIN).with_suffix(".pdf").stat().st_size > 50_000
 
 
 def test_complaints_are_found() -> None:
@@ -178,6 +177,7 @@ def test_command(tmp_path: Path) -> None:
         assert "\\subsection" not in text
 
 
+@pytest.mark.slow
 def test_without_latex_one_line_says_how(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     result = run("events", "-o", str(tmp_path), "--pdf")

@@ -48,6 +48,7 @@ def constants_of(rng: random.Random, **fixed: object) -> Constants:
     return Arithmetic(p).K
 
 
+@pytest.mark.slow
 @given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
 @settings(derandomize=True, deadline=None, max_examples=300)
 def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:
@@ -59,6 +60,7 @@ def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[flo
         assert positive_on(min(0.1 * reach, s), *p)
 
 
+@pytest.mark.slow
 @given(st.floats(1e-6, 5), st.tuples(*[COEFFICIENTS] * 3), st.floats(0.01, 5))
 @settings(derandomize=True, deadline=None, max_examples=500)
 def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float, ...], p4: float) -> None:
@@ -84,6 +86,7 @@ def test_the_fourth_derivative_stays_within_its_bound() -> None:
             assert abs(state_at(tau, Launch(v0, a0, s0, c0), K).G3) <= bound * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
     rng = random.Random(6)
     marched = 0

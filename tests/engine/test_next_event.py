@@ -168,6 +168,7 @@ def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: in
     return simulate(p, t0=0, x0=x0 + push, v0=v0, t_end=t_end, digits=25).events
 
 
+@pytest.mark.slow
 def test_errors_travel_through_events_as_pushed_starts_do() -> None:
     """A start error of x alone: each event's estimate is what a push of the start does to it, through all kinds."""
     rng, push, kinds = random.Random(7), Fraction(1, 10**9), set()

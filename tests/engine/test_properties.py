@@ -92,7 +92,7 @@ def assert_agrees_with_oracle(start: Start, offset: Any = 0) -> list[Any]:
 
 
 @pytest.mark.slow
-@sample_of(60, 300)
+@sample_of(30, 300)
 def test_random_scenes_agree_with_the_oracle(count: int) -> None:
     seen: Counter[tuple[str, int]] = Counter()
 
@@ -207,7 +207,7 @@ def assert_mode_holds(p: Parameters, mode: str, t: float, x: float, v: float) ->
 
 
 @pytest.mark.slow
-@sample_of(25, 200)
+@sample_of(15, 200)
 def test_a_restart_on_the_way_changes_nothing(count: int) -> None:
     for_all(count, a_restart_on_the_way_changes_nothing, starts(), st.integers(1, 9))
 
@@ -230,7 +230,7 @@ def a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
 
 
 @pytest.mark.slow
-@sample_of(25, 200)
+@sample_of(15, 200)
 def test_mirror_symmetry(count: int) -> None:
     for_all(count, mirror_symmetry, starts())
 
@@ -250,7 +250,7 @@ def mirror_symmetry(start: Start) -> None:
 
 
 @pytest.mark.slow
-@sample_of(25, 200)
+@sample_of(15, 200)
 def test_a_shift_by_whole_periods(count: int) -> None:
     for_all(count, a_shift_by_whole_periods, starts(), st.one_of(st.integers(-5, 5), st.integers(10**5, 10**8)))
 

@@ -40,6 +40,7 @@ def test_no_touch_is_invented_beside_a_belt_at_rest(flight: str, push: str, digi
         assert_right(to_a_belt_at_rest(rng, flight, Fraction(push), critical), digits)
 
 
+@pytest.mark.full(11)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("push", ["-1e-25", "-1e-13", "-1e-7", "-0.3"])
@@ -49,6 +50,7 @@ def test_a_contact_from_beside_the_fast_manifold_is_found(flight: str, push: str
     assert_right(to_a_belt_at_rest(rng, flight, Fraction(push)), digits)
 
 
+@pytest.mark.full(11)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("beyond", ["0", "1e-20", "1e-13", "1e-6"])
@@ -105,6 +107,8 @@ def test_real_contacts_and_then_no_touch(Omega: str, digits: int | None) -> None
 # -- a tiny drive: in the end it decides ------------------------------------------------------------------------------
 
 
+@pytest.mark.full(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("size", "flight"), [(3, "Omega1 up"), (9, "Omega2 down"), (16, "Omega2 up"), (22, "Omega3 down")]
 )
@@ -129,6 +133,7 @@ def assert_errors_within_flights(trajectory: Any) -> None:
         assert event.t_error <= segment.t_end - segment.t_start
 
 
+@pytest.mark.slow
 def test_an_event_behind_a_tiny_drive() -> None:
     """Doubles once ended as t_end, without these two."""
     p = Parameters(

@@ -25,6 +25,8 @@ from symosc.engine.state import State
 # -- exact starts ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full(7)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("length", few([18, 24, 31, 38, 45], 24, 31, 45))
 @pytest.mark.parametrize("mapping", CONTACTS)
 def test_a_start_is_exact_however_many_digits_it_has(mapping: str, length: int) -> None:
@@ -72,6 +74,7 @@ def reach(a: Aimed, mapping: str, errors: tuple[Fraction, ...]) -> float:
 ERRORS = {"t0": (1, 0, 0), "x0": (0, 1, 0), "v0": (0, 0, 1), "all": (1, 1, 1)}
 
 
+@pytest.mark.full(7)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [5, 7, 12, 20, 40])
 @pytest.mark.parametrize("which", ERRORS)
@@ -96,6 +99,8 @@ def test_a_contact_within_reach_of_the_error_is_a_graze(which: str, exponent: in
             assert table.kind.tolist()[:1] == kinds
 
 
+@pytest.mark.full(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", CONTACTS)
 @pytest.mark.parametrize("digits", [None, 25])
 def test_the_errors_of_events_cover_that_of_the_start(mapping: str, digits: int | None) -> None:
@@ -157,6 +162,8 @@ def test_a_start_on_a_belt_has_its_speed_exactly() -> None:
         assert state.S.S12 == 0
 
 
+@pytest.mark.full(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("boundary", few([1, 2], 2))
 @pytest.mark.parametrize("side", ["low", "high"])
 @pytest.mark.parametrize("speeds", [("0.5", "0.8"), ("-0.8", "-0.5")], ids=["forward", "backward"])
@@ -215,6 +222,7 @@ def test_one_number_serves_for_all_three_and_zero_for_none() -> None:
 # -- starts on a belt --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_clear_start_on_a_belt_needs_no_closer_look(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wrong mode at the start would else be repaired by the closer look, and nobody would see it."""
 

@@ -110,6 +110,8 @@ def test_a_force_that_is_only_just_enough_on_a_belt(name: str, digits: int | Non
 # -- grazes and multiple roots in flight ------------------------------------------------------------------------------
 
 
+@pytest.mark.full(6)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("digits", [None, 30])
 @pytest.mark.parametrize("Omega", ["1.3", "2"])  # the return takes less, and more, than a period of the drive
 @pytest.mark.parametrize(("mapping", "v1", "v2"), [("P2", 1, 5), ("P3", -1, 5), ("P5", -5, 1), ("P6", -5, -1)])
@@ -137,6 +139,7 @@ def test_a_free_mass_that_grazes_once_a_period(digits: int | None) -> None:
     assert trajectory.status == "t_end"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [None, 25])
 def test_a_crossing_at_a_triple_root(digits: int | None) -> None:
     """Started at F = G^(1) = 0, G^(2) < 0 on a transparent belt at rest, the undamped mass is back there after 2 pi."""

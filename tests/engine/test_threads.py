@@ -73,6 +73,7 @@ def test_the_digits_printed_stay_those_asked_for() -> None:
     assert 34 <= len(str(x).lstrip("-0.").replace(".", "")) <= 35
 
 
+@pytest.mark.slow
 def test_orbits_grazing_starts_and_windows() -> None:
     scene, fig8 = load_scene("fig9-orbit"), load_scene("fig8").parameters
     orbit = find_orbit(scene.parameters, scene.structure)
@@ -83,6 +84,7 @@ def test_orbits_grazing_starts_and_windows() -> None:
     in_threads(jobs)
 
 
+@pytest.mark.slow
 def test_maps_of_mpmath_numbers() -> None:
     """Also those of mpmath's own context, whose precision is the caller's."""
     scene = load_scene("fig9-orbit")
@@ -113,6 +115,7 @@ def test_one_arithmetic_for_all_threads() -> None:
     in_threads(jobs + [lambda n=n: arithmetic.phase(Fraction(10**n, 3)) for n in (1, 9, 18)])
 
 
+@pytest.mark.slow
 def test_nothing_changes_the_precision_of_mpmath(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is the precision of all threads: not for derivations at 50 digits, not for mappings of its numbers."""
     changes = []

@@ -47,6 +47,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 # -- periodic touches of all kinds -------------------------------------------------------------------------------------
 
 
+@pytest.mark.full(11)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", NEIGHBOURS)
@@ -74,6 +75,7 @@ def test_every_touch_of_many_is_found(kind: str, mapping: str, digits: int | Non
     assert complete >= 48
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("t_end", "touches"), [(30, 4), (70, 11)])
 @pytest.mark.parametrize(("c", "digits"), [(2, None), (6, None), (6, 17)])
 def test_a_belt_that_is_touched_once_a_period(c: int, digits: int | None, t_end: int, touches: int) -> None:
@@ -101,6 +103,8 @@ def test_both_belts_are_touched_in_turn(mapping: str) -> None:
     assert all(a != b for a, b in pairwise(turns))
 
 
+@pytest.mark.full(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_touch_where_two_searches_meet(offset: float) -> None:
     mapping = "P3" if offset >= 0 else "P5"
@@ -145,6 +149,7 @@ def assert_part_of(found: Any, right: Any) -> None:
         assert (found.status, len(found.events)) == (right.status, len(right.events))
 
 
+@pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
 @pytest.mark.parametrize("mapping", ["P2", "P5"])
@@ -195,6 +200,7 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
 # -- contacts at the very end ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [None, 20])
 def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> None:
     """v = v0 + A t meets belt 2 at a rational time, which is t_end: it counts or not, but nothing is undecided."""

@@ -21,7 +21,7 @@ BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["fig5", "fig7", "fig8", "fig10"])
-@sample_of(400, 2000)
+@sample_of(150, 2000)
 def test_no_mismatch_on_the_papers_scenes(scene: str, count: int) -> None:
     p = load_scene(scene).parameters
     for mapping in MAPS:
@@ -35,6 +35,7 @@ def test_no_mismatch_on_the_papers_scenes(scene: str, count: int) -> None:
         assert sum(report.orders.values()) == report.n_random + report.n_adversarial
 
 
+@pytest.mark.slow
 def test_equality_is_met_exactly() -> None:
     # fig7: k v1 = B0 Omega; the quartic tangency at 3 pi/2 is sampled, and 1e-14 beside it
     report = check_grazing(load_scene("fig7").parameters, "P2", n=10)
@@ -46,6 +47,7 @@ def test_equality_is_met_exactly() -> None:
     assert report.orders[2] == 2
 
 
+@pytest.mark.full(5)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
@@ -62,7 +64,7 @@ def test_equality_is_met_exactly() -> None:
     ],
     ids=str,
 )
-@sample_of(100, 500)
+@sample_of(40, 500)
 def test_no_mismatch_elsewhere(changes: dict[str, Any], count: int) -> None:
     for mapping in MAPS:
         report = check_grazing(BASE.replace(**changes), mapping, n=count)
@@ -92,6 +94,7 @@ def _replace_window(monkeypatch: pytest.MonkeyPatch, make: Any) -> None:
     monkeypatch.setattr(check, "grazing_window", make)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", few([3, 8, 13], 3, 8))
 def test_a_shifted_window_is_found_out(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
     def shifted(p: Parameters, mapping: str) -> GrazingWindow:
@@ -116,6 +119,7 @@ def test_the_papers_reading_fails_at_the_equality(monkeypatch: pytest.MonkeyPatc
     assert len(report.mismatches) == 2  # DOP853 cannot tell
 
 
+@pytest.mark.slow
 def test_the_wrong_map_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def swapped(p: Parameters, mapping: str) -> GrazingWindow:
         right, other = grazing_window(p, mapping), grazing_window(p, "P3")
@@ -143,6 +147,7 @@ def test_a_wrong_contact_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- the report ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_report_is_plain_data() -> None:
     report = check_grazing(BASE, "P2", n=50, seed=3)
     data = json.loads(json.dumps(report.to_dict(), default=str))
@@ -155,6 +160,7 @@ def test_report_is_plain_data() -> None:
     assert "seed 3" in text
 
 
+@pytest.mark.slow
 def test_the_seed_decides_the_phases() -> None:
     first, second = (check_grazing(BASE, "P2", n=50, seed=1).n_grazing for _ in range(2))
     assert first == second
@@ -177,7 +183,7 @@ def test_bad_input(changes: dict[str, Any], mapping: str, n: Any, name: str) -> 
 
 
 @pytest.mark.slow
-@sample_of(500, 4000)
+@sample_of(100, 4000)
 def test_all_shipped_scenes(count: int) -> None:
     for scene in scene_names():
         for mapping in MAPS:

@@ -138,6 +138,7 @@ def test_seeds() -> None:
         assert_refused("seed", lambda seed=seed: check_grazing(P, "P6", n=1, seed=seed))
 
 
+@pytest.mark.slow
 def test_windows_compare() -> None:
     columns = [grazing_windows(P, "P6", k=[0.0, 1.0, 5.0]) for _ in range(2)]
     assert (columns[0] == columns[1]) is True

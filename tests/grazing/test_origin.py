@@ -37,6 +37,7 @@ def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -
     assert float(rough.tau) == pytest.approx(float(arrival.tau), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_origins_go_to_other_processes() -> None:
     origins = Origins(FIG9, "P5")
     again = pickle.loads(pickle.dumps(origins))

@@ -65,6 +65,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
+@pytest.mark.full(5)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
@@ -83,7 +84,7 @@ def test_the_oracle_grazes_from_random_starts(changes: dict[str, Any]) -> None:
     p, rng = BASE.replace(**changes), random.Random(str(changes))
     answers = []
     for mapping in DOMAIN:
-        starts = [start for _ in range(12) if (start := random_start(p, mapping, rng)) is not None][:3]
+        starts = [start for _ in range(12) if (start := random_start(p, mapping, rng)) is not None][:2]
         for start in starts:
             answers.append(start.found)
             if start.found:

@@ -85,6 +85,7 @@ def test_arithmetics_keep_their_context() -> None:
     assert pickle.loads(pickle.dumps(context)) is context
 
 
+@pytest.mark.slow
 def test_spawned_processes_return_digits() -> None:
     scene = load_scene("fig5")
     with multiprocessing.get_context("spawn").Pool(1) as pool:

@@ -25,6 +25,8 @@ def found(p: Any, label: str, point: list[Any], exit: str | None) -> np.ndarray:
     return np.array([*residual(p, label, *ends), *jacobian(p, label, *ends).ravel()])
 
 
+@pytest.mark.full(14)
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("label", ["P1", "P3", "P4", "P8"])
 def test_every_regime_agrees_with_many_digits(regime: str, label: str) -> None:

@@ -35,9 +35,10 @@ def test_the_table_is_the_one_of_the_trajectories() -> None:
 # --- against mpmath ---
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
-@sample_of(30, 100)
+@sample_of(12, 100)
 def test_residual_and_derivatives_agree_with_mpmath(regime: str, count: int) -> None:
     rng = random.Random(f"maps {regime}")
     step = mpmath.mpf("1e-22")

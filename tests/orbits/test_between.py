@@ -69,7 +69,7 @@ def test_gaps_of_any_width_are_found(seed):
     p, w0 = drawn(rng)
     low, high = 0.75 * w0, 1.5 * w0
     top = minimize_scalar(lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9})
-    for depth in (1e-2, 1e-5, 1e-8):
+    for depth in (1e-2, 1e-8):
         q = p.replace(v2=float(-top.fun) - depth)
         end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
         assert end.kind == "grazing", depth
@@ -147,7 +147,7 @@ def random_branch(rng: random.Random) -> Branch | None:
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 13))])
 def test_what_is_just_behind_an_end(seed):
     rng, judged = random.Random(100 + seed), 0
-    while judged < 2:
+    while judged < 1:
         branch = random_branch(rng)
         for which in (0, 1) if branch else ():
             end = branch.ends[which]
@@ -166,7 +166,7 @@ def test_what_is_just_behind_an_end(seed):
     ("p", "word", "name", "limits"),
     [
         (SHRINKS, "P54", "m", ("0.05", 8)),
-        (FIG10, "P4645", "B0", (3, 15)),
+        pytest.param(FIG10, "P4645", "B0", (3, 15), marks=pytest.mark.campaign),
         pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.campaign),
         pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.campaign),
     ],

@@ -181,6 +181,7 @@ def test_steps_that_never_succeed_end_a_branch_with_what_is_nearest_to_failing(m
         assert end.conditions[0].text == nearest.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", few([4.1, 3.9], 3.9))
 def test_a_branch_ends_where_the_engine_contradicts_its_points(monkeypatch, limit):
     """The margins hold everywhere; beyond a value the simulated motion does not follow the word."""

@@ -58,6 +58,7 @@ def exact(value) -> Fraction:
     return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (CROSSING_BOTH, "P7482")]
 )

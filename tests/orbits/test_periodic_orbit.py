@@ -24,6 +24,7 @@ def test_states_of_the_orbit(p, word):
             assert state == pytest.approx([x, float(p.belt(piece.start))], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_more_than_one_period():
     """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.orbits.floquet)."""
     orbit = find_orbit(FIG9, "P3232", periods=2)
@@ -40,6 +41,7 @@ def test_more_than_one_period():
     assert any("stays in Omega1" in condition.text for condition in root.failures)
 
 
+@pytest.mark.slow
 def test_as_dict_is_plain():
     import json
 

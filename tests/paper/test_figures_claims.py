@@ -41,6 +41,7 @@ def check_of(claim: dict[str, Any]) -> Callable[[], Evidence]:
     return getattr(import_module(f"symosc.paper.checks.{module}"), function)
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("claim", QUICK, ids=[each["id"] for each in QUICK])
 def test_the_verdict_is_the_committed_one(claim: dict[str, Any]) -> None:
     evidence = check_of(claim)()
@@ -163,6 +164,7 @@ OTHER: list[tuple[str, Callable[[], Evidence], str]] = [
 ]
 
 
+@pytest.mark.quick(9)
 @pytest.mark.parametrize(("check", "expected"), [row[1:] for row in OTHER], ids=[row[0] for row in OTHER])
 def test_other_motions_have_other_verdicts(check: Callable[[], Evidence], expected: str) -> None:
     evidence = check()

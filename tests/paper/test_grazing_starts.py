@@ -37,6 +37,7 @@ def test_the_second_closed_form_is_the_flow(seed: int) -> None:
     assert np.abs(np.array([x, v]) - states).max() < 1e-7  # critical damping: 1e-8 of the roots apart
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None:
     """Whatever the phase of the contact is, the rounded start is recognised; a start off the curve is not."""
@@ -71,6 +72,7 @@ def test_the_print_of_fig8_is_right() -> None:
     assert (x[0], v[0]) == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_both_explanations_of_fig7() -> None:
     scene = load_scene("fig7")
     found = search(scene, "P2", HALF_UNIT, ["A0", "mu1", "FN", "v1", "x0", "v0", "t0"])

@@ -23,6 +23,7 @@ def printed(orbit_scene: Scene) -> Scene:
     return replace(orbit_scene, t0=f"{t:.4f}", x0=f"{x:.4f}")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "true"), [("Omega", "3.9"), ("c", "0.3"), ("mu1", "0.25")])
 def test_a_misprinted_parameter_is_found(name: str, true: str) -> None:
     right = printed(replace(FIG9, parameters=FIG9.parameters.replace(**{name: true})))
@@ -36,6 +37,7 @@ def test_a_misprinted_parameter_is_found(name: str, true: str) -> None:
     assert other.distance > starts.PRINTED_HALF_UNIT
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "true"), [("Omega", "1.7"), ("mu2", "0.33")])
 def test_a_misprinted_parameter_of_a_motion_with_sticks_is_found(name: str, true: str) -> None:
     right = printed(replace(FIG10, parameters=FIG10.parameters.replace(**{name: true})))

@@ -123,6 +123,7 @@ def test_tasks_share_the_processors(read: Any, monkeypatch: pytest.MonkeyPatch) 
     assert str(os.getpid()) not in processes
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("check", "build", "code", "said"),
     [
@@ -143,6 +144,7 @@ def test_exit_codes(
     assert files == {*report.REPORTS} | ({"figures/fig1.svg"} if build is good_picture else set())
 
 
+@pytest.mark.slow
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = CLAIM.format(id="one", check="right") + 'figures = ["fig1"]\nderivation = "events"\n'
     plan = Plan(read(text), pictures(good_picture))

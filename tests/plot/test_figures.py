@@ -50,6 +50,7 @@ def test_panels_axes_and_labels_of_fig5(fig5: Figure) -> None:
     assert names == ["mass", "belt", "onset of stick", "end of stick", "start", "$F^{(1)}$", "$F^{(2)}$"]
 
 
+@pytest.mark.slow
 def test_the_legend_covers_no_panel(fig5: Figure) -> None:
     fig5.draw_without_rendering()
     legend = fig5.legends[0].get_window_extent()
@@ -105,6 +106,7 @@ def test_belts_move_with_the_mass_through_each_stick(fig5: Figure) -> None:
     assert [line.get_ydata()[0] for line in lines(fig5.axes[1], "belt")] == [1, 5]  # type: ignore[index]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("name", "boundary", "panels"),
     [("fig5", 1, 4), ("fig6", 2, 4), ("fig7", 1, 4), ("fig8", 1, 4), ("fig9", 1, 6), ("fig10", 2, 6)],
@@ -160,6 +162,7 @@ def test_micro_sticks_are_magnified() -> None:
     assert all(inset.get_position().y0 > velocity.get_position().y1 for inset in velocity.child_axes)
 
 
+@pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:
@@ -229,6 +232,7 @@ def test_digits_and_an_undecided_end_can_be_drawn() -> None:
     assert plot.figure(undecided, panels="b").axes
 
 
+@pytest.mark.slow
 def test_no_global_state() -> None:
     before = dict(rcParams)
     plot.figure("fig5", panels="b")

@@ -39,6 +39,7 @@ def test_what_is_no_number_is_no_number_anywhere(value: Any) -> None:
         simulate_many(P, [[0, value, 0]], 5)
 
 
+@pytest.mark.slow
 def test_numbers_are_read_as_they_are_written() -> None:
     rng = random.Random(1)
     for _ in range(150):

@@ -108,6 +108,7 @@ def test_digits_that_are_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
         assert (event.kind, event.target) == (other.kind, other.target)
 
 
+@pytest.mark.slow
 def test_digits_are_raised_until_events_are_known_to_them(monkeypatch: pytest.MonkeyPatch) -> None:
     used = []
     make = Path.__init__
@@ -224,6 +225,7 @@ def counted_flow(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return count
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("spring", [True, False])
 def test_a_light_mass_and_a_slow_drive_take_little_work(spring: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rates that differ by 1e9 and more: once 20,000 evaluations of the flow for every event."""

@@ -48,6 +48,7 @@ def assert_good_estimates(found: list[float]) -> None:
     assert np.median(values) > 0.04
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("family", few(FAMILIES, "light", "stiff", "resonant"))
 def test_errors_are_as_estimated(family: str) -> None:
     assert_good_estimates(sample(family, range(6), 40))
@@ -59,6 +60,8 @@ def test_errors_are_as_estimated_in_many_scenes(family: str) -> None:
     assert_good_estimates(sample(family, range(100, 200), 700))
 
 
+@pytest.mark.full(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [6, 12, 17, 30])
 def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
     """The working precision is higher; what is handed out has that many digits, and the error of that."""
@@ -120,6 +123,7 @@ def assert_on_the_orbit(Omega: str, t0: Any, t_end: Any, use_numba: bool | None,
         assert table.x_error[i] < 2e-14
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("Omega", ["4", "4.1"])
 def test_a_long_run_keeps_the_time(Omega: str) -> None:
     assert_on_the_orbit(Omega, 0, 10**6, False, 2000)
@@ -173,6 +177,7 @@ UNDERRATED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("source", few(UNDERRATED, "resonance with weak damping"))
 def test_errors_that_were_once_underrated(source: str) -> None:
     numbers, start = UNDERRATED[source]

@@ -27,6 +27,7 @@ SLOW = 60
 PARTS = {"graze": Fraction(1, 6), "long": Fraction(1, 12), "undriven": Fraction(1, 2)}
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("number", few(range(QUICK), 1))
 @pytest.mark.parametrize("family", fuzz.FAMILIES)
 def test_random_scenes_of_every_family(family: str, number: int) -> None:
@@ -48,6 +49,7 @@ def assert_no_faults(family: str, numbers: range, part: Fraction = Fraction(1), 
     assert not failed, "\n".join(fuzz.report(verdict, seed) for verdict in failed)
 
 
+@pytest.mark.slow
 def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
     scenes = [
         plain.shortened(fuzz.scene_of(family, 1001, number), Fraction(1, 8))
@@ -80,6 +82,8 @@ def test_exact_grazes_solve_the_equation(number: int) -> None:
         assert abs(a) < 1e-40 * float(1 + abs(scene.p.B0 / scene.p.m))
 
 
+@pytest.mark.full(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("numbers", few([range(2), range(2, 6)], range(2, 6)))
 @pytest.mark.parametrize("family", ["settle", "approach"])
 def test_approaches_stay_between_the_belts(family: str, numbers: range) -> None:
@@ -112,6 +116,7 @@ def test_exact_grazes_are_what_the_oracle_finds() -> None:
         assert all(abs(one.t - other.t) < 1e-25 for one, other in zip(run.events, events, strict=True))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.skipif(program() is None, reason="needs g++ with quadruple precision")
 @pytest.mark.parametrize("family", few(["wide", "coincide", "late", "rest", "near"], "coincide", "late"))
 def test_both_oracles_agree(family: str) -> None:
@@ -134,6 +139,7 @@ class Answer:
         self.events, self.status, self.message, self.t_end = events, status, "", 0
 
 
+@pytest.mark.slow
 def test_the_judge_names_each_fault() -> None:
     scene = fuzz.scene_of("wide", 1, 0)
     truth = truth_of(scene)

@@ -48,6 +48,8 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
 }  # fmt: skip
 
 
+@pytest.mark.full(15)
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", few(SCENES, "m = 1e-6, overdamped"))
 def test_hard_scenes(name: str) -> None:
     changes, start, least = SCENES[name]
@@ -62,6 +64,7 @@ def test_hard_scenes(name: str) -> None:
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
 
 
+@pytest.mark.full(10)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_hard_scenes_with_digits(name: str) -> None:
@@ -108,6 +111,7 @@ def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, flight: F
         return t0, mpmath.nstr(x0, 60), mpmath.nstr(v0, 60)
 
 
+@pytest.mark.full(16)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 5, 7, 9, 11, 13])
 @pytest.mark.parametrize("beyond", [True, False], ids=["beyond", "short"])
@@ -127,6 +131,7 @@ def test_a_peak_beside_a_belt(mapping: str, beyond: bool, exponent: int) -> None
     assert_agrees(simulated(NEAR, start), run)
 
 
+@pytest.mark.full(14)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
 @pytest.mark.parametrize("friction", ["0", "1e-14"])
@@ -145,6 +150,8 @@ def test_a_peak_through_a_transparent_belt(mapping: str, friction: str, exponent
     assert_agrees(simulated(p, start), run)
 
 
+@pytest.mark.full(4)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("exponent", [5, 9, 13])
 @pytest.mark.parametrize("mapping", CONTACTS)
 def test_a_peak_soon_after_the_start(mapping: str, exponent: int) -> None:
@@ -205,6 +212,7 @@ def test_sticks_of_a_tenth_of_a_microsecond(mapping: str, scale: str) -> None:
 # -- a force that dips through zero on a belt, or just not ------------------------------------------------------------
 
 
+@pytest.mark.quick(20)
 @pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
 @pytest.mark.parametrize("slips", [True, False], ids=["slips", "holds"])
 @pytest.mark.parametrize(("boundary", "side"), [(1, "low"), (1, "high"), (2, "low"), (2, "high")])

@@ -89,6 +89,8 @@ def available(use_numba: bool) -> None:
         pytest.importorskip("numba", reason="numba is the extra `fast`")
 
 
+@pytest.mark.full(22)
+@pytest.mark.quick(6)
 @ENGINES
 @pytest.mark.parametrize("seed", few([0, 1], 1))
 @pytest.mark.parametrize("family", FAMILIES)
@@ -108,6 +110,7 @@ def test_bit_for_bit_in_many_scenes(family: str, use_numba: bool) -> None:
             assert_one_engine(problem, use_numba, **options)
 
 
+@pytest.mark.quick(4)
 @ENGINES
 @pytest.mark.parametrize("name", scene_names())
 def test_shipped_scenes_bit_for_bit(name: str, use_numba: bool) -> None:
@@ -118,6 +121,8 @@ def test_shipped_scenes_bit_for_bit(name: str, use_numba: bool) -> None:
         assert_one_engine(problem, use_numba, start_error=scene.start_error, **options)
 
 
+@pytest.mark.full(3)
+@pytest.mark.quick(3)
 @ENGINES
 @pytest.mark.parametrize("accuracy", few([1e-9, 1e-12, math.inf, 1e-15], 1e-15))
 def test_any_accuracy_bit_for_bit(accuracy: float, use_numba: bool) -> None:
@@ -244,6 +249,7 @@ def test_two_events_that_round_to_one_time(use_numba: bool) -> None:
         assert before.target == after.source
 
 
+@pytest.mark.quick(1)
 @ENGINES
 def test_grazes_that_only_the_batch_once_missed(use_numba: bool) -> None:
     available(use_numba)

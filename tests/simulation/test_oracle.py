@@ -20,6 +20,7 @@ KINDS = {"stick onset": ("stick", "belt"), "stick end->1": ("slip", "Omega1"), "
 KINDS["stick end->3"] = ("slip", "Omega3")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "digits"), [("fig5", 50), ("fig7-corrected", 50), ("fig8", 100), ("fig10", 60)])
 def test_thirty_digits_of_the_references(name: str, digits: int) -> None:
     scene, reference = load_scene(name), json.loads((REFERENCE / f"{name}.json").read_text())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from fractions import Fraction
+from functools import cache
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,7 @@ def test_printed_starts_show_their_micro_sticks(name: str, milliseconds: float) 
     assert end.t - onset.t == pytest.approx(length, abs=2e-12)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     "name", ["fig5", "fig6", "fig7", "fig7-corrected", "fig9", "fig9-orbit", "fig10", "fig10-orbit"]
 )
@@ -95,45 +97,52 @@ def test_exact_starts_never_stick_later() -> None:
         assert "stick" not in kinds
 
 
-# -- fig8 for 50 periods: sticks shrink by 3/8 each half period and belts are grazed in the limit ----------------------
-
-FIFTY_PERIODS = Fraction("159.57963267948966")  # t0 + 50 periods of pi
+# -- fig8 for many periods: sticks shrink by 3/8 each half period and belts are grazed in the limit --------------------
 
 
-@pytest.fixture(scope="module")
-def fig8_oracle() -> OracleRun:
+def end_of(periods: int) -> Fraction:
+    """Return t0 + so many periods of pi."""
+    return load_scene("fig8").t0 + periods * Fraction("3.1415926535897932")
+
+
+@cache
+def fig8_oracle(periods: int) -> OracleRun:
     scene = load_scene("fig8")
-    return simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, FIFTY_PERIODS, 150)
+    return simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, end_of(periods), 150)
 
 
 @pytest.mark.slow
-def test_fig8_ends_in_double_precision_and_says_when(fig8_oracle: OracleRun) -> None:
-    scene = load_scene("fig8")
-    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS)
+def test_fig8_ends_in_double_precision_and_says_when() -> None:
+    scene, oracle = load_scene("fig8"), fig8_oracle(20)
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=end_of(50))
     assert trajectory.status == "undecidable"
-    assert 22 <= len(trajectory.events) < 196
-    for event, expected in zip(trajectory.events, fig8_oracle.events, strict=False):
+    assert 22 <= len(trajectory.events) < len(oracle.events) == 76
+    for event, expected in zip(trajectory.events, oracle.events, strict=False):
         assert_event_agrees(event, expected)
     last = trajectory.events[-1].t
     named = [float(number) for number in re.findall(r"\d+\.?\d*(?:e[+-]?\d+)?", trajectory.message)]
-    assert any(last - 1e-3 <= number <= float(fig8_oracle.events[len(trajectory.events)].t) + 1e-3 for number in named)
+    assert any(last - 1e-3 <= number <= float(oracle.events[len(trajectory.events)].t) + 1e-3 for number in named)
 
 
 @pytest.mark.slow
-def test_fig8_with_150_digits_shows_all_196_events(fig8_oracle: OracleRun) -> None:
+@pytest.mark.parametrize(
+    ("periods", "events", "shortest"), [(20, 76, 3.308e-17), pytest.param(50, 196, 9.3e-43, marks=pytest.mark.campaign)]
+)
+def test_fig8_with_150_digits_shows_all_events(periods: int, events: int, shortest: float) -> None:
     scene = load_scene("fig8")
-    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=FIFTY_PERIODS, digits=150)
+    trajectory = simulate(scene.parameters, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=end_of(periods), digits=150)
     assert trajectory.status == "t_end"
-    assert len(trajectory.events) == 196
+    assert len(trajectory.events) == events
     with mpmath.workdps(150):
-        for event, expected in zip(trajectory.events, fig8_oracle.events, strict=True):
+        for event, expected in zip(trajectory.events, fig8_oracle(periods).events, strict=True):
             assert_event_agrees(event, expected, 1e-60)
         sticks = [end.t - onset.t for onset, end in zip(trajectory.events, trajectory.events[1:], strict=False)
                   if onset.kind == "stick"]  # fmt: skip
-        assert len(sticks) == 98
-        assert float(min(sticks)) == pytest.approx(9.3e-43, rel=2e-3)
+        assert len(sticks) == events // 2
+        assert float(min(sticks)) == pytest.approx(shortest, rel=2e-3)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 def test_forty_digits_are_forty_digits(name: str) -> None:
     scene = load_scene(name)

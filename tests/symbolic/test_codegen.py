@@ -157,6 +157,8 @@ def seventy_digits() -> Any:
         yield
 
 
+@pytest.mark.full(10)
+@pytest.mark.quick(5)
 @CASES
 def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -168,6 +170,7 @@ def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) 
         assert abs(value - truth) < mpmath.mpf("1e-50") * size
 
 
+@pytest.mark.quick(12)
 @CASES
 def test_g_functions_agree_with_the_linear_system(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -184,6 +187,7 @@ def test_g_functions_agree_with_the_linear_system(regime: s.Regime, seed: int) -
         assert abs(G - x_n[n + 2]) < 1e-50 * (1 + abs(G))
 
 
+@pytest.mark.quick(13)
 @CASES
 def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -194,6 +198,8 @@ def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, se
     assert abs(found - there[1]) < 1e-50 * (1 + abs(case.a0))
 
 
+@pytest.mark.full(7)
+@pytest.mark.quick(9)
 @pytest.mark.parametrize("seed", range(20))
 def test_basis_apart_is_the_closed_form(seed: int) -> None:
     case = Case(s.REGIMES["underdamped"], seed)
@@ -217,6 +223,8 @@ def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
         assert abs(value - truth) < 5 * 2.0**-53 * size
 
 
+@pytest.mark.full(4)
+@pytest.mark.quick(3)
 @KERNELS
 def test_same_results_on_every_kind_of_number(name: str) -> None:
     numba = pytest.importorskip("numba")

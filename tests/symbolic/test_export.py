@@ -143,6 +143,7 @@ def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
     check(compiled(tmp_path, "P32", p), "P32", p, 20)
 
 
+@pytest.mark.slow
 def test_c_header_is_for_c_plus_plus_too(tmp_path: Path) -> None:
     write_export(tmp_path, "P4645", "c", name="made")
     (tmp_path / "user.c").write_text(
@@ -167,6 +168,8 @@ def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
         check(evaluate, ALL, p, 4, name)
 
 
+@pytest.mark.full(7)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("language", ["python", "numpy"])
 @pytest.mark.parametrize("regime", REGIMES)
 def test_python_with_fixed_parameters(regime: str, language: str) -> None:

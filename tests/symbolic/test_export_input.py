@@ -51,6 +51,7 @@ def test_words_of_the_language_are_no_names(language: str, names: list[str]) -> 
             export("P32", language, name=name)
 
 
+@pytest.mark.slow
 def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     (path,) = write_export(tmp_path, "P32", "python")
     text = path.read_text()

@@ -22,12 +22,14 @@ def left_over(residuals: dict) -> dict:
 # --- the flow ---
 
 
+@pytest.mark.slow
 def test_the_flow_solves_the_equation_of_motion_in_general() -> None:
     residuals = s.prove()
     assert {"equation of motion", "x at t_i", "v at t_i", "a at t_i"} < residuals.keys()
     assert left_over(residuals) == {}
 
 
+@pytest.mark.quick(1)
 @REGIMES
 def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None:
     residuals = s.prove(regime)
@@ -47,6 +49,7 @@ def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) 
         assert left_over(s.prove()), f"nobody noticed the sign of {term}"
 
 
+@pytest.mark.full(3)
 @pytest.mark.slow
 @REGIMES
 def test_the_proof_sees_a_wrong_closed_form(regime: s.Regime, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,6 +92,7 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     assert seen == set(s.REGIMES)
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @JOINS
 def test_regimes_join_continuously(join: s.Join) -> None:
@@ -110,6 +114,7 @@ def test_a_join_that_is_none_shows_a_gap() -> None:
     assert left_over(s.gaps(wrong))
 
 
+@pytest.mark.full(3)
 @pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:

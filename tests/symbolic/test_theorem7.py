@@ -119,6 +119,7 @@ def test_the_two_sides_fill_the_circle_but_for_the_critical_phases(mapping: str,
     assert missing == (CIRCLE if amplitude == level == 0 else sp.FiniteSet(*expected))
 
 
+@pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
@@ -134,6 +135,8 @@ def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
 LINES = (gamma, a, gamma - a, gamma + a)
 
 
+@pytest.mark.full(3)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["paper", "full"])
 def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
