@@ -82,7 +82,6 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "paper.window_figures": ("paper/test_theory.py", PICTURES),
     "paper.evidence": ("paper/test_figures_claims.py", "a record that the checks return"),
     "paper.report": ("paper/test_run.py", PAPER),
-    "paper.typeset": ("paper/test_report_texts.py", PAPER),
     "plot.insets": ("plot/test_figures.py", PICTURES),
     "plot.sweep": ("plot/test_windows.py", PICTURES),
     "plot.curve": ("grazing/test_curve.py", PICTURES),
