@@ -62,8 +62,6 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "derive.steps": ("derive/test_document.py", CHAPTERS),
     "engine.arithmetic": ("engine/test_binding.py", ENGINE),
     "engine.compiled_loop": ("simulation/test_one_engine.py", "it must give what one trajectory after the other gives"),
-    "engine.flow": ("engine/test_first_exit.py", ENGINE),
-    "engine.stick_exit": ("engine/test_first_exit.py", ENGINE),
     "grazing.newton": ("grazing/test_solve.py", QUERIES),
     "grazing.tracer": ("grazing/test_solve.py", QUERIES),
     "kernels._generated": ("symbolic/test_codegen.py", "generated; compared with what generates it"),

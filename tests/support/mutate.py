@@ -150,7 +150,7 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
 
 
 def chosen(packages: list[str], seed: int, count: int) -> list[Mutant]:
-    """Return `count` mutants: a file at random, the longer the likelier, then a kind of fault, then one of that kind."""
+    """Return `count` mutants: a file at random, the longer the likelier, then a kind of fault, then one of it."""
     faults: list[dict[str, list[Mutant]]] = []
     lengths: list[int] = []
     for package in packages:
