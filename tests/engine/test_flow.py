@@ -127,3 +127,17 @@ def test_the_constant_force_and_the_speeds_of_a_domain() -> None:
     for domain in (1, 2, 3):
         assert flow.constant_force(domain, K) == float(p.A(domain) / p.m)
     assert [flow.speeds_around(domain, K) for domain in (1, 2, 3)] == [(-math.inf, -1.0), (-1.0, 1.5), (1.5, math.inf)]
+
+
+def test_what_the_rounding_of_omega_and_of_its_period_took_is_kept() -> None:
+    """Om is a double, Omega is not; 2 pi/Om is none either: both rests are right to some digits."""
+    rng = random.Random(24)
+    with mpmath.workdps(50):
+        for _ in range(60):
+            p = BASE.replace(Omega=Fraction(rng.randrange(1, 10**6), rng.randrange(1, 10**6)))
+            K = flow.constants(p)
+            assert K.Om_gain == pytest.approx(float(Fraction(K.Om) / p.Omega - 1), rel=1e-12, abs=0)
+            assert abs(K.Om_gain) < 2.0**-52
+            rest = 2 * mpmath.pi / mpmath.mpf(K.Om) - mpmath.mpf(K.period)
+            assert abs(K.period_low - rest) < 1e-30 * K.period
+            assert mpmath.mpf(1) / mpmath.mpf(K.Om) == pytest.approx(K.Om_inverse, rel=3e-16)
