@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from random_constants import constants_of
 
-from symosc.engine.state import HIT, Hold
+from symosc.engine.state import HIT, NOTHING, Hold
 from symosc.engine.stick_exit import belt_exit, gain
 
 
@@ -29,3 +29,13 @@ def test_the_end_of_a_stick_is_the_first() -> None:
             force = below + gain(tau, s0, c0, belt, K)[0]
             assert force == pytest.approx(0 if side < 0 else belt.J, abs=1e-13 * (belt.J + abs(K.f0)))
     assert ends > 100
+
+
+@pytest.mark.parametrize("below", [0.0, 0.3, 1.0])
+def test_constant_forces_never_end_a_stick(below: float) -> None:
+    """Without drive and spring's pull nothing changes, not even where a force is 0 already."""
+    K = constants_of(random.Random(3), B0=0, v1=0)
+    belt, theta = K.belt1, 1.2
+    held = Hold(below * belt.J, (below - 1) * belt.J, theta, math.sin(theta), math.cos(theta))
+    end = belt_exit(K.period, held, 0.0, belt, K)
+    assert (end.code, end.tau, end.Delta) == (NOTHING, K.period, 0.0)

@@ -65,6 +65,17 @@ def test_where_newton_never_ends_between_the_curve_is_broken() -> None:
     assert abs(float(curve.notes[0].split("theta_m = ")[1].split()[0]) - 1) < 1e-9
 
 
+@pytest.mark.parametrize(("touch", "taken"), [(None, False), (5.5, False), (1.0, True)])
+def test_among_touches_too_a_solution_lies_between(touch: float | None, taken: bool) -> None:
+    curve = Formula(lambda theta: theta**3 - 1, math.nan)
+    curve.curve = SimpleNamespace(sample=lambda theta: SimpleNamespace(slope_theta=1.0))
+    found = touch and (mpmath.mpf(touch), mpmath.mpf(1 + touch / 10))
+    curve._among_touches = lambda theta_m, target: found  # type: ignore[method-assign, assignment, return-value]
+    curve._between(curve.at(0.0), curve.at(2.0), mpmath.mpf(0))
+    assert curve.found == ([touch] if taken else [])
+    assert bool(curve.notes) is not taken
+
+
 @pytest.mark.parametrize("turn", [-0.6, 0.0, 0.8])
 def test_an_extremum_is_found_to_the_rounding_of_its_value(turn: float) -> None:
     for sign in (1, -1):
