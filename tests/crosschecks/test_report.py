@@ -51,7 +51,9 @@ def test_plain_data_is_the_result() -> None:
     assert data["wrong_steps"] == [99, 100]
     assert data["first_wrong"]["words"] == "without sample 100 the step from 99 to 101 is right"
     assert len(data["matched"]) == len(result.matched)
-    assert data["max_error_v"] == result.max_error_v
+    assert (data["max_error_x"], data["max_error_v"]) == (result.max_error_x, result.max_error_v)
+    assert [data["max_defect_x"], data["max_defect_v"]] == np.abs(result.defects).max(axis=0).tolist()
+    assert data["max_defect_x"] != data["max_defect_v"]
     assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()
 
 

@@ -128,3 +128,17 @@ def test_a_drive_of_no_size_has_no_period(Omega: str, monkeypatch: pytest.Monkey
     found = simulate(p, t0=0, x0="9/5", v0="-0.138", t_end=1000)
     assert [event.kind for event in found.events] == ["stick"]
     assert counts["state_at"] < 1000
+
+
+def test_a_root_near_0_is_found_to_the_resolution() -> None:
+    """Of a quartic whose root is known: simple roots, and such whose slope, bend or third derivative is small there."""
+    rng = random.Random(31)
+    for _ in range(4000):
+        root, resolution = 10 ** rng.uniform(-6, -1) * rng.choice([-1, 1]), 10 ** rng.uniform(-12, -6)
+        F, G1, G2, G3 = (10 ** rng.uniform(-3, 1) * rng.choice([-1, 1]) for _ in range(4))
+        G1, G2 = G1 - rng.choice([0, 1]) * (G1 + G2 * root), G2 - rng.choice([0, 0.99]) * (G2 + G3 * root)
+        if abs(root) * (abs(G1) + abs(G2) + abs(G3)) > 0.2 * abs(F):
+            continue  # then another root may be as near
+        over = -(F + (G1 / 2 + (G2 / 6 + G3 / 24 * root) * root) * root) * root
+        found = first_exit_module.local_root(over, F, G1, G2, G3, resolution)
+        assert abs(found - root) <= resolution + 1e-15
