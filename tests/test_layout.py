@@ -25,6 +25,7 @@ PAPER = "what it makes is a part of the report, and is looked at there"
 #: Modules without a test file of their name: where their tests are, and why there.
 ELSEWHERE: dict[str, tuple[str, str]] = {
     "bench.formulas": ("bench/test_speed.py", "it only measures; what is printed of it is tested"),
+    "bench.digits": ("cli/test_bench.py", "it only measures; what is printed of it is tested"),
     "bench.hard_table": ("bench/test_hard.py", "the table is that of the run"),
     "bench.ours": ("bench/test_hard.py", "our own solver, whose errors are tested there"),
     "bench.peers_cvode": ("bench/test_peers_scipy.py", SOLVERS),
@@ -56,13 +57,18 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "derive.pdf": ("derive/test_document.py", "the document is compiled there"),
     "derive.text_pages": ("derive/test_html.py", "text and Markdown are read beside the HTML"),
     "derive.window_check": ("derive/test_document.py", "broken windows of the chapter on grazing have to fail"),
+    "derive.comparisons": ("derive/test_published.py", "its values are those that are compared there"),
     "derive.latex": ("derive/test_document.py", "what is printed is read back there, formula by formula"),
     "derive.line_breaks": ("derive/test_document.py", "lines are measured in the finished chapters"),
     "derive.scope": ("derive/test_document.py", "what a scene leaves out is seen in the finished chapters"),
     "derive.steps": ("derive/test_document.py", CHAPTERS),
     "engine.arithmetic": ("engine/test_binding.py", ENGINE),
     "engine.compiled_loop": ("simulation/test_one_engine.py", "it must give what one trajectory after the other gives"),
-    "grazing.newton": ("grazing/test_solve.py", QUERIES),
+    "engine.mpfr_arithmetic": ("engine/test_mpfr.py", SAME),
+    "engine.pair_loop": ("simulation/test_ladder.py", SAME),
+    "engine.pairs": ("simulation/test_ladder.py", SAME),
+    "engine.paths": ("engine/test_mpfr.py", SAME),
+    "engine.rounding": ("simulation/test_ladder.py", "a step of the ladder, whose events are compared there"),
     "grazing.tracer": ("grazing/test_solve.py", QUERIES),
     "kernels._generated": ("symbolic/test_codegen.py", "generated; compared with what generates it"),
     "kernels.entire_array": ("kernels/test_entire.py", SAME),
@@ -70,6 +76,8 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "kernels.entire_mp": ("kernels/test_entire.py", SAME),
     "kernels.mapping": ("mappings/test_equations.py", SAME),
     "kernels.mapping_loops": ("mappings/test_compiled.py", SAME),
+    "kernels.mpfr": ("engine/test_mpfr.py", SAME),
+    "kernels.pair_type": ("kernels/test_pair_functions.py", "its operators are those of the functions tested there"),
     "kernels.repeated": ("mappings/test_equations.py", SAME),
     "mappings.latex": ("symbolic/test_grazing_latex.py", "what is printed is read back there"),
     "paper.checks.*": ("paper/test_theory.py", CHECKS),
@@ -89,6 +97,8 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "symbolic.languages": ("symbolic/test_export.py", "every language is run, or read, there"),
     "simulation.run": ("simulation/test_simulate.py", "the inner loop of simulate"),
     "simulation.trajectory": ("simulation/test_simulate.py", "what simulate returns"),
+    "simulation.batch_loop": ("simulation/test_ladder.py", "the first step of the ladder"),
+    "simulation.warm": ("cli/test_warm.py", COMMAND),
 }
 
 
