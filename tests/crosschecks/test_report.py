@@ -54,6 +54,8 @@ def test_plain_data_is_the_result() -> None:
     assert (data["max_error_x"], data["max_error_v"]) == (result.max_error_x, result.max_error_v)
     assert [data["max_defect_x"], data["max_defect_v"]] == np.abs(result.defects).max(axis=0).tolist()
     assert data["max_defect_x"] != data["max_defect_v"]
+    worst = f"{data['max_defect_x']:.2e} in x, {data['max_defect_v']:.2e} in v; wrong steps: 2 of 199"
+    assert f"largest defect of a step: {worst}" in result.summary()
     assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()
 
 

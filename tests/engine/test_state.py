@@ -78,16 +78,15 @@ def test_states_and_codes_are_what_they_say(digits: int | None) -> None:
             check_state(path.start, path.state, eps)
             while not path.ended and len(path.events) < 30:
                 before = path.state
-                found = path.arithmetic.advance(before, *path.end, path.K)
                 path.step()
-                code, after = found.code, found.state
+                code, after = path.code, path.state
                 seen.add(code)
                 if code != SLIP:  # its forces are those of the end of the stick, which are 0 as far as it is known
                     check_state(path.start, after, 1e3 * eps)
                 if code in (MOVED, END, REST):
-                    assert (after.mode, found.boundary) == (before.mode, 0)
+                    assert after.mode == before.mode
                     continue
-                belt = found.boundary
+                belt = path.events[-1].boundary
                 assert after.at == belt
                 assert after.t >= before.t
                 assert code in (CROSS, STICK, SLIP, GRAZE)
