@@ -42,7 +42,7 @@ def test_what_cannot_be_read(tmp_path: Path) -> None:
         "empty.csv": ("", "is empty"),
         "bad.json": ("{", "cannot be read"),
         "list.json": ("[1, 2]", "must hold columns"),
-        "bad.npz": ("no zip", "is no npz file"),
+        "bad.npz": ("no zip", "is not an npz file"),
         "run.txt": ("", "must end in"),
     }
     for name, (text, words) in files.items():
