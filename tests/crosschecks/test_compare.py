@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +13,9 @@ from careful_solver import TIGHT, Run, random_parameters, solve
 from samples import sample_of
 
 from symosc import ParameterError, load_scene, simulate
+from symosc.crosschecks import compare
 from symosc.crosschecks.compare import CrossCheck, crosscheck
+from symosc.crosschecks.samples import checked
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
@@ -209,6 +214,52 @@ def test_another_start_than_the_scenes_is_said() -> None:
     result = crosscheck("fig5", t, x, v)
     assert result.ok
     assert "not fig5's start" in result.notes[0]
+
+
+@pytest.mark.parametrize("name", ["x0", "v0"])
+@pytest.mark.parametrize("size", ["1/100", "7/10", "-59/10", "300"])
+def test_a_start_is_the_scenes_within_the_tolerance_of_its_size(name: str, size: str) -> None:
+    """The tolerance is a part of the number, and of 1 for a smaller one; t0 has to be the scene's to some ulps."""
+    scene = replace(load_scene("fig8"), **{name: Fraction(size)})
+    limit = 1e-5
+    slack = limit * max(1.0, abs(float(Fraction(size))))
+    for part, same in ((0.9, True), (1.1, False), (-0.9, True), (-1.1, False)):
+        start = {each: float(getattr(scene, each)) for each in ("t0", "x0", "v0")}
+        start[name] += part * slack
+        t, x, v = (np.array([start[each], start[each] + 1.0]) for each in ("t0", "x0", "v0"))
+        notes: list[str] = []
+        found = compare._start(scene, checked(t, x, v), limit, np.zeros(3), notes)
+        assert found == ({} if same else start)
+        assert len(notes) == (not same)
+
+
+def test_units_are_the_largest_values_and_at_least_those_of_the_belts() -> None:
+    rng = np.random.default_rng(5)
+    p = load_scene("fig9").parameters
+    fastest = max(abs(float(p.v1)), abs(float(p.v2)))
+    rate = max(float(p.Omega), float(p.k / p.m) ** 0.5)
+    for size_x, size_v in ((1e-6, 1e-6), (1e3, 1e-6), (1e-6, 1e3), (1e3, 1e3)):
+        exact = np.array([size_x, size_v])[:, None] * rng.uniform(-1, 1, (2, 50))
+        x, v = compare._scales(p, exact)
+        assert v == max(np.abs(exact[1]).max(), fastest)
+        assert x == max(np.abs(exact[0]).max(), v / rate)
+
+
+def test_a_wrong_decision_behind_many_wrong_steps_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first wrong steps are explained, and of all others those with an event, or where the mode is another one."""
+    n, most = 40, 5
+    modes = np.full(n + 1, 2)
+    steps = SimpleNamespace(t=np.arange(n + 1.0), last=modes[1:].copy())
+    sizes = np.full(n, 2.0)
+    sizes[[10, 25]] = 0.5
+    steps.last[[20, 30]] = 5  # the samples fly where the exact motion sticks
+    modes[33] = 0  # where they only pass a belt there is no mode to compare
+    matching = SimpleNamespace(invented=[SimpleNamespace(step=15), SimpleNamespace(step=25)], missed=[])
+    monkeypatch.setattr(compare, "MOST_FAULTS", most)
+    monkeypatch.setattr(compare, "explain", lambda steps, i, *_: i)
+    assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 20, 30)
+    matching.missed.append(SimpleNamespace(t=18.5))
+    assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 18, 20, 30)
 
 
 @pytest.mark.parametrize(

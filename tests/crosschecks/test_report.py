@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 
 from symosc import crosscheck, simulate
 
@@ -50,5 +51,21 @@ def test_plain_data_is_the_result() -> None:
     assert data["wrong_steps"] == [99, 100]
     assert data["first_wrong"]["words"] == "without sample 100 the step from 99 to 101 is right"
     assert len(data["matched"]) == len(result.matched)
-    assert data["max_error_v"] == result.max_error_v
+    assert (data["max_error_x"], data["max_error_v"]) == (result.max_error_x, result.max_error_v)
+    assert [data["max_defect_x"], data["max_defect_v"]] == np.abs(result.defects).max(axis=0).tolist()
+    assert data["max_defect_x"] != data["max_defect_v"]
+    worst = f"{data['max_defect_x']:.2e} in x, {data['max_defect_v']:.2e} in v; wrong steps: 2 of 199"
+    assert f"largest defect of a step: {worst}" in result.summary()
     assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()
+
+
+@pytest.mark.parametrize("which", [0, 2])
+def test_the_largest_error_of_a_time_is_named(which: int) -> None:
+    t = np.linspace(0, 7, 200)
+    run = simulate("fig5", t_end=7)
+    given = [(event.t + (-3e-9 if i == which else 1e-10), event.kind) for i, event in enumerate(run.events)]
+    result = crosscheck("fig5", t, *run(t), events=given)
+    assert result.ok
+    assert len(result.matched) > 2
+    worst = run.events[which]
+    assert f"largest error of an event's time: 3.00e-09 at t = {worst.t:.10g}" in result.summary()

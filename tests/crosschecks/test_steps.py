@@ -18,3 +18,14 @@ def test_phases_at_large_times() -> None:
     with mpmath.workdps(50):
         exact = [float(mpmath.fmod(mpmath.mpf(time) / 3, 2 * mpmath.pi)) for time in t]
     np.testing.assert_allclose(theta, exact, rtol=0, atol=2e-15)
+
+
+def test_periods_and_phase_are_the_time() -> None:
+    """Just before the end of a period the phase rounds to 2 pi, which is 0 of the next one."""
+    p = load_scene("fig10").parameters.replace(Omega=1)
+    ends = 2 * np.pi * np.arange(1, 40)
+    times = np.concatenate([ends, np.nextafter(ends, 0), np.nextafter(ends, 1e3), [-1e-17, 0.0, 3.0]])
+    periods, theta = phases(p, times)
+    assert np.all((theta >= 0) & (theta < 2 * np.pi))
+    assert (periods[0], theta[0]) == (1, 0.0)  # the double 2 pi is 2.4e-16 too small
+    np.testing.assert_allclose(2 * np.pi * periods + theta, times, rtol=4e-16, atol=4e-16)

@@ -1,4 +1,4 @@
-"""The guards of the event search: when a root is taken for the only one, and how far a touch reaches."""
+"""Bounds of the gap: each is a bound, and when a root is taken for the only one, and how far a touch reaches."""
 
 from __future__ import annotations
 
@@ -10,12 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 from agreement import BASE
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_constants import constants_of
 from touches import tenths
 
 from symosc.engine import first_exit, flow, gap_bounds, touches
+from symosc.engine.flow import derivatives, state_at
+from symosc.engine.gap_bounds import fourth_derivative_bound, positive_on, safe_step
 from symosc.engine.start import Start
 from symosc.engine.state import Covariance, FlightEnd, Launch, Walls
 from symosc.simulation.run import Path
+
+COEFFICIENTS = st.floats(-5, 5)
 
 
 def taylor(root: float, slope: float, bend: float) -> tuple[float, ...]:
@@ -176,3 +183,39 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
     assert found[:2] == (code, side)
     if verdict == first_exit.TANGENCY:
         assert found.now.tau == 0.25
+
+
+@given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
+@settings(derandomize=True, deadline=None, max_examples=300)
+def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:
+    values = np.polyval(p[::-1], np.linspace(0, s, 200))
+    if positive_on(s, *p):
+        assert values.min() > -1e-12
+    elif p[0] > 0:  # not too shy: on a tenth of the way to the nearest possible root it says so
+        reach = p[0] / (p[0] + max(map(abs, p[1:])))
+        assert positive_on(min(0.1 * reach, s), *p)
+
+
+@given(st.floats(1e-6, 5), st.tuples(*[COEFFICIENTS] * 3), st.floats(0.01, 5))
+@settings(derandomize=True, deadline=None, max_examples=500)
+def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float, ...], p4: float) -> None:
+    p = (p0, *middle, -p4)
+    step, root = safe_step(10.0, *p)
+    roots = np.roots(p[::-1])
+    first = min((r.real for r in roots if abs(r.imag) < 1e-9 and r.real > 0), default=math.inf)
+    assert 0 < step <= first * (1 + 1e-9)
+    if root < 10.0:
+        assert root == pytest.approx(first, rel=1e-4)
+
+
+def test_the_fourth_derivative_stays_within_its_bound() -> None:
+    rng = random.Random(5)
+    for _ in range(200):
+        K = constants_of(rng)
+        v0, a0, theta = rng.uniform(-3, 3), rng.uniform(-20, 20), rng.uniform(0, 6.28)
+        s0, c0 = math.sin(theta), math.cos(theta)
+        _, w, j = derivatives(v0, a0, s0, c0, K)
+        bound = fourth_derivative_bound(w, j, s0, c0, K)
+        reach = 20 / K.rate if K.steady else 1 / K.Om
+        for tau in np.linspace(0, reach, 60):
+            assert abs(state_at(tau, Launch(v0, a0, s0, c0), K).G3) <= bound * (1 + 1e-9)

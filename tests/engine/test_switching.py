@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
+import random
 from fractions import Fraction
 from math import pi, sqrt
 
 import mpmath
 import pytest
 from agreement import BASE, CONTACTS, NEAR, assert_agrees, oracle_of, simulated
+from random_constants import constants_of
 
 from symosc import Parameters, simulate
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.state import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+from symosc.engine.switching import following_sign, resolve
 
 # -- starts on a boundary ----------------------------------------------------------------------------------------------
 
@@ -149,3 +155,28 @@ def test_a_crossing_at_a_triple_root(digits: int | None) -> None:
     assert [(event.kind, event.source, event.target) for event in back] == [("cross", "Omega3", "Omega2")] * 2
     trajectory = simulate(p, t0=0, x0=7, v0=0, t_end=15, digits=digits)
     assert_agrees(trajectory, run, 1e-12 if digits is None else 1e-24)
+
+
+# -- the rule at a point of a belt -------------------------------------------------------------------------------------
+
+
+def test_theorems_4_and_5() -> None:
+    K = constants_of(random.Random(1))
+    assert resolve(-1.0, 2.0, -1.0, 0.0, 1.0, K) == BELT
+    assert resolve(-1.0, 2.0, 1.0, 0.0, 1.0, K) == DOMAIN_ABOVE
+    assert resolve(-1.0, -1.0, -2.0, 0.0, 1.0, K) == DOMAIN_BELOW
+
+
+def test_a_vanishing_force_is_decided_by_the_next_g_function() -> None:
+    """m = c = k = Omega = 1, B0 = 2, v = 1: G^(1) = -(1 + 2 sin), G^(2) = -2 cos, G^(3) = 2 sin at F = 0."""
+    p = Parameters(m=1, c=1, k=1, A0=0, B0=2, Omega=1, v1=1, v2=2, mu1=1, mu2=1, FN=1)
+    K = Arithmetic(p).K
+    assert following_sign(1.0, 0.0, 0.0, 1.0, K) == (-1, 1)
+    assert following_sign(1.0, 0.0, -1.0, 0.0, K) == (1, 1)
+    half = math.sqrt(0.75)
+    assert following_sign(1.0, 0.0, -0.5, half, K) == (-1, 2)
+    assert following_sign(1.0, 0.0, -0.5, -half, K) == (1, 2)
+    equality = Arithmetic(p.replace(B0=1)).K  # the quartic tangency of Theorem 7's equality
+    assert following_sign(1.0, 0.0, -1.0, 0.0, equality) == (-1, 3)
+    nothing = Arithmetic(p.replace(B0=0, k=0)).K
+    assert following_sign(1.0, 0.0, 0.0, 1.0, nothing)[0] == 0

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 from samples import few, sample_of
 
 from symosc import ParameterError, Parameters, load_scene, scene_names
@@ -40,7 +41,7 @@ def test_equality_is_met_exactly() -> None:
     # fig7: k v1 = B0 Omega; the quartic tangency at 3 pi/2 is sampled, and 1e-14 beside it
     report = check_grazing(load_scene("fig7").parameters, "P2", n=10)
     assert report.orders[3] == 1
-    assert report.closest_phase == pytest.approx(1e-14)
+    assert report.closest_phase == pytest.approx(1e-14, rel=1e-6, abs=0)  # by default, 1e-12 counts as nothing
     assert report.closest[EXACT_FLOW] < 1e-28
     # fig9: two inflections at the ends of the window
     report = check_grazing(load_scene("fig9").parameters, "P3", n=10)
@@ -189,3 +190,24 @@ def test_all_shipped_scenes(count: int) -> None:
         for mapping in MAPS:
             report = check_grazing(load_scene(scene).parameters, mapping, n=count)
             assert report.ok, report.summary()
+
+
+def test_special_phases_are_approached_from_both_sides_by_powers_of_ten(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each phase itself, and 1e-3 to 1e-14 before and behind it; where G^(1) = 0 too."""
+    looked_at: list[Any] = []
+    count = check._Check._count
+
+    def counted(self: Any, phases: Any, *arguments: Any) -> None:
+        looked_at.extend(phases)
+        count(self, phases, *arguments)
+
+    monkeypatch.setattr(check._Check, "_count", counted)
+    p = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
+    own = check._Check(grazing_window(p, "P2"))
+    own.adversarial()
+    angle = sympy.asin(sympy.Rational(1, 12))
+    bases = [sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2, sympy.pi + angle, 2 * sympy.pi - angle]
+    sizes = [sympy.Rational(1, 10**k) for k in range(3, 15)]
+    expected = {str((base + shift).evalf(30)) for base in bases for size in sizes for shift in (0, size, -size)}
+    assert {str(phase.evalf(30)) for phase in looked_at} == expected
+    assert own.n_adversarial == len(looked_at) == len(bases) * 25

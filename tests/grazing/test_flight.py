@@ -47,7 +47,7 @@ def test_the_flight_leads_into_the_tangency(mapping: str, regime: str) -> None:
         x, v = flow_oracle(p, DOMAIN[mapping], begin, number(x_m + now.dx), number(now.v), number(tau), 60)[:2]
         size = max(1, abs(x_m), abs(now.v), abs(now.a))
         assert abs(x - x_m) < 1e-40 * size
-        assert abs(v - flights.belt) < 1e-40 * size
+        assert abs(v - flights.v) < 1e-40 * size
 
 
 @pytest.mark.parametrize("regime", REGIMES)
@@ -73,9 +73,9 @@ def test_a_contact_is_polished_to_all_digits() -> None:
     flights = Flights(p, "P2", 60)
     theta, wall = flights.number(Fraction(11, 2)), p.belt(1)
     taus = [flights.number(Fraction(n, 50)) for n in range(1, 400)]
-    gaps = [flights.instant(theta, tau).v - flights.belt for tau in taus]
+    gaps = [flights.instant(theta, tau).v - flights.v for tau in taus]
     i = next(i for i in range(5, len(gaps)) if gaps[i - 1] * gaps[i] < 0)
-    near = mpmath.findroot(lambda tau: flights.instant(theta, tau).v - flights.belt, (taus[i - 1], taus[i]), "anderson")
+    near = mpmath.findroot(lambda tau: flights.instant(theta, tau).v - flights.v, (taus[i - 1], taus[i]), "anderson")
     now = flights.instant(theta, near)
     found = Arrival(CONTACT, 1, float(near) * (1 + 1e-12), now.dx, now.v, float(now.a), 1e-9, 1e-9)
     polished = flights.polished(theta, found, flights.number(100))

@@ -12,6 +12,7 @@ from oracle import flow_oracle
 
 from symosc import ParameterError, grazing_window, load_scene
 from symosc.grazing.backward_flow import CONTACT, REACHED
+from symosc.grazing.flight import Flights
 from symosc.grazing.origin import Origins
 
 FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
@@ -57,3 +58,13 @@ def test_without_a_spring_and_without_a_graze() -> None:
         Origins(FIG9.replace(k=0), "P2")
     with pytest.raises(ParameterError, match="leads from v2 to v1"):
         Origins(FIG9, "P7")
+
+
+@pytest.mark.parametrize("lacking", [1, 5])
+def test_a_digit_that_is_missing_is_computed(lacking: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    low, high = map(Fraction, grazing_window(FIG9, "P2").intervals[0][:2])
+    origins, missing = Origins(FIG9, "P2"), iter([lacking, 0])
+    monkeypatch.setattr(Flights, "missing_digits", lambda self, arrival, wanted: next(missing))
+    _, flights = origins.exact((low + high) / 2, 1, lambda flights: flights.number(Fraction(1, 4)), 20)
+    assert next(missing, None) is None
+    assert flights.digits >= 20 + 20 + lacking

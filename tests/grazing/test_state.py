@@ -42,6 +42,20 @@ def test_theorem_6_at_an_inflection() -> None:
         assert (verdict.grazing, verdict.order) == (False, 2)
 
 
+def test_each_g_function_comes_with_its_part_of_its_terms() -> None:
+    """Values and margins go together: those before the deciding one count as 0, which one is by the tolerance."""
+    p, x_m = load_scene("fig7-exact").parameters, Fraction("-0.5855")
+    beside = x_m + Fraction(1, 1000)
+    terms = abs(p.A(1)) + abs(p.B0) + abs(p.k * beside) + abs(p.c * p.v1)
+    strict, mild = (is_grazing(p, "P2", beside, sympy.pi, tolerance=limit) for limit in (0, "1e-2"))
+    assert strict.margins == pytest.approx([float(abs(Fraction("-0.002")) / terms)], rel=1e-6)
+    assert len(mild.margins) == len(mild.values) == mild.order + 1 == 2
+    assert mild.margins[0] == strict.margins[0] <= 1e-2 < mild.margins[1]
+    nothing = is_grazing(p.replace(k=0, B0=0, c=0, A0=p.mu1 * p.FN), "P2", 0, 0)
+    assert nothing.grazing is False
+    assert len(nothing.margins) == len(nothing.values)
+
+
 @pytest.mark.slow
 @sample_of(12, 40)
 def test_theorem_6_is_what_the_flow_does(count: int) -> None:

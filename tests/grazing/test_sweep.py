@@ -100,3 +100,12 @@ def test_sweep_shapes_and_bad_sweeps() -> None:
     for name, values in bad:
         with pytest.raises(ParameterError, match=name):
             grazing_windows(FIG9, "P2", **{name: values})
+
+
+def test_columns_are_equal_by_their_values() -> None:
+    """Not a number equals itself here; what is no column of windows is never equal."""
+    one, two, other = (grazing_windows(FIG9, "P2", Omega=[0.05, 1, last]) for last in (4, 4, 5))
+    assert np.isnan(one.low).any()
+    assert (one == two, one != two) == (True, False)
+    assert (one == other, one != other) == (False, True)
+    assert (one == tuple(one), one != tuple(one)) == (False, True)

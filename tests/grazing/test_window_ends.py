@@ -54,5 +54,5 @@ def test_compiled_and_interpreted_sources_agree_to_the_bit() -> None:
     found = grazing_windows(FIG9, "P2", k=k, B0=B0)
     one, third = (1.0, 0.0), (4.0, 0.0)
     for i in range(300):
-        row = window_ends.window(k[i], 0.0, *one, B0[i], 0.0, *third, 1, True)
+        row = window_ends.window((k[i], 0.0), one, (B0[i], 0.0), third, 1, True)
         assert tuple(float(column[i]) for column in found) == pytest.approx(row, abs=0, rel=0, nan_ok=True)

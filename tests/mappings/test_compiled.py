@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,10 @@ from map_points import REGIMES, Size, draw, draw_points, sizes
 from mpmath import mp
 
 from symosc import ParameterError, WordError, compiled_residual, find_orbit, jacobian, load_scene, residual
+from symosc.engine.flow import constants
+from symosc.kernels import elementary, mapping_loops
+from symosc.mappings import compiled
+from symosc.words import MAPS
 
 numba = pytest.importorskip("numba")
 
@@ -133,3 +138,31 @@ def test_bad_input_is_named() -> None:
         word(np.ones((2, 1)), np.ones((2, 1)))
     with pytest.raises(ParameterError, match="is a word"):
         _ = word.scalar
+
+
+@pytest.mark.parametrize(
+    ("phases", "wide"),
+    [
+        ((-1.0, 3.0), False),
+        ((-elementary.WIDEST, elementary.WIDEST), False),
+        ((1.0, 1.1 * elementary.WIDEST), True),
+        ((-1.1 * elementary.WIDEST, -1.0), True),
+        ((1.1 * elementary.WIDEST, 1.2 * elementary.WIDEST), True),
+        ((-1.2 * elementary.WIDEST, -1.1 * elementary.WIDEST), True),
+    ],
+)
+def test_one_wide_phase_of_a_stick_takes_the_loop_for_wide_phases(
+    phases: tuple[float, float], wide: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other loop reduces phases up to WIDEST only, of either sign."""
+    taken: list[int] = []
+
+    def loops(kind: int) -> Any:
+        taken.append(kind)
+        return {"sticks": lambda *_: None}
+
+    monkeypatch.setattr(compiled, "_loops", loops)
+    own: Any = SimpleNamespace(jacobian=False, _K=constants(load_scene("fig5").parameters), exit=None)
+    points = tuple(np.array(column) for column in ((0.0, 0.0), (0.0, 0.0), (1.0, 1.0), phases))
+    compiled.CompiledResidual._fill(own, next(row for row in MAPS.values() if row.sticks), points)
+    assert taken == [mapping_loops.WIDE if wide else mapping_loops.CLOSED]

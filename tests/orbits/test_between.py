@@ -11,8 +11,10 @@ from scipy.optimize import minimize_scalar
 
 from symosc import Parameters, continue_orbit, find_orbit, load_scene, simulate
 from symosc.errors import ParameterError
+from symosc.orbits import between
 from symosc.orbits.branch import Branch
-from symosc.orbits.closing_equations import ConvergenceError
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.words import read_word
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 # v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
@@ -207,3 +209,45 @@ def test_arguments_in_the_wrong_place_are_named():
         continue_orbit(FIG9, "P32", "Omega", "35")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="max_points"):
         continue_orbit(FIG9, "P32", "Omega", (3, 5), max_points=0)
+
+
+@pytest.mark.parametrize(("scene", "word"), [("fig5", "P12"), ("fig10", "P4645")])
+def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> None:
+    """What both forces have gained since the stick's end, as a difference: over the time, and from the other force."""
+    p = load_scene(scene).parameters
+    orbit = find_orbit(p, word)
+    equations = ClosingEquations(p, read_word(word), 1)
+    points = [(point.x, float(p.Omega) * point.t) for point in orbit.points]
+    u, sticks = np.linspace(0, 1, 21), 0
+    for i, piece in enumerate(equations.pieces):
+        if not piece.sticks:
+            continue
+        sticks += 1
+        K, belt = equations.K, equations.belt(piece.start)
+        end = equations.ends(points)[i][1]
+        before = -(1 - u) * (end - points[i][1]) / K.Om
+        force = -piece.side * (belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end)))
+        ratio, other = between.functions(equations, points, i, u)
+        assert other == pytest.approx(belt.J - force, rel=1e-12)
+        assert ratio[:-1] * -before[:-1] == pytest.approx(force[:-1], rel=1e-9, abs=1e-12)
+        assert ratio[-1] == pytest.approx(ratio[-2], rel=0.3)
+    assert sticks
+
+
+@pytest.mark.parametrize("dip", [0.1, 0.37, 0.93])
+@pytest.mark.parametrize(("least", "clear"), [(1e-3, True), (-1e-3, False)])
+def test_a_narrow_dip_is_looked_at_closer_where_it_is(
+    dip: float, least: float, clear: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only there; and whether the function goes below 0 is found."""
+    grids: list[np.ndarray] = []
+
+    def dipped(equations: object, points: object, i: int, u: np.ndarray) -> list[np.ndarray]:
+        grids.append(u)
+        return [1 + least - np.exp(-((u - dip) ** 2) / 2e-3)]
+
+    monkeypatch.setattr(between, "functions", dipped)
+    assert between._clear_over([(None, None)] * 3, 0, np.linspace(0, 1, 65), 4) is clear
+    assert len(grids) > 3
+    for u in grids[3:]:
+        assert u[0] <= dip <= u[-1] < u[0] + 0.4

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from copy import copy
 
 import numpy as np
 import pytest
 from branches import branch_of
 
-from symosc import Parameters, load_scene
+from symosc import Parameters, continue_orbit, load_scene
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
@@ -29,3 +30,14 @@ def test_as_dict_holds_everything():
         np.testing.assert_array_equal(shown["points"], end.points)
         assert [c["value"] for c in shown["conditions"]] == [c.value for c in end.conditions]
     assert data["ends"][0]["conditions"][0]["event"] == "birth of a stick"
+
+
+def test_branches_are_equal_by_what_they_say() -> None:
+    one = continue_orbit(FIG9, "P32", "Omega", (3.999, 4.0))
+    two, other = copy(one), copy(one)
+    other.values = one.values + 1e-9
+    assert one is not two
+    assert (one == two, hash(one) == hash(two)) == (True, True)
+    assert one != other
+    assert one != one.as_dict()
+    assert one != "P32"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError, find_orbit, load_scene
-from symosc.orbits.curve import CORRECTIONS, Curve
+from symosc.orbits.curve import CORRECTIONS, DIFFERENCE, Curve
 
 FIG9 = load_scene("fig9").parameters
 
@@ -57,3 +57,31 @@ def test_what_cannot_be_evaluated_is_no_point(error: Exception, monkeypatch: pyt
     monkeypatch.setattr(along, "linearised", fails)
     assert along.correct(along.of(first), first.tangent) is None
     assert along.accepted(along.of(first), first) is None
+
+
+def test_differences_by_the_parameter_stay_in_the_range(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On both sides where there is room, to the last step that fits; else on one. Either way it is the derivative."""
+    along = Curve(ORBIT, "mu1", 0.0, 1.0)
+    along.scale[:] = 1.0
+    change, points, asked = DIFFERENCE, np.zeros((2, 2)), []
+
+    class Linear:
+        def __init__(self, value: float) -> None:
+            asked.append(value)
+            self.value = value
+
+        def residuals(self, points: np.ndarray) -> list[float]:
+            return [3.0 * self.value, -self.value]
+
+    monkeypatch.setattr(along, "equations", Linear)
+    for value, expected in [
+        (0.5, (0.5 + change, 0.5 - change)),
+        (change, (2 * change, 0.0)),
+        (0.0, (change, 0.0)),
+        (1.0, (1.0, 1.0 - change)),
+        (1.0 - change, (1.0, 1.0 - 2 * change)),
+    ]:
+        asked.clear()
+        assert along.slope(along.joined(points, value)) == pytest.approx([3.0, -1.0], rel=1e-6)
+        assert asked == pytest.approx(expected, rel=0, abs=1e-15)
+        assert all(0.0 <= each <= 1.0 for each in asked)

@@ -9,7 +9,7 @@ import pytest
 from stand_in_claims import CLAIM
 
 from symosc.derive.chapters import CHAPTERS
-from symosc.paper.claims import CLAIMS_FOLDER, ClaimsError, read_claims
+from symosc.paper.claims import CLAIMS_FOLDER, ERRATA, PARTS, UNJUDGED, ClaimsError, read_claims
 from symosc.paper.pictures import PICTURES
 
 CLAIMS = read_claims(PICTURES)
@@ -19,6 +19,10 @@ def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
     shown = {PICTURES[key].paper_figure for claim in CLAIMS for key in claim.figures}
     assert shown >= set(range(1, 11))
     assert {key for claim in CLAIMS for key in claim.figures} == set(PICTURES)
+
+
+def test_parts_are_the_files() -> None:
+    assert {path.stem for path in CLAIMS_FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}
 
 
 def test_derivations_that_claims_name_are_chapters() -> None:

@@ -140,21 +140,30 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
         if is_condition(node, parents[-1]) and not isinstance(node, ast.Compare):
             found.append(("negation", f"(not ({ast.unparse(node)}))"))
         if is_removable(node):
-            found.append(("removed", "return None" if isinstance(node, ast.Return) and node.value else "pass"))
+            known = (
+                isinstance(node, ast.Return) and isinstance(node.value, ast.Constant) and node.value.value is not None
+            )
+            found.append(("removed", "return None" if known else "pass"))
         before = source.encode()[span[0] : span[1]].decode()
         for kind, after in found:
             yield Mutant(str(path.relative_to(ROOT)), node.lineno, kind, before, after, span)
 
 
 def chosen(packages: list[str], seed: int, count: int) -> list[Mutant]:
-    """Return `count` mutants: first a kind at random, then one of that kind."""
-    by_kind: dict[str, list[Mutant]] = {}
+    """Return `count` mutants: a file at random, the longer the likelier, then a kind of fault, then one of it."""
+    faults: list[dict[str, list[Mutant]]] = []
+    lengths: list[int] = []
     for package in packages:
         for path in sorted((ROOT / "symosc" / package).rglob("*.py")):
+            by_kind: dict[str, list[Mutant]] = {}
             for mutant in mutants_of(path):
                 by_kind.setdefault(mutant.kind, []).append(mutant)
+            if by_kind:
+                faults.append(by_kind)
+                lengths.append(len(path.read_text(encoding="utf-8").splitlines()))
     rng, found = random.Random(seed), []
     while len(found) < count:
+        by_kind = rng.choices(faults, lengths)[0]
         mutant = rng.choice(by_kind[rng.choice(sorted(by_kind))])
         if mutant not in found:
             found.append(mutant)
@@ -223,9 +232,9 @@ def tried(mutant: Mutant, copy: Path, limit: int, rounds: int) -> tuple[str, str
     whole, times = path.read_bytes(), path.stat()
     path.write_bytes(whole[: mutant.span[0]] + mutant.after.encode() + whole[mutant.span[1] :])
     try:
-        for arguments in test_files(mutant.path)[:rounds]:
+        for number, arguments in enumerate(test_files(mutant.path)[:rounds]):
             verdict, by = tested(arguments, copy, limit)
-            if verdict != "survived":
+            if verdict == "killed" or (verdict == "timeout" and number == 0):  # the first round is known to end
                 return verdict, by
     finally:
         path.write_bytes(whole)

@@ -1,4 +1,4 @@
-"""Printed starts of grazing motions: the nearest one that grazes, and misprints that were put in."""
+"""Starts of grazing motions next to printed ones, and misprints that were put in."""
 
 from __future__ import annotations
 

@@ -1,10 +1,9 @@
-"""Texts of the report: formulas as HTML, derivations, and the parts of the claims."""
+"""Formulas in running text: letters, signs, indices and powers as a printer sets them."""
 
 from __future__ import annotations
 
 import pytest
 
-from symosc.paper.claims import CLAIMS_FOLDER, ERRATA, PARTS, UNJUDGED
 from symosc.paper.typeset import typeset
 
 
@@ -25,7 +24,3 @@ from symosc.paper.typeset import typeset
 )
 def test_formulas_in_text(text: str, html: str) -> None:
     assert typeset(text) == html
-
-
-def test_parts_are_the_files() -> None:
-    assert {path.stem for path in CLAIMS_FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}

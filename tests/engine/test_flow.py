@@ -1,0 +1,143 @@
+"""The flow within a domain, and the constants that it is computed from: against a matrix exponential and the roots."""
+
+from __future__ import annotations
+
+import math
+import random
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from agreement import BASE
+from touches import tenths
+
+from symosc import Parameters
+from symosc.engine import flow
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.flow import Constants, fifth_derivative
+from symosc.engine.state import Launch
+
+
+def random_parameters(rng: random.Random) -> Parameters:
+    """Return random parameters: all dampings, with and without a spring, some near resonance, some stiff."""
+    m, Omega = tenths(rng, 2, 30), tenths(rng, 3, 40)
+    k = rng.choice([Fraction(0), tenths(rng, 1, 60), m * Omega**2])
+    c = rng.choice([Fraction(0), tenths(rng, 0, 60), tenths(rng, 300, 900), Fraction(1, 1000)])
+    return BASE.replace(m=m, c=c, k=k, Omega=Omega, B0=tenths(rng, -60, 60), A0=tenths(rng, -30, 30))
+
+
+def number(value: Fraction) -> Any:
+    return mpmath.mpf(value.numerator) / value.denominator
+
+
+def exact_flight(p: Parameters, start: Launch, tau: Any) -> list[Any]:
+    """Return v and its first five derivatives at tau, from the exponential of the linear system (v, F, sin, cos)."""
+    m, c, k, f, w = (number(value) for value in (p.m, p.c, p.k, p.B0 * p.Omega / p.m, p.Omega))
+    M = mpmath.matrix([[0, 1, 0, 0], [-k / m, -c / m, -f, 0], [0, 0, 0, w], [0, 0, -w, 0]])
+    z = mpmath.expm(M * tau, method="taylor") * mpmath.matrix([mpmath.mpf(value) for value in start])
+    found = [z[0]]
+    for _ in range(5):
+        z = M * z
+        found.append(z[0])
+    return found
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+def test_a_flight_is_the_exponential_of_its_equation(digits: int | None) -> None:
+    """Gains, acceleration and derivatives are right to rounding, whatever the damping and the drive are."""
+    rng = random.Random(21)
+    with mpmath.workdps(60):
+        for _ in range(6 if digits else 40):
+            p = random_parameters(rng)
+            arithmetic = MpArithmetic(p, digits) if digits else Arithmetic(p)
+            eps, K = (10.0**-digits if digits else 2.0**-53), arithmetic.K
+            convert = arithmetic.rounded
+            theta, tau = rng.uniform(0, 6.28), convert(mpmath.mpf(rng.uniform(0.01, 3.0)))
+            start = Launch(
+                *map(convert, map(mpmath.mpf, (rng.uniform(-3, 3), rng.uniform(-9, 9)))),
+                *map(convert, (mpmath.sin(theta), mpmath.cos(theta))),
+            )
+            now = arithmetic.namespace["state_at"](tau, start, K)
+            v, F, G1, G2, G3, fifth = exact_flight(p, start, tau)
+            size = 1 + abs(start.v) + abs(start.F) / float(K.rate) + abs(float(K.f0)) / float(K.rate)
+            errors = [now.dv - (v - start.v), now.F - F, now.G1 - G1, now.G2 - G2, now.G3 - G3]
+            for order, error in enumerate(errors):
+                assert abs(error) < 200 * eps * size * float(K.rate) ** order, (p, order)
+            next_one = fifth_derivative(now.G3, now.G2, now.c, K)
+            assert abs(next_one - fifth) < 1e4 * eps * size * float(K.rate) ** 5
+            # dx is the integral of v: m F + c v + k x - B0 cos keeps its value
+            m, c, k, B0 = map(number, (p.m, p.c, p.k, p.B0))
+            if k:
+                angle = mpmath.atan2(start.s, start.c) + number(p.Omega) * tau
+                dx = (B0 * (mpmath.cos(angle) - start.c) - m * (F - start.F) - c * (v - start.v)) / k
+                assert abs(now.dx - dx) < 2e3 * eps * (size * (1 + float(tau)) + abs(dx))
+
+
+def test_steady_and_free_motion_are_told_apart_far_from_resonance() -> None:
+    """The flag is the distance of i Omega from the roots, in the larger of the two squared frequencies."""
+    rng, seen = random.Random(22), set()
+    for _ in range(300):
+        p = random_parameters(rng).replace(k=tenths(rng, 0, 90), c=tenths(rng, 0, 30))
+        K = flow.constants(p)
+        roots = np.roots([float(p.m), float(p.c), float(p.k)])
+        distance = abs(np.prod(1j * float(p.Omega) - roots))
+        limit = float(flow.APART) * max(float(p.Omega) ** 2, float(p.k / p.m))
+        if distance != pytest.approx(limit, rel=1e-9):
+            assert K.steady == (distance > limit)
+            seen.add((K.steady, bool(p.k / p.m > p.Omega**2)))
+        if K.steady:  # the steady velocity solves the equation: complex amplitude against the constants
+            w = float(p.Omega)
+            response = 1j * w * float(p.B0) / (float(p.k) - float(p.m) * w * w + 1j * w * float(p.c))
+            assert complex(K.Sc, -K.Ss) == pytest.approx(response, rel=1e-12, abs=1e-12)
+            assert pytest.approx(abs(response), rel=1e-12, abs=1e-12) == K.V0
+        assert K.under == bool(p.c**2 < 4 * p.m * p.k)
+        assert max(abs(roots)) == pytest.approx(K.rate0, rel=1e-7)
+        assert K.rate == max(K.rate0, K.Om)
+    assert seen == {(False, False), (False, True), (True, False), (True, True)}
+
+
+@pytest.mark.parametrize("boundary", [1, 2])
+def test_constants_of_a_belt_are_its_own(boundary: int) -> None:
+    """The jump of the force, its limits on both sides, and the phase at which the slope of both forces changes sign."""
+    rng, turning = random.Random(23), 0
+    for _ in range(100):
+        p = random_parameters(rng).replace(mu1=tenths(rng, 1, 9), mu2=tenths(rng, 10, 20))
+        K: Constants = flow.constants(p)
+        belt = (K.belt1, K.belt2)[boundary - 1]
+        v, mu = (p.v1, p.mu1) if boundary == 1 else (p.v2, p.mu2)
+        assert belt.v == float(v)
+        assert float(2 * mu * p.FN / p.m) == belt.J
+        assert belt.limit_below - belt.limit_above == pytest.approx(belt.J, rel=1e-9)
+        assert belt.limit_below == float((p.A(boundary) - p.c * v) / p.m)
+        assert belt.drift == float(-p.k * v / p.m)
+        assert belt.turns == (abs(p.k * v) < abs(p.B0 * p.Omega))
+        if belt.turns:
+            turning += 1
+            assert belt.drift - K.fB * belt.s_cr == pytest.approx(0, abs=1e-14 * (abs(belt.drift) + abs(K.fB)))
+            assert math.hypot(belt.s_cr, belt.c_cr) == pytest.approx(1, abs=1e-15)
+            assert (math.sin(belt.angle), math.cos(belt.angle)) == pytest.approx((belt.s_cr, belt.c_cr), abs=1e-15)
+    assert 10 < turning < 100
+
+
+def test_the_constant_force_and_the_speeds_of_a_domain() -> None:
+    p = BASE
+    K = flow.constants(p)
+    for domain in (1, 2, 3):
+        assert flow.constant_force(domain, K) == float(p.A(domain) / p.m)
+    assert [flow.speeds_around(domain, K) for domain in (1, 2, 3)] == [(-math.inf, -1.0), (-1.0, 1.5), (1.5, math.inf)]
+
+
+def test_what_the_rounding_of_omega_and_of_its_period_took_is_kept() -> None:
+    """Om is a double, Omega is not; 2 pi/Om is none either: both rests are right to some digits."""
+    rng = random.Random(24)
+    with mpmath.workdps(50):
+        for _ in range(60):
+            p = BASE.replace(Omega=Fraction(rng.randrange(1, 10**6), rng.randrange(1, 10**6)))
+            K = flow.constants(p)
+            assert K.Om_gain == pytest.approx(float(Fraction(K.Om) / p.Omega - 1), rel=1e-12, abs=0)
+            assert abs(K.Om_gain) < 2.0**-52
+            rest = 2 * mpmath.pi / mpmath.mpf(K.Om) - mpmath.mpf(K.period)
+            assert abs(K.period_low - rest) < 1e-30 * K.period
+            assert mpmath.mpf(1) / mpmath.mpf(K.Om) == pytest.approx(K.Om_inverse, rel=3e-16)

@@ -1,0 +1,114 @@
+"""Marching in fixed steps: it is the flow, and no wall is met on the way."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+import pytest
+from random_constants import constants_of
+
+from symosc.engine.flow import Constants, derivatives, state_at
+from symosc.engine.gap_bounds import fourth_derivative_bound
+from symosc.engine.march import MARCH_SLACK, march, within_reach
+from symosc.engine.state import Flown, Launch, Walls
+
+
+def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
+    rng = random.Random(6)
+    marched = 0
+    for _ in range(500):
+        K = constants_of(rng)
+        if not K.apart:
+            continue
+        v0, a0, theta = rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28)
+        s0, c0 = math.sin(theta), math.cos(theta)
+        b, w, j = derivatives(v0, a0, s0, c0, K)
+        M4 = fourth_derivative_bound(w, j, s0, c0, K)
+        walls, start = Walls(v0 + 1, 1 - v0, True, True, False, False), Launch(v0, a0, s0, c0)
+        now = Flown(0.0, 0.0, 0.0, a0, b, w, j, s0, c0, 1.0, 0.0, 0.0)
+        now, _ = march(K.chunk, v0, now, M4, walls, 0.0, K)
+        exact = state_at(now.tau, start, K)
+        scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
+        assert now.dv == pytest.approx(exact.dv, abs=1e-12 * scale)
+        assert pytest.approx(exact.F, abs=1e-11 * scale * K.rate) == now.F
+        assert pytest.approx(exact.G3, abs=1e-11 * scale * K.rate**4) == now.G3
+        assert (now.s, now.c) == pytest.approx((exact.s, exact.c), abs=1e-14)
+        marched += now.tau > 0
+        for time in np.linspace(0, now.tau, 50):
+            assert abs(v0 + state_at(time, start, K).dv) < 1
+    assert marched > 50
+
+
+def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, Flown, float]:
+    """Return a launch, the flight there and its bound."""
+    s, c = math.sin(theta), math.cos(theta)
+    G1, G2, G3 = derivatives(v0, a0, s, c, K)
+    now = Flown(0.0, 0.0, 0.0, a0, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
+    return Launch(v0, a0, s, c), now, fourth_derivative_bound(G2, G3, s, c, K)
+
+
+def test_a_wall_out_of_reach_is_never_reached() -> None:
+    """The flow itself, over many periods of the free motion, keeps the distance that was asked for."""
+    rng, answers = random.Random(11), set()
+    for _ in range(150):
+        K = constants_of(rng)
+        if not K.apart:
+            continue
+        v0, a0, theta = rng.uniform(-2, 2), rng.uniform(-9, 9), rng.uniform(0, 6.28)
+        start = launched(v0, a0, theta, K)[0]
+        below, above = (10 ** rng.uniform(-1, 2) for _ in range(2))
+        slack = rng.choice([0.0, 0.3])
+        has = rng.random() < 0.8, rng.random() < 0.8
+        v_steady, u_steady = K.Ss * start.s + K.Sc * start.c, K.Ss * start.c - K.Sc * start.s
+        walls = Walls(v0 + below, above - v0, *has, False, False)
+        near = within_reach(v0, v0 - v_steady, a0 - K.Om * u_steady, slack, walls, K)
+        speeds = [v0 + state_at(tau, start, K).dv for tau in np.linspace(0, 12 / K.w0, 150)]
+        answers |= {near}
+        for is_near, there, room in zip(near, has, (below + min(speeds), above - max(speeds)), strict=True):
+            assert there or not is_near
+            assert is_near or not there or room >= slack - 1e-9
+        # ... and no shyer than its two bounds: what the steady motion and the free motion can reach at most
+        most = K.V0 + math.hypot(v0 - v_steady, (a0 - K.Om * u_steady) / K.w0)
+        for is_near, there, room in zip(near, has, (below - most, above - most), strict=True):
+            assert is_near == (there and room < slack) or abs(room - slack) < 1e-9
+    assert answers == {(False, False), (False, True), (True, False), (True, True)}
+
+
+def test_marching_ends_with_the_bound_there_and_only_where_it_must() -> None:
+    """It returns M4 of the point that it got to, and stops for the end, a wall that a step may reach, or patience."""
+    rng, ends = random.Random(12), {"end": 0, "wall": 0}
+    for _ in range(120):
+        K = constants_of(rng)
+        if not K.apart:
+            continue
+        start, now, M4 = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
+        distance, tau_max = 10 ** rng.uniform(0, 0.7), min(K.chunk, 30 / K.rate)
+        walls = Walls(start.v + distance, distance - start.v, True, True, False, False)
+        found, M4_there = march(tau_max, start.v, now, M4, walls, 0.0, K)
+        there = state_at(found.tau, start, K)
+        assert M4_there == pytest.approx(fourth_derivative_bound(there.G2, there.G3, there.s, there.c, K), rel=1e-9)
+        if found.tau + K.march.step >= tau_max:
+            ends["end"] += 1
+        elif not K.patient:
+            gap, h = distance - abs(start.v + there.dv), K.march.step
+            ends["wall"] += 1
+            assert gap < abs(there.F) * h + abs(there.G1) * h**2 / 2 + abs(there.G2) * h**3 / 6 + M4_there * h**4 / 24
+    assert min(ends.values()) > 10
+
+
+def test_marching_keeps_the_margin() -> None:
+    """What the start is uncertain by is kept free, beside the slack of the gap's size."""
+    rng, marched = random.Random(13), 0
+    for _ in range(150):
+        K = constants_of(rng)
+        if not K.apart:
+            continue
+        start, now, M4 = launched(rng.uniform(-0.5, 0.5), rng.uniform(-3, 3), rng.uniform(0, 6.28), K)
+        walls, margin = Walls(start.v + 1, 1 - start.v, True, True, False, False), rng.uniform(0.05, 0.4)
+        found, _ = march(K.chunk, start.v, now, M4, walls, margin, K)
+        marched += found.tau > 0
+        for tau in np.linspace(0, found.tau, 40)[1:]:
+            assert abs(start.v + state_at(tau, start, K).dv) < 1 - margin + MARCH_SLACK
+    assert marched > 20
