@@ -91,6 +91,7 @@ from .symbolic.grazing_answers import (
 from .symbolic.grazing_answers import (
     Answers as Answers,
 )
+from .symbolic.grazing_answers import GrazingQuestion as GrazingQuestion
 from .symbolic.grazing_answers import (
     ParameterRegion as ParameterRegion,
 )

@@ -27,7 +27,7 @@ QUERY_LETTERS = {
 ASKS_PHASES, ASKS_NOTHING, ASKS_EVERYTHING = "contains", "empty", "everything"
 
 
-class Question(NamedTuple):
+class GrazingQuestion(NamedTuple):
     """What is asked: for which values of parameters the window of a map contains phases, is empty or everything.
 
     Attributes
@@ -37,6 +37,12 @@ class Question(NamedTuple):
         One parameter or two.
     asked : {"contains", "empty", "everything"}
     theta : sympy expression, PhaseInterval or None
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_containing
+    >>> print(values_containing(load_scene("fig9").parameters, "P2", "Omega", "pi").question.text())
+    P2 grazes at theta = pi
     """
 
     mapping: str
@@ -116,7 +122,7 @@ class Answers(tuple[Answer, ...]):
 
     Attributes
     ----------
-    question : Question
+    question : GrazingQuestion
 
     Examples
     --------
@@ -128,10 +134,10 @@ class Answers(tuple[Answer, ...]):
     4
     """
 
-    question: Question
+    question: GrazingQuestion
 
     @classmethod
-    def to(cls, question: Question, answers: Any) -> Answers:
+    def to(cls, question: GrazingQuestion, answers: Any) -> Answers:
         """Return the answers to a question."""
         made = cls(answers)
         made.question = question
@@ -160,7 +166,7 @@ class ParameterValues:
 
     Attributes
     ----------
-    question : Question
+    question : GrazingQuestion
     values : sympy Set
 
     Examples
@@ -173,7 +179,7 @@ class ParameterValues:
     (True, False)
     """
 
-    def __init__(self, question: Question, values: Expr) -> None:
+    def __init__(self, question: GrazingQuestion, values: Expr) -> None:
         self.question, self.values = question, values
 
     def text(self) -> str:
@@ -221,7 +227,7 @@ class ParameterRegion:
 
     Attributes
     ----------
-    question : Question
+    question : GrazingQuestion
     condition : sympy Boolean
         In the letters of both parameters; the others are numbers.
     parameters : Parameters
@@ -236,7 +242,7 @@ class ParameterRegion:
     (True, False)
     """
 
-    def __init__(self, question: Question, condition: Expr, parameters: Parameters) -> None:
+    def __init__(self, question: GrazingQuestion, condition: Expr, parameters: Parameters) -> None:
         self.question, self.condition, self.parameters = question, condition, parameters
 
     @property

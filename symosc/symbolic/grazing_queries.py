@@ -34,8 +34,8 @@ from symosc.symbolic.grazing_answers import (
     QUERY_LETTERS,
     Answer,
     Answers,
+    GrazingQuestion,
     ParameterValues,
-    Question,
 )
 from symosc.symbolic.grazing_regions import region
 from symosc.symbolic.phase_interval import Extreme, PhaseInterval, read_phases
@@ -104,7 +104,7 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
         raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
     if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
         raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
-    question = Question(mapping, names, ASKS_PHASES, phases)
+    question = GrazingQuestion(mapping, names, ASKS_PHASES, phases)
     if len(names) == 2:
         return region(p, where, question, full)
     problem = _problem(p, where, names[0])
@@ -125,7 +125,7 @@ def values_empty(p: Parameters | None, mapping: str, name: Any) -> Any:
     Interval.Lopen(0, 1/3)
     """
     where, names = place(mapping), _names(mapping, name, p)
-    question = Question(mapping, names, ASKS_NOTHING)
+    question = GrazingQuestion(mapping, names, ASKS_NOTHING)
     if len(names) == 2:
         return region(p, where, question, True)
     problem = _problem(p, where, names[0])
@@ -142,7 +142,7 @@ def values_everything(p: Parameters | None, mapping: str, name: Any, order: str 
     Interval.open(0, 1/3)
     """
     where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
-    question = Question(mapping, names, ASKS_EVERYTHING)
+    question = GrazingQuestion(mapping, names, ASKS_EVERYTHING)
     if len(names) == 2:
         return region(p, where, question, full)
     problem = _problem(p, where, names[0])
@@ -311,7 +311,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
             yield positive, condition
 
 
-def _collected(problem: _Problem, question: Question, answers: Iterator[Answer]) -> Any:
+def _collected(problem: _Problem, question: GrazingQuestion, answers: Iterator[Answer]) -> Any:
     """Cut answers to the allowed values, join conditions with one answer, return values if there is no condition."""
     found: dict[Expr, Expr] = {}
     for condition, values in answers:

@@ -17,8 +17,8 @@ from symosc.symbolic.grazing_answers import (
     ASKS_NOTHING,
     ASKS_PHASES,
     QUERY_LETTERS,
+    GrazingQuestion,
     ParameterRegion,
-    Question,
 )
 from symosc.symbolic.phase_interval import PhaseInterval
 from symosc.symbolic.theorem7 import rational, sign_of
@@ -27,7 +27,7 @@ from symosc.symbolic.theorem7 import rational, sign_of
 OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
 
 
-def region(p: Parameters | None, where: Place, question: Question, full: bool) -> ParameterRegion:
+def region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
     """Return the region of two parameters in which the answer to a question is yes."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")

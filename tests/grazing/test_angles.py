@@ -11,8 +11,9 @@ import pytest
 import sympy
 
 from symosc import ParameterError
-from symosc.grazing.angles import LONGEST_TEXT, number_of, phase_of, read_angle, read_phase, symbolic, times
+from symosc.grazing.angles import number_of, phase_of, read_angle, read_phase, symbolic, times
 from symosc.kernels.multiprecision import mp_context
+from symosc.mappings.phase import LONGEST_TEXT
 
 
 @pytest.mark.parametrize(
