@@ -134,7 +134,7 @@ def compiled(
         # Inlined ones are called by compiled code alone: what Python would call them by is never made. Each function
         # says all three: one that did not would take forceinline from the function that calls it first.
         inline = function.__name__ in inlined
-        options = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
+        options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
         return numba.njit(cache=True, error_model="numpy", **options)(function)
 
     return bind(modules, called | (replaced or {}), wrap, literal)
