@@ -126,14 +126,15 @@ def compiled(
     called = {name: value for name, value in called.items() if name not in written}
     own = {name: repr(value) for name, value in (replaced or {}).items()}
     functions = {name: value.py_func for name, value in called.items()}
-    sources = version(seen | own, (*modules, *beside), functions)
+    sources = version(seen | own, (*modules, *beside), functions, inlined)
 
     def wrap(function: Any) -> Any:
         # numba's disk cache looks for changes in the function's own file only. The name of the entry says the rest.
         function.__qualname__ = f"{function.__name__}-{sources}"
-        options: dict[str, Any] = {}
-        if function.__name__ in inlined:  # called by compiled code alone: what Python would call it by is never made
-            options = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        # Inlined ones are called by compiled code alone: what Python would call them by is never made. Each function
+        # says all three: one that did not would take forceinline from the function that calls it first.
+        inline = function.__name__ in inlined
+        options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
         return numba.njit(cache=True, error_model="numpy", **options)(function)
 
     return bind(modules, called | (replaced or {}), wrap, literal)
@@ -147,7 +148,12 @@ def is_compiled(function: Any) -> bool:
     return any(folder.glob(name))
 
 
-def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], callees: dict[str, Any] | None = None) -> str:
+def version(
+    seen: dict[str, Any],
+    modules: Iterable[types.ModuleType],
+    callees: dict[str, Any] | None = None,
+    inlined: Iterable[str] = (),
+) -> str:
     """Return a short text that changes with anything that the functions of `modules` are compiled from.
 
     Parameters
@@ -157,10 +163,13 @@ def version(seen: dict[str, Any], modules: Iterable[types.ModuleType], callees: 
     modules : iterable of modules
     callees : dict, optional
         Functions of other modules that these call, by the name that they have here.
+    inlined : iterable of str
+        Functions of which every caller gets a copy of its own.
     """
     constants = sorted((name, repr(value)) for name, value in seen.items() if isinstance(value, CONSTANTS))
-    called = sorted((name, function.__module__, function.__name__) for name, function in (callees or {}).items())
-    digest = hashlib.sha256(repr((constants, called)).encode())
-    for module in (*modules, *(sys.modules[name] for name in sorted({module for _, module, _ in called}))):
+    called = sorted((name, function.__module__, function.__qualname__) for name, function in (callees or {}).items())
+    digest = hashlib.sha256(repr((constants, called, sorted(inlined))).encode())
+    others = (sys.modules[name] for name in sorted({module for _, module, _ in called}))
+    for module in (sys.modules[__name__], *modules, *others):
         digest.update(inspect.getsource(module).encode())
     return digest.hexdigest()[:12]

@@ -156,13 +156,12 @@ def error_margins(start, S, K):
 
 def hidden_side(now, thin, start, walls, S, K):
     """Return the side of a wall whose gap is 0 as far as this precision tells, and stays so for a while; else 0."""
-    for side in (-1, 1):
-        below = side < 0
-        there, beside = (walls.has_below, walls.on_below) if below else (walls.has_above, walls.on_above)
-        if there and (now.tau > 0.0 or not beside):
-            gap = gap_to(side, now, walls)
-            if gap * gap < thin and hidden(now.tau, side, start, walls, S, K):
-                return side
+    below, above, has_below, has_above, on_below, on_above = walls
+    below, above, away = below + now.dv, above - now.dv, now.tau > 0.0
+    if has_below and below * below < thin and (away or not on_below) and hidden(now.tau, -1, start, walls, S, K):
+        return -1
+    if has_above and above * above < thin and (away or not on_above) and hidden(now.tau, 1, start, walls, S, K):
+        return 1
     return 0
 
 

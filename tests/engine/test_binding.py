@@ -66,6 +66,25 @@ def test_a_constant_from_elsewhere_is_part_of_the_version() -> None:
     assert version({"f": len}, SOURCES) == version({"f": print}, SOURCES)
 
 
+def test_what_is_copied_into_its_callers_is_part_of_the_version() -> None:
+    assert version({}, SOURCES, None, {"outer"}) != version({}, SOURCES, None, {"outer", "inner"})
+
+
+@pytest.mark.parametrize("outlined", [{"outer"}, {"outer", "inner"}])
+def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
+    outlined: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """numba hands `forceinline` on from a caller to what it calls: `inner` is called by `middle` alone."""
+    source = "def inner(x): return x + 1\ndef middle(x): return inner(x)\ndef outer(x): return middle(x)\n"
+    (tmp_path / "nested.py").write_text(source)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    functions = compiled((importlib.import_module("nested"),), outlined)
+    monkeypatch.delitem(sys.modules, "nested")
+    assert functions["outer"](1) == 2
+    (code,) = functions["inner"].inspect_llvm().values()
+    assert ("alwaysinline" in code) == ("inner" not in outlined)
+
+
 CALLEE, CALLER = (
     "def inner(x):\n    return x + 1\n",
     "from callee import inner\n\n\ndef outer(x):\n    return inner(x)\n",
