@@ -49,7 +49,7 @@ CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
 #: Digits of the orbits, and decimals that are worth printing.
-COMPARISON_DIGITS, SHOWN_DECIMALS, SHOWN_BORDER = 30, 14, 7
+COMPARISON_DIGITS, SHOWN_DECIMALS, SHOWN_BORDER = 30, 12, 7
 CLOSED, BORDER, TINY = 1e-12, 1e-7, 1e-4
 
 

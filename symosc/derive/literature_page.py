@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symosc.citation import LITERATURE, reference
 from symosc.derive import stops
+from symosc.derive.bibliography import plain_line
 from symosc.derive.comparisons import TABLES, Value, number, table
 from symosc.derive.latex import latex
 from symosc.derive.published import MP, Formulas, slide_orbit, wall
 from symosc.derive.steps import rounded
+from symosc.derive.text_pages import markdown_words
 from symosc.files import write_text
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def page() -> str:
         f"them. Right: the amplitude against r, curves with the orbits on them.]({FIGURE})\n",
     ]
     for key, (title, sources, _) in TABLES.items():
-        cited = "".join(f"- {reference(LITERATURE[source])}\n" for source in sources)
+        cited = "".join(f"- {markdown_words(plain_line(source))}\n" for source in sources)
         parts.append(f"## {title}\n\n{cited}\n{NOTES[key]}\n\n{_table(table(key))}")
     return "\n".join(part.replace("\n\n\n", "\n\n") for part in parts)
 

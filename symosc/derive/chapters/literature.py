@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
-from symosc.citation import LITERATURE, reference
-from symosc.derive.comparisons import Value, number, table
-from symosc.derive.latex import latex, named
-from symosc.derive.published import MP
+from symosc.derive.blocks import block, proof
+from symosc.derive.latex import named
+from symosc.derive.literature_pieces import RELATION, free_motion, numbers, steady_part
 from symosc.derive.scope import Scope
-from symosc.derive.steps import (
-    Check,
-    Close,
-    Exact,
-    Heading,
-    Prose,
-    Relation,
-    Step,
-    StepError,
-    StepEvidence,
-    equation,
-    rounded,
-)
+from symosc.derive.steps import Exact, Heading, Prose, Relation, Step, equation
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, tau, w0sq
@@ -41,39 +27,15 @@ B, B_0, LARGEST = named(r"B(\varphi)"), named("B(0)"), named(r"B_*", positive=Tr
 UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
-@dataclass(frozen=True)
-class BothWays(Check):
-    """A printed decimal is the formula's value to its last digit, and the package's value is near the formula's."""
-
-    value: Value
-
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
-        Close(lambda: number(self.value.formula), self.value.decimals).run(statement)
-        off = abs(self.value.difference)
-        if not off <= self.value.tolerance:
-            raise StepError(str(statement), f"formula and package differ by {MP.nstr(off, 3)}")
-        return StepEvidence("numeric", MP.nstr(off, 2), 1)
-
-
-def values(key: str, reason: str) -> Iterator[Step]:
-    """Yield the steps that print each value of a table twice: as the formula's, and behind it as the package's."""
-    for value in table(key):
-        run = latex(rounded(number(value.package), value.decimals), decimals=True)
-        words = "; ".join(part for part in (value.case, value.said, f"run: ${run}$") if part)
-        statement = Relation(named(value.name), "=", rounded(number(value.formula), value.decimals))
-        yield Step(statement, reason, BothWays(value), f"({words})", decimals=True)
-        reason = ""
-
-
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield Prose(
         r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that is faster than the mass "
         r"ever gets, the model is the oscillator $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t - F \operatorname{sgn} "
-        r"\dot{x}$ on which much has been published. Below $x_f = F/k$, $r = \Omega\sqrt{m/k}$, and each number stands "
-        r"there twice: computed from a formula or from equations with 50 digits, and, after the word \emph{run}, "
-        r"found by this package. Where nothing else is said, $m = k = P = F_N = 1$ and $c = 0$."
+        r"\dot{x}$ on which much has been published. In this chapter $x_f = F/k$ and $r = \Omega\sqrt{m/k}$; its other "
+        r"letters hold in this chapter only. Each number in its tables stands there twice: computed from a formula or "
+        r"from equations with 50 digits, and found by this package, which does not know the formula (\emph{run}). "
+        r"Where nothing else is said, $m = k = P = F_N = 1$ and $c = 0$."
     )
     yield from _symmetric_motion()
     yield from _stability()
@@ -82,38 +44,27 @@ def items(scope: Scope) -> Iterator[Any]:
     yield from _stops()
     yield from _continuum()
     yield from _rests()
-    yield Heading("Sources")
-    for fields in LITERATURE.values():
-        yield Prose(reference(fields, title=r"\emph{{{}}}", space="~") + ".")
 
 
 # --- the motion without stops ---
 
 
-def _free(start: Any, rate: Any) -> tuple[Any, Any]:
-    """Return x and v of the free motion at tau: the flow of the second chapter without forces."""
-    flow = solution.flow()
-    at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
-    known = {E0: 1 - w0sq * E2 - cm * E1}
-    return tuple(sp.expand(part.xreplace(at).xreplace(known)) for part in (flow.x, flow.v))
-
-
 def _symmetric_motion() -> Iterator[Any]:
-    yield Heading("The symmetric motion without stops (Den Hartog 1930, 1931)")
+    yield Heading("The symmetric motion without stops")
     u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
     yield Prose(
-        r"Let $x(t + \pi/\Omega) = -x(t)$, let $x_0$ be its highest point and $\varphi$ the angle $\Omega t$ since "
+        r"Den Hartog \cite{denhartog1930,denhartog1931} found this motion. Let $x(t + \pi/\Omega) = -x(t)$, let $x_0$ be its highest point and $\varphi$ the angle $\Omega t$ since "
         r"then. For $0 < \varphi < \pi$ the mass moves down and friction is $+F$, so that $x = x_f + p_0 \cos\varphi + "
         r"q_0 \sin\varphi + u$ with a free motion $u$. It starts at $u_0 = x_0 - p_0 - x_f$ with the velocity "
-        r"$\dot{u}_0 = -\Omega q_0$. In this chapter $E_1$, $E_2$ and $E_0 = \dot{E}_1$ are those of the second one, "
+        r"$\dot{u}_0 = -\Omega q_0$. The basis functions are those of Definition~\ref{thm:domains-basis}, "
         r"taken at $\tau = \pi/\Omega$ unless another time is named."
     )
-    x, v = _free(u_0, w_0)
+    x, v = free_motion(u_0, w_0)
     ends = named(r"u(\tau)"), named(r"\dot{u}(\tau)")
     matrix = coulomb.transition() * sp.Matrix([u_0, w_0])
-    reason = "Without forces the flow is"
+    reason = r"By Theorem~\ref{thm:domains-flow} without forces,"
     for name, shown, meaning in zip(ends, matrix, (x, v), strict=True):
-        check = Exact({name: meaning, E0: 1 - w0sq * E2 - cm * E1}, sp.expand)
+        check = Exact({name: meaning, **RELATION}, sp.expand)
         yield equation(name, shown, reason, check)
         reason = ""
     stiffness, damping = k - m * Omega**2, c * Omega
@@ -128,7 +79,7 @@ def _symmetric_motion() -> Iterator[Any]:
     yield Prose(r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.")
     yield from _conditions()
     yield from _closed_forms()
-    yield from values("amplitude", "With 50 digits, and from the orbit $P_{32}$ that the package finds:")
+    yield numbers("amplitude", r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$.")
 
 
 def _conditions() -> Iterator[Any]:
@@ -141,13 +92,12 @@ def _conditions() -> Iterator[Any]:
     matrix = coulomb.transition()
     traces = {T: matrix.trace(), D: matrix.det()}
     yield equation(
-        p_0, x_0 + G * x_f, "These equations are linear in $p_0$ and $q_0$. They are solved by", Exact(_solved())
+        p_0, x_0 + G * x_f, "These equations are linear in $p_0$ and $q_0$. They are solved by", Exact(steady_part())
     )
-    yield equation(q_0, H * x_f, "", Exact(_solved()))
+    yield equation(q_0, H * x_f, "", Exact(steady_part()))
     below = 1 + T + D
-    relation = {E0: 1 - w0sq * E2 - cm * E1}
-    yield equation(G, (1 - D - cm * E1) / below, "with", Exact({G: solved.G, **traces, **relation}))
-    yield equation(H, 2 * w0sq * E1 / (Omega * below), "", Exact({H: solved.H, **traces, **relation}))
+    yield equation(G, (1 - D - cm * E1) / below, "with", Exact({G: solved.G, **traces, **RELATION}))
+    yield equation(H, 2 * w0sq * E1 / (Omega * below), "", Exact({H: solved.H, **traces, **RELATION}))
     yield equation(T, E0 + 1 - w0sq * E2, "where trace and determinant of the free motion are", Exact(traces))
     yield equation(D, E0 - w0sq * (E0 * E2 - E1**2), "", Exact(traces))
     yield equation(
@@ -155,18 +105,8 @@ def _conditions() -> Iterator[Any]:
         coulomb.amplitude(),
         "so that $Q$ decides on the amplitude, which exists for $Q > |H| x_f$:",
         Exact({Q: sp.sqrt(named("y", positive=True) ** 2 + H**2 * x_f**2), x_0: -G * x_f + named("y", positive=True)}),
+        label="literature-amplitude",
     )
-
-
-def _solved() -> dict[Any, Any]:
-    """Return p_0 and q_0 by Cramer's rule from the two conditions."""
-    rows = coulomb.symmetry()
-    matrix = rows.jacobian([p_0, q_0])
-    right = -rows.subs({p_0: 0, q_0: 0})
-    first, second = matrix.copy(), matrix.copy()
-    first[:, 0], second[:, 1] = right, right
-    solved = coulomb.half_period()
-    return {p_0: first.det() / matrix.det(), q_0: second.det() / matrix.det(), G: solved.G, H: solved.H}
 
 
 def _closed_forms() -> Iterator[Any]:
@@ -200,11 +140,11 @@ def _closed_forms() -> Iterator[Any]:
 
 
 def _stability() -> Iterator[Any]:
-    yield Heading("Its multipliers (in the form of Shaw 1986)")
+    yield Heading("Its multipliers")
     push = (k - m * Omega**2) * p_0 + c * Omega * q_0
     yield Prose(
         r"At the highest point friction changes its sign, and with it the acceleration jumps from $\ddot{x}_-$ to "
-        r"$\ddot{x}_+$. A motion beside the symmetric one, ahead by the velocity $\delta$, turns $\mathrm{d}t$ later."
+        r"$\ddot{x}_+$; see Shaw \cite{shaw1986}, and Theorem~\ref{thm:jacobians-saltation}. A motion beside the symmetric one, ahead by the velocity $\delta$, turns $\mathrm{d}t$ later."
     )
     reason = r"From the equation of motion, and with the steady part written as $p_0$ and $q_0$:"
     letters = {c: m * cm, k: m * w0sq}
@@ -241,25 +181,24 @@ def _stability() -> Iterator[Any]:
         r"On an orbit $0 \le \rho < 1$. So both multipliers lie inside the unit circle, except at $r = 1/n$: for odd "
         r"$n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1."
     )
-    yield from values("stability", "With 50 digits, and from the monodromy matrix of $P_{32}$:")
+    yield numbers("stability", "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$.")
 
 
 # --- where it ends ---
 
 
 def _border() -> Iterator[Any]:
-    yield Heading("Where the motions without stops end (Den Hartog 1930, Hong and Liu 2000)")
+    yield Heading("Where the motions without stops end")
     steady = {p_0: x_0 + G * x_f, q_0: H * x_f}
-    _, rate = _free(x_0 - p_0 - x_f, -Omega * q_0)
+    _, rate = free_motion(x_0 - p_0 - x_f, -Omega * q_0)
     speed = sp.expand((rate / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi)).subs(steady))
     least = sp.solve(speed.subs(x_0, p_0 - G * x_f), p_0)[0] / x_f
-    relation = {E0: 1 - w0sq * E2 - cm * E1}
     yield equation(
         B,
         coulomb.slide_function(),
-        r"The mass has to move down at all angles $0 < \varphi < \pi$, and its velocity there is linear in $p_0$ and "
+        r"For this border see \cite{denhartog1930,hongliu2000}. The mass has to move down at all angles $0 < \varphi < \pi$, and its velocity there is linear in $p_0$ and "
         r"$x_f$: $\dot{x} < 0$ if and only if $p_0 > B(\varphi)\, x_f$. With $E_0$, $E_1$ at $\tau = \varphi/\Omega$,",
-        Exact({B: least, **relation}),
+        Exact({B: least, **RELATION}),
     )
     start = sp.solve(coulomb.turning_acceleration(True).subs({q_0: H * x_f, x_0: p_0 - G * x_f}), p_0)[0] / x_f
     yield equation(
@@ -285,11 +224,11 @@ def _border() -> Iterator[Any]:
         r"For $c = 0$ and with $S = r^2 B$ this is $F/P < |V|/\sqrt{U^2 + S_*^2/r^4}$:",
         Exact({S: r**2 * closed.subs(G, 0), H: U}),
     )
-    reason = (
-        r"$B_*$ is found with 50 digits; \emph{run} is where the number of stops of the settled motion changes, "
-        r"bisected in the forced amplitude:"
+    yield numbers(
+        "border",
+        r"Where the motions without stops end: $B_*$ with 50 digits; and where the number of stops of the settled "
+        r"motion changes, bisected in the forced amplitude.",
     )
-    yield from values("border", reason)
 
 
 # --- growth, decay ---
@@ -307,8 +246,10 @@ def _growth_and_decay() -> Iterator[Any]:
         Exact({growth: coulomb.resonance_growth()}),
         "and there is no bound if $F < \\pi P/4$.",
     )
-    yield from values(
-        "resonance", r"The cycle that differs most, of a motion from $x = (\frac{1}{2} P - F)/k$ at $t = 0$:"
+    yield numbers(
+        "resonance",
+        r"Growth per cycle at resonance; run: the cycle that differs most, of a motion from $x = (\frac{1}{2} P - "
+        r"F)/k$ at $t = 0$.",
     )
     yield equation(
         loss,
@@ -317,43 +258,58 @@ def _growth_and_decay() -> Iterator[Any]:
         r"first turning point with $|x| \le x_f$:",
         Exact({loss: coulomb.free_decay(), x_f: F / k}),
     )
-    yield from values("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}:")
+    yield numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}.")
 
 
 # --- stops ---
 
 
 def _stops() -> Iterator[Any]:
-    yield Heading("Stops per cycle (Hong and Liu 2000)")
+    yield Heading("Stops per cycle")
     yield Prose(
-        r"Hong and Liu sort the settled motions for $c = 0$ by their number of stops per cycle: 0, 1, 2, 4, 6, \dots, "
-        r"14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, $P\cos\theta_j - k x_j + "
-        r"F = 0$, and ends at rest, the last one at $-x_1$: $2 n$ equations for $n$ phases and $n$ durations. The "
-        r"number changes where a slide comes to rest on its way for a moment, $\dot{x} = \ddot{x} = 0$ (a stop of no "
-        r"length is born), or where a stop lasts until the drive just reaches what would move it, $x_j = (F - P)/k$ at "
-        r"$\theta = \pi$ (a slide of no length is born)."
+        r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
+        r"1, 2, 4, 6, \ldots, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, "
+        r"$P\cos\theta_j - k x_j + F = 0$, and ends at rest, the last one at $-x_1$: $2 n$ equations for $n$ phases "
+        r"and $n$ durations. The number changes where a slide comes to rest on its way for a moment, $\dot{x} = "
+        r"\ddot{x} = 0$ (a stop of no length is born), or where a stop lasts until the drive just reaches what would "
+        r"move it, $x_j = (F - P)/k$ at $\theta = \pi$ (a slide of no length is born)."
+    )
+    yield numbers(
+        "stops",
+        r"Where the number of stops changes: these equations with 50 digits; and bisection of the forced amplitude.",
+    )
+    yield from block(
+        "proposition",
+        r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
+        r"of stops per cycle, needs $r = 1/(2n)$ with a whole number $n$. Its stops that its mirror image does not "
+        r"share have no length.",
+        title="odd numbers of stops",
+        label="thm:literature-odd",
+    )
+    yield from proof(
+        r"The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of the two keeps its energy (proof of "
+        r"Theorem~\ref{thm:orbits-unique}): friction is the same in both whenever their velocities differ. While both "
+        r"rest the difference is constant, and as both leave with the same friction it is 0. So a difference that is "
+        r"not 0 is a free motion that changes its sign after half a period of the drive, and as a difference of "
+        r"periodic motions closes with it: $r = 1/(2n)$. While one of the two stops the other one stops too, or the "
+        r"friction of the first one would be constant: a stop that is alone has no length."
     )
     yield Prose(
-        r"An odd number needs a motion that is not its own mirror image, $x(t + \pi/\Omega) \ne -x(t)$. The difference "
-        r"of the two keeps its energy (chapter on periodic motions): friction is the same in both whenever their "
-        r"velocities differ. While both rest the difference is constant, and as both leave with the same friction it "
-        r"is 0. So the difference is a free motion that closes with the excitation: $r = 1/(2n)$. And while one of "
-        r"them stops the other one stops too, or the friction of the first one would be constant: a stop that is alone "
-        r"has no length. At $r = 1/(2n)$ one stop per cycle is what is seen, and its length tends to 0."
+        r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
+        r"tends to 0."
     )
-    yield from values("stops", "These equations with 50 digits, and bisection of the forced amplitude by running:")
 
 
 # --- continua ---
 
 
 def _continuum() -> Iterator[Any]:
-    yield Heading(r"Continua at $\Omega = 1/(2 n)$ (Csernák, Stépán and Shaw 2007)")
+    yield Heading("Continua of motions without stops")
     n = sp.Symbol("n", integer=True, positive=True)
     closed = {name: coulomb.closed(name, solution.REGIMES["undamped"]) for name in BASIS[:3]}
     at = {r: 1 / (2 * n), solution.omega_0: 2 * n * Omega, w0sq: (2 * n * Omega) ** 2}
     meaning = {E0: closed[E0].subs(at), E1: closed[E1].subs(at), E2: closed[E2].subs(at)}
-    reason = r"At $r = 1/(2n)$, $c = 0$ half a period is $n$ periods of the free motion, which comes back:"
+    reason = r"See \cite{csernak2007}. At $r = 1/(2n)$, $c = 0$ half a period is $n$ periods of the free motion, which comes back:"
     yield equation(E0, sp.Integer(1), reason, Exact(meaning))
     yield equation(E1, sp.Integer(0), "", Exact(meaning))
     yield equation(E2, sp.Integer(0), "", Exact(meaning))
@@ -386,11 +342,11 @@ def _continuum() -> Iterator[Any]:
         r"One multiplier is 1, along the continuum. The other one is the product of the two ratios of accelerations:",
         Exact({LAMBDA[1]: ratios[0] * ratios[1]}),
     )
-    reason = (
-        r"Members of the continua, which the package calls marginal; at $\Omega = 1/2$ the turning points are $\bar{x} "
-        r"\pm \frac{4}{3}$ with $\bar{x} = d$. The end $d_*$ is bisected in $d$, by whether the motion stops:"
+    yield numbers(
+        "continuum",
+        r"Members of the continua, which the package calls marginal: turning points and the second multiplier. Their "
+        r"middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
     )
-    yield from values("continuum", reason)
 
 
 # --- rests ---
@@ -404,15 +360,15 @@ def _rests() -> Iterator[Any]:
     yield equation(
         high - low,
         2 * (mu * FN - B0) / k,
-        r"For $c > 0$ a periodic motion is the only one, except on a belt at rest (chapter on periodic motions). Let "
+        r"For $c > 0$ a periodic motion is the only one, except on a belt at rest (Theorem~\ref{thm:orbits-unique}). Let "
         r"$v_1 = 0$. The mass stays at $x$ for ever if $F^{(1)} \ge 0 \ge F^{(2)}$ at all phases, $k x \le A_1 - "
         r"|B_0|$ and $k x \ge A_2 + |B_0|$. These $x$ form an interval of the length",
         Exact(ends, sp.expand),
         r"for $0 \le B_0 \le \mu_1 F_N$; of a negative $B_0$ take the size.",
     )
     yield Prose(r"The map over a period leaves every rest where it is, so that its multiplier along the interval is 1.")
-    reason = (
+    yield numbers(
+        "rests",
         r"For $m = c = k = \Omega = F_N = \mu_1 = 1$, $A_0 = v_1 = 0$, $B_0 = \mu_2 = \frac{1}{10}$: the ends of the "
-        r"interval, and where motions from inside it are at $t = 60$:"
+        r"interval, and where motions from inside it are at $t = 60$.",
     )
-    yield from values("rests", reason)
