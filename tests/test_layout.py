@@ -50,6 +50,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "derive.fragment_scope": ("derive/test_fragments.py", FRAGMENTS),
     "derive.front": ("derive/test_document.py", "the document that it begins is compared and compiled"),
     "derive.latex_pages": ("derive/test_document.py", "each chapter is compared with the committed one"),
+    "derive.literature_motions": ("derive/test_document.py", CHAPTERS),
     "derive.literature_pieces": ("derive/test_document.py", "its tables are steps, each with a check"),
     "derive.mathml": ("derive/test_html.py", "no rest of LaTeX is in the pages"),
     "derive.mutations": ("derive/test_document.py", "it breaks the signs there"),

@@ -1,4 +1,4 @@
-"""The pieces of the chapter on published results: its tables of numbers, the free motion, the conditions of symmetry."""
+"""The pieces of the chapter on published results: tables of numbers, the free and the steady part."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from symosc.symbolic.solution import E0, E1, E2, cm, w0sq
 
 #: The basis functions are not independent.
 RELATION = {E0: 1 - w0sq * E2 - cm * E1}
+#: The multipliers.
+LAMBDA = named(r"\lambda_1"), named(r"\lambda_2")
 
 
 @dataclass(frozen=True)

@@ -151,12 +151,23 @@ NOTATION = (
         r"Theorem~\ref{thm:orbits-unique}",
         r"(?:\\dot|\\ddot)\{y\}|W_\\infty|H_1|\\tilde\{[Txw]\}|[xT]\^\*|\\dot\{x\}\^\*|\\dot\{W\}",
     ),
+    Entry(
+        r"$P$, $F$, $x_f$, $r$",
+        r"amplitude of the drive, friction, $F/k$, $\Omega\sqrt{m/k}$",
+        r"Chapter~\ref{sec:literature}",
+    ),
+    Entry(
+        r"$Q$, $G$, $H$, $p_0$, $q_0$, $U$, $B$, $T_h$, $D_h$, $\bar{x}$",
+        "parts of the symmetric motion and of its half period, Den Hartog's letters, a middle",
+        r"Chapter~\ref{sec:literature}",
+        r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\lambda_[12]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
+    ),
 )
 
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
 KNOWN = re.compile(
     r"e|i|j|n|d|\\pi|s|z|\\epsilon|I|\\infty|\\mathbb\{R\}(?:\^\{?n\}?)?|T|w|\\ell"
-    r"|\\(?:sin|cos|sinh|cosh|arcsin|det|lim|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
+    r"|\\(?:sin|cos|tan|sinh|cosh|arcsin|det|lim|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (
@@ -164,7 +175,7 @@ SILENT = (
     r"pm|cdot|cup|circ|colon|mapsto|varnothing|times|tilde|begin|end|mathrm|operatorname|limits|hspace|[,;:!| {}\\])"
 )
 TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\d+(?:\.\d+)?|[a-zA-Z]|[{}^_']|.", re.DOTALL)
-ACCENTS = (r"\dot", r"\ddot", r"\tilde", r"\mathbf", r"\mathbb")
+ACCENTS = (r"\dot", r"\ddot", r"\tilde", r"\bar", r"\mathbf", r"\mathbb")
 
 
 def rows() -> list[tuple[str, str, str]]:

@@ -22,7 +22,7 @@ from symosc.symbolic.theorem7 import rational
 #: A border is bisected to this width, relative to F/P.
 WIDTH = 1e-8
 #: Cycles after which a motion is looked at, and what it may then still change by in a cycle.
-SEEN_AFTER = 60
+SEEN_AFTER = 20
 SETTLING, SETTLED_DIFFERENCE = (8, 30, 120, 480), 1e-12
 
 
