@@ -16,6 +16,7 @@ from scipy.interpolate import Akima1DInterpolator
 from symosc.errors import ParameterError
 from symosc.orbits.branch import Branch, BranchEnd
 from symosc.orbits.continuation import MOST, NO_CONVERGENCE
+from symosc.orbits.floquet import NEAR_ONE
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
@@ -35,7 +36,8 @@ PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$
     f"{letter}{number}": rf"${symbol}_{number}$" for letter, symbol in (("v", "v"), ("mu", r"\mu")) for number in (1, 2)
 }
 ORDINALS = ("", "2nd ", "3rd ")
-STABLE, UNSTABLE = "-", (0, (4, 2))
+# Stability -> line style; the styles are told apart without colours.
+STYLES: dict[str, Any] = {"stable": "-", "marginal": "-.", "not stable": (0, (4, 2))}
 UNIT = (0, (1, 2))
 # Points at which the multipliers are drawn between two orbits of the branch.
 BETWEEN = 24
@@ -44,8 +46,9 @@ BETWEEN = 24
 def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
-    Solid lines are stable orbits; dashed ones are not, or have a multiplier on the unit circle, which is dotted. Marks
-    tell why the branch ends. The words above the last panel name the orbit on the branch and those behind its ends.
+    Solid lines are stable orbits. Dash-dotted ones are marginal: a multiplier is on the unit circle, which is dotted.
+    Dashed ones are not stable. Marks tell why the branch ends. The words above the last panel name the orbit on the
+    branch and those behind its ends.
 
     Parameters
     ----------
@@ -109,9 +112,8 @@ def _positions(ax: Axes, branch: Branch) -> None:
     for i, label in enumerate(branch.labels):
         color, before = COLORS[i % len(COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
-        for part, stable in _runs(branch.stable):
-            style: Any = STABLE if stable else UNSTABLE
-            ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=style, lw=1.2, label=name)
+        for part, state in _runs(stability(branch)):
+            ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=STYLES[state], lw=1.2, label=name)
         for end in branch.ends:
             _mark(ax, end, end.points[i].x, color)
         last = int(np.argmax(branch.values))
@@ -122,10 +124,10 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
-    for part, stable in _runs(branch.stable):
+    for part, state in _runs(stability(branch)):
         values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
         for column in (0, 1):
-            ax.plot(values, sizes[:, column], color="black", ls=STABLE if stable else UNSTABLE, lw=1.2)
+            ax.plot(values, sizes[:, column], color="black", ls=STYLES[state], lw=1.2)
     sizes = np.abs(branch.multipliers)
     for end, row in zip(branch.ends, (0, -1), strict=True):
         for size in sizes[row]:
@@ -177,10 +179,19 @@ def _next_words(ax: Axes, branch: Branch) -> None:
             ax.annotate(words, (end.value, 1), (0, 4), ha="center", **style)
 
 
-def _runs(stable: np.ndarray) -> list[tuple[slice, bool]]:
+def stability(branch: Branch) -> np.ndarray:
+    """Return a key of `STYLES` for each orbit of a branch.
+
+    What is not stable is marginal if no multiplier is outside the unit circle by more than rounding.
+    """
+    sizes = np.abs(branch.multipliers).max(axis=1)
+    return np.where(branch.stable, "stable", np.where(sizes <= 1 + NEAR_ONE, "marginal", "not stable"))
+
+
+def _runs(states: np.ndarray) -> list[tuple[slice, str]]:
     """Return the stretches of equal stability, each with the point that it shares with the next one."""
-    cuts = [0, *(np.flatnonzero(np.diff(stable)) + 1), len(stable)]
-    return [(slice(a, min(b + 1, len(stable))), bool(stable[a])) for a, b in pairwise(cuts)]
+    cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
+    return [(slice(a, min(b + 1, len(states))), str(states[a])) for a, b in pairwise(cuts)]
 
 
 def _legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
@@ -192,8 +203,9 @@ def _legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
     unit = entries.pop("unit circle", None)
     for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in MARKERS):
         entries[kind] = Line2D([], [], linestyle="none", marker=MARKERS[kind], ms=5.0, color="black")
-    for name, style, occurs in (("stable", STABLE, True), ("not stable", UNSTABLE, False)):
-        if occurs in branch.stable:
+    states = stability(branch)
+    for name, style in STYLES.items():
+        if name in states:
             entries[name] = Line2D([], [], color="black", ls=style, lw=1.2)
     if unit is not None:
         entries["unit circle"] = unit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -45,11 +46,15 @@ def styles(drawing: Figure, panel: int) -> set[str]:
 
 
 def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch, undamped: Branch) -> None:
-    for each, style, name in ((branch, "-", "stable"), (undamped, "--", "not stable")):
+    assert [undamped.orbit(i).stable for i in (0, -1)] == [None, None]
+    grown = copy(undamped)  # no such orbit exists: friction never makes a difference grow
+    grown.multipliers = 1.1 * undamped.multipliers
+    cases = ((branch, "-", "stable"), (undamped, "-.", "marginal"), (grown, "--", "not stable"))
+    for each, style, name in cases:
         drawing = plot.branch_figure(each)
         assert styles(drawing, 0) == styles(drawing, 1) == {style}
         labels = [text.get_text() for text in drawing.legends[0].get_texts()]
-        assert name in labels
+        assert {name} == {"stable", "marginal", "not stable"} & {*labels}
         assert "unit circle" in labels
         multipliers = drawing.axes[1]
         low, high = multipliers.get_ylim()
