@@ -162,9 +162,9 @@ def _stability() -> Iterator[Any]:
     yield equation(
         T_h,
         1 - w0sq * E2 + RHO * E0,
-        r"So half a period takes a perturbation $(x, \dot{x})$ through the free motion and then multiplies its velocity by $\rho$. "
-        r"The other half does the same, so the multipliers are the squares of the eigenvalues of that matrix, whose "
-        r"trace and determinant are",
+        r"So half a period takes a perturbation $(x, \dot{x})$ through the free motion and then multiplies its "
+        r"velocity by $\rho$. The other half does the same, so the multipliers are the squares of the eigenvalues of "
+        r"that matrix, whose trace and determinant are",
         Exact(meaning),
     )
     yield equation(D_h, RHO * D, "", Exact(meaning))
