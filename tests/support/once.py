@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import Any
 
 #: The environment variable that names the folder which all workers share; the first process makes it.
 SHARED = "SYMOSC_TESTS_SHARED"
+#: Seconds after which a process goes on alone: what it waits for was not made, or its maker hangs.
+LONGEST_WAIT = 240
 
 
 @contextmanager
@@ -18,10 +21,18 @@ def alone(name: str) -> Iterator[Path]:
     """Let one process at a time into the block of this name; give it the path of what they share."""
     import fcntl
 
-    path = Path(os.environ[SHARED]) / name
+    path, until = Path(os.environ[SHARED]) / name, time.monotonic() + LONGEST_WAIT
     with open(f"{path}.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield path
+        while time.monotonic() < until:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                time.sleep(0.05)
+        try:
+            yield path
+        finally:  # closing is not enough: a process that was forked meanwhile has the file open too
+            fcntl.flock(lock, fcntl.LOCK_UN)
 
 
 def compile_once() -> None:
