@@ -10,16 +10,14 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from once import SHARED, alone, compile_once
+from once import SHARED, alone
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder that the workers share; they share the compiler as well."""
+    """Make the folder that the workers share."""
     if not hasattr(config, "workerinput"):  # the first process
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
-    else:
-        compile_once()
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
