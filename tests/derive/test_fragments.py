@@ -172,7 +172,7 @@ def test_text_has_words_apart() -> None:
     [
         (["therem7"], "did you mean theorem7?"),
         (["P9"], "P1, P2"),
-        (["P3", "--set", "A=5"], "A = '5': is no parameter; they are m, c, k, A0"),
+        (["P3", "--set", "A=5"], "A = '5': is not a parameter; the parameters are m, c, k, A0"),
         (["P3", "--set", "k"], "is not NAME=VALUE"),
         (["P3", "--set", "k=x"], "k = 'x'"),
         (["P3", "--set", "m=-1"], "m = '-1': must be > 0"),

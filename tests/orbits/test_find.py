@@ -182,7 +182,7 @@ def test_roots_are_one_but_for_whole_turns():
 
     def same(shift, at=equations):
         one, other = (Solution(each, 0.0, 0, True, "") for each in (points + shift, points))
-        return find._same(one, at, other, equations)
+        return find._same(at, one, equations, other)
 
     for turns in (-3, -1, 0, 1, 2):
         assert same(np.array([0, 2 * np.pi * turns]))

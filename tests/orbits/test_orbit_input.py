@@ -111,7 +111,8 @@ def test_messages_about_words_and_scenes_are_short_and_can_be_printed(value: Any
 
 
 @pytest.mark.parametrize(
-    "value", [None, "", 5, [], ["k"], {}, np.array([1, 2]), np.array(["k", "v"]), True, float("nan")]
+    "value",
+    [None, "", 5, [], ["k", "k"], ["k", "c", "m"], {}, np.array([1, 2]), np.array(["k", "v"]), True, float("nan")],
 )
 def test_names_of_parameters(value: Any) -> None:
     refused(lambda: symosc.values_containing(P, "P2", value, 1), "name")

@@ -31,7 +31,7 @@ from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDE
 CLAIMS = tomllib.loads((Path(section_6.__file__).parents[1] / "claims" / "figures.toml").read_text(encoding="utf-8"))[
     "claim"
 ]
-FIGURES = {f"fig{number}" for number in range(5, 11)} | {"theorem7"}
+FIGURES = {f"fig{number}" for number in range(5, 11)} | {"theorem7", "force"}  # "force-product" of section 6
 # The searches for misprints take long: the whole run judges them (test_report_in_browser.py).
 QUICK = [each for each in CLAIMS if not each["check"].startswith("starts.")]
 
