@@ -35,7 +35,7 @@ from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
-Pair: TypeAlias = Sequence[Numbers | ArrayLike] | np.ndarray
+Pair: TypeAlias = "Sequence[Numbers | ArrayLike] | np.ndarray"
 # Arrays are evaluated in blocks of this many points: the temporaries then stay in the cache.
 ARRAY_BLOCK = 16384
 
