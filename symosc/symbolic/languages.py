@@ -246,7 +246,7 @@ class C(Language):
                     raise ValueError(f"cannot be printed: {ast.unparse(node)}")
 
     def _call(self, call: ast.Call, target: str) -> str:
-        return f"{self.expression(call)[:-1]}, {target})"
+        return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target})"
 
     def _parallel(self, targets: list[ast.expr], values: list[ast.expr]) -> Iterator[str]:
         """Assign one by one, through copies if a value uses an earlier target."""

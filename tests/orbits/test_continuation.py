@@ -270,7 +270,7 @@ def test_command_line(tmp_path):
     assert chart.stat().st_size > 10_000
     result = run(command, ["fig9", "--set", "Omega=3"], standalone_mode=False)
     assert result.return_value == 1
-    assert "a root that is no orbit" in result.output
+    assert "a root that is not an orbit" in result.output
     assert "settles to P1312" in result.output
     result = run(command, ["fig9", "--structure", "P45"], standalone_mode=False)
     assert result.return_value == 1
