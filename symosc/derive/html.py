@@ -43,7 +43,7 @@ def page(chapters: list[Any], scope: Scope, numbers: Numbering) -> str:
         '<meta name="viewport" content="width=device-width">',
         f"<style>{STYLE}</style></head><body>",
         f"<h1>{title}</h1>",
-        *(f"<p>{said(text)}</p>" for text in texts if text),
+        *(_paragraph(said(text)) for text in texts if text),
         f"<h2>Contents</h2><ol>{contents}</ol>",
     ]
     if len(chapters) > 1:
@@ -75,7 +75,7 @@ def chapter(checked: Any, scope: Scope, numbers: Numbering, level: int) -> str:
         if isinstance(item, Heading):
             out.append(f"<h{level}>{said(item.text)}</h{level}>")
         elif isinstance(item, Prose):
-            out.append(f"<p>{said(item.text)}{sup}</p>")
+            out.append(_paragraph(f"{said(item.text)}{sup}"))
         elif isinstance(item, Begin):
             out.append(_opening(item, checked.number, counts, said))
         elif isinstance(item, End):
@@ -117,7 +117,7 @@ def _opening(item: Begin, number: int, counts: list[int], said: Words) -> str:
 
 def _display(display: Display, scope: Scope, said: Words) -> str:
     lines = [_row(line, each, last, said) for row, each in rows(display, scope) for line, last in _last(row)]
-    reason = f"<p>{said(display.reason)}</p>\n" if display.reason else ""
+    reason = f"{_paragraph(said(display.reason))}\n" if display.reason else ""
     body = "\n".join(lines)
     return f'{reason}<div class="wide"><table class="steps">\n{body}\n</table></div>'
 
@@ -149,4 +149,9 @@ def _figure(item: Illustration, number: str, said: Words) -> str:
     source = b64encode(svg(item.key).encode()).decode()
     image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {number}">'
     caption = f"<figcaption><strong>Figure {number}.</strong> {said(item.caption)}</figcaption>"
-    return f'<figure id="fig-{number}">{image}{caption}</figure>'
+    return f'<figure id="fig-{number}"><div class="wide">{image}</div>{caption}</figure>'
+
+
+def _paragraph(text: str) -> str:
+    """Return a paragraph; one with formulas scrolls where the window is narrower than a formula."""
+    return f'<p class="wide">{text}</p>' if "<math" in text else f"<p>{text}</p>"
