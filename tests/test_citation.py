@@ -3,33 +3,14 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
 
 from click.testing import CliRunner
+from project_files import PROJECT, cff, text
 
 import symosc
 from symosc import citation
 from symosc.cli.app import main
 from symosc.scenes import load_scene, scene_names
-
-ROOT = Path(__file__).parents[1]
-
-
-def text(name: str) -> str:
-    return (ROOT / name).read_text(encoding="utf-8")
-
-
-PYPROJECT = tomllib.loads(text("pyproject.toml"))
-
-PROJECT = PYPROJECT["project"]
-
-
-def cff(indent: str = "") -> dict[str, str]:
-    """Return the plain values of CITATION.cff at one depth."""
-    return {
-        key: value.strip('"') for key, value in re.findall(rf"^{indent}([\w-]+): (.+)$", text("CITATION.cff"), re.M)
-    }
 
 
 def test_citation_file_and_bibtex_agree() -> None:

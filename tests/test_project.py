@@ -5,32 +5,14 @@ from __future__ import annotations
 import ast
 import re
 import sys
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import click
 import pytest
+from project_files import PROJECT, PYPROJECT, ROOT, cff, text
 
 import symosc
 from symosc.cli.app import main
-
-ROOT = Path(__file__).parents[1]
-
-
-def text(name: str) -> str:
-    return (ROOT / name).read_text(encoding="utf-8")
-
-
-PYPROJECT = tomllib.loads(text("pyproject.toml"))
-PROJECT = PYPROJECT["project"]
-
-
-def cff(indent: str = "") -> dict[str, str]:
-    """Return the plain values of CITATION.cff at one depth."""
-    return {
-        key: value.strip('"') for key, value in re.findall(rf"^{indent}([\w-]+): (.+)$", text("CITATION.cff"), re.M)
-    }
 
 
 def test_the_version_is_written_once() -> None:
