@@ -8,6 +8,8 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+from sources import nodes
+
 import symosc
 
 ROOT = Path(symosc.__file__).parent
@@ -38,12 +40,6 @@ def module_name(path: Path) -> str:
 
 
 MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
-
-
-@cache
-def nodes(path: Path) -> list[ast.AST]:
-    """Return all nodes of a file, its module first."""
-    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 def body(path: Path) -> list[ast.stmt]:

@@ -66,6 +66,7 @@ def test_the_force_of_another_domain_is_named(here: str, force: int) -> None:
     assert fault.words == f"the force of Omega{force} explains the step, which lies in {here}"
 
 
+@pytest.mark.slow
 def test_a_jump_where_two_pieces_are_joined() -> None:
     x, v = samples()
     i = flying("fig9", "Omega2")

@@ -114,6 +114,7 @@ def test_the_mistakes_that_were_accepted_once(name: str) -> None:
         crosscheck(name, *samples, events=[*events[:-1], (np.nan, events[-1][1])])
 
 
+@pytest.mark.slow
 def test_an_event_may_be_off_as_far_as_the_tolerance_moves_it() -> None:
     exact = simulate("fig9", t_end=8)
     t = np.linspace(0.1324, 8, 801)

@@ -44,6 +44,7 @@ def test_a_difference_is_relative() -> None:
     assert abs(Value("x", "", 0, 0.5).difference + MP.mpf("0.5")) < 1e-15
 
 
+@pytest.mark.slow
 def test_the_figure_has_points_on_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     """The amplitudes drawn for P32 lie on the curves; borders by running are left out here, they take long."""
     monkeypatch.setattr(literature_page, "_border_near", lambda r, c: 0.5)

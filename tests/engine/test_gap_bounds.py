@@ -185,6 +185,7 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
         assert found.now.tau == 0.25
 
 
+@pytest.mark.slow
 @given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
 @settings(derandomize=True, deadline=None, max_examples=300)
 def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:

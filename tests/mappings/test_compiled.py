@@ -30,10 +30,14 @@ def found(p: Any, label: str, point: list[Any], exit: str | None) -> np.ndarray:
     return np.array([*residual(p, label, *ends), *jacobian(p, label, *ends).ravel()])
 
 
+#: Compiling the formulas of flights takes ten seconds.
+LABELS = ["P1", pytest.param("P3", marks=pytest.mark.slow), "P4", pytest.param("P8", marks=pytest.mark.slow)]
+
+
 @pytest.mark.full(14)
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("regime", REGIMES)
-@pytest.mark.parametrize("label", ["P1", "P3", "P4", "P8"])
+@pytest.mark.parametrize("label", LABELS)
 def test_every_regime_agrees_with_many_digits(regime: str, label: str) -> None:
     rng = random.Random(f"compiled {regime} {label}")
     exit = rng.choice(("below", "above")) if label in ("P1", "P4") else None
@@ -56,6 +60,7 @@ def test_every_regime_agrees_with_many_digits(regime: str, label: str) -> None:
     assert np.quantile(errors, 0.9) < max(1e-15, 1.2 * np.quantile(before, 0.9))
 
 
+@pytest.mark.slow
 def test_phases_beyond_our_own_sine_use_the_librarys() -> None:
     p = load_scene("fig9").parameters
     theta_i = np.array([0.5, 3e6, 1e12, 0.25])
@@ -103,6 +108,7 @@ def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene
         np.testing.assert_allclose(blocks[n, ..., 0], jacobian(p, label, start, end), rtol=0, atol=1e-11)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("label", ["P1", "P3"])
 def test_a_users_own_compiled_code_may_call_it(label: str) -> None:
     p = load_scene("fig9").parameters

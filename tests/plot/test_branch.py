@@ -28,6 +28,7 @@ def undamped() -> Branch:
     return continue_orbit(UNDAMPED, "P32", "Omega", (1.47, 1.55))
 
 
+@pytest.mark.slow
 def test_multipliers_between_the_orbits_are_those_of_orbits_there(branch: Branch) -> None:
     values, sizes = multiplier_curves(branch.values, branch.multipliers)
     assert len(values) > 8 * len(branch.values)
@@ -45,6 +46,7 @@ def styles(drawing: Figure, panel: int) -> set[str]:
     return {str(line.get_linestyle()) for line in drawing.axes[panel].lines if len(line.get_xdata()) > 2}  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch, undamped: Branch) -> None:
     assert [undamped.orbit(i).stable for i in (0, -1)] == [None, None]
     grown = copy(undamped)  # no such orbit exists: friction never makes a difference grow
