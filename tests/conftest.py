@@ -9,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import compiling
 import pytest
 from once import SHARED, alone
 
@@ -24,13 +25,33 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is left out: of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
 
-    Of a test with `quick(n)` all but n cases of those that are left are slow.
+    Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled loops comes last.
     """
     _leave_out(items, "full", unless="campaign", mark="campaign")
     for item in items:
         if item.get_closest_marker("campaign"):
             item.add_marker("slow")
     _leave_out(items, "quick", unless="slow", mark="slow")
+    items.sort(key=_needs_compiled_loops)
+
+
+def _needs_compiled_loops(item: pytest.Item) -> bool:
+    return item.get_closest_marker("compiled") is not None
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Have the loops compiled if a test needs them; of several workers the first one sees to it."""
+    first = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"] == "gw0"
+    wanted = any(map(_needs_compiled_loops, session.items)) and not session.config.option.collectonly
+    if first and wanted and (process := compiling.begin()):
+        session.config.add_cleanup(process.kill)
+
+
+@pytest.fixture(autouse=True)
+def compiled_loops(request: pytest.FixtureRequest) -> None:
+    """Let a test with the marker `compiled` begin when the loops are there."""
+    if _needs_compiled_loops(request.node):
+        compiling.wait()
 
 
 def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:
