@@ -48,9 +48,9 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every eighth step of the chapter of the domains; the others are a campaign.
-PIECES = {"domains": 8}
-PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
+#: Of each chapter every so-manieth step; the others are a campaign. Chapters of few steps are there as a whole.
+PIECES = dict.fromkeys(CHAPTERS, 3) | {"domains": 8, "switching": 1, "sticks": 1}
+PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES[key])]
 
 
 @pytest.mark.quick(1)
@@ -66,7 +66,7 @@ PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
 )
 def test_a_changed_sign_fails(key: str, part: int) -> None:
     _, items = unchecked_items(key)
-    steps = [step for item in items for step in steps_of(item)][part :: PIECES.get(key, 1)]
+    steps = [step for item in items for step in steps_of(item)][part :: PIECES[key]]
     untouched = []
     for step in steps:
         changed = list(mutations(step))
@@ -76,7 +76,7 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
             with pytest.raises(StepError):
                 wrong.verify()
     # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, more of a part.
-    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.4) * len(steps), untouched
+    assert len(untouched) <= (0.25 if PIECES[key] == 1 else 0.4) * len(steps), untouched
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -128,6 +128,7 @@ def test_every_step_of_a_scene_has_evidence(scene: str, key: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(2)
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_shows_only_what_it_needs(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Step, "verify", lambda step: StepEvidence("exact", "0"))  # only what is printed counts here

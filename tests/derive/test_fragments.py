@@ -51,11 +51,23 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(main, ["derive", *arguments])
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in FRAGMENTS])
-@pytest.mark.parametrize("form", ["entire", "paper"])
+#: The form of the motion is nothing to the others. Of the flights each is in the full run in one form.
+FORMS = [(name, form) for name in FRAGMENTS for form in ("entire", "paper") if form == "entire" or name in HEAVY]
+IN_THE_OTHER = {(f"P{n}", form) for form, numbers in (("entire", (3, 6, 8)), ("paper", (2, 5, 7))) for n in numbers}
+
+
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        pytest.param(
+            *each,
+            marks=[pytest.mark.slow] * (each[0] in LONG) + [pytest.mark.campaign] * (each in IN_THE_OTHER),
+        )
+        for each in FORMS
+    ],
+)
 def test_every_step_has_evidence(name: str, form: str) -> None:
-    if form == "entire" or name in HEAVY:  # the form of the motion is nothing to the others
-        assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
+    assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
 
 
 @pytest.mark.quick(6)
@@ -216,6 +228,7 @@ def compiled(folder: Path, name: str) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.full(5)  # all of them are compiled in the article below
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
 @pytest.mark.parametrize("name", FRAGMENTS)
