@@ -96,6 +96,7 @@ def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int
     assert min(tried.values()) >= 3
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
 def test_the_mistakes_that_were_accepted_once(name: str) -> None:
     exact = simulate(name, t_end=8)
@@ -180,6 +181,7 @@ def test_events_outside_the_samples_are_invented() -> None:
         assert [event.t for event in result.invented] == [time]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "t_end"), [("fig8", 9.0), ("fig8-exact", 6.0), ("fig7-exact", 8.0), ("fig7", 8.0)])
 def test_touches_and_the_shortest_sticks(name: str, t_end: float) -> None:
     """A graze may be left out or seen as a contact of either kind, but not five times."""

@@ -30,6 +30,7 @@ def test_an_event_of_the_motion_and_of_the_steps_reach_equally_far(name: str, t_
         assert reach.of_row(row) == pytest.approx(reach.of(event), rel=1e-6), event
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
 @pytest.mark.parametrize("changed", ["x0", "v0"])
 def test_what_an_error_does_is_within_reach_and_not_far_below_it(name: str, changed: str) -> None:

@@ -28,7 +28,7 @@ from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 #: The checks of the other chapters take a second each and more, those of the domains half a minute.
-QUICK = ("switching", "events")
+QUICK = ("switching",)
 KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in CHAPTERS]
 SCENES = ("fig5", "fig8", "fig9", "fig10")
 ACCEPT = "accept it with: symosc derive all -o derivations"
@@ -59,7 +59,7 @@ PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES[key])]
     [
         pytest.param(
             *each,
-            marks=[pytest.mark.slow] * (each[0] not in {*QUICK} - {"events"}) + [pytest.mark.campaign] * (each[1] > 0),
+            marks=[pytest.mark.slow] * (each[0] not in QUICK) + [pytest.mark.campaign] * (each[1] > 0),
         )
         for each in PARTS
     ],

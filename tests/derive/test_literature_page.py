@@ -13,6 +13,7 @@ QUICK = ("amplitude", "stability", "resonance", "decay", "continuum", "rests")
 KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in TABLES]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("key", KEYS)
 def test_formula_and_package_agree(key: str) -> None:
     values = table(key)

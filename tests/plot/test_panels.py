@@ -67,6 +67,7 @@ def test_no_two_marks_of_one_motion_have_one_shape() -> None:
     assert faces["onset of stick"] != "white"
 
 
+@pytest.mark.slow
 def test_many_marks_leave_the_motion_visible() -> None:
     """The more marks, the smaller they are: their area grows no more once they are many."""
     motion = simulate("fig9", t_end=120)

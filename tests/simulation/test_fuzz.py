@@ -70,6 +70,7 @@ def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
 # -- the truth of the constructed families ----------------------------------------------------------------------------
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("number", range(6))
 def test_exact_grazes_solve_the_equation(number: int) -> None:
     """The matrix exponential of the equation, from the scene's start, touches where the closed form says."""
