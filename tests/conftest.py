@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import compiling
@@ -15,7 +16,9 @@ from once import SHARED, alone
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder that the workers share."""
+    """Make the folder that the workers share; give each of them tests that stand together, which share the most."""
+    if getattr(config.option, "dist", "no") == "load":  # what pytest-xdist takes if nothing is said
+        config.option.dist = "worksteal"
     if not hasattr(config, "workerinput"):  # the first process
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
@@ -44,13 +47,13 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     first = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"] == "gw0"
     wanted = any(map(_needs_compiled_loops, session.items)) and not session.config.option.collectonly
     if first and wanted and (process := compiling.begin()):
-        session.config.add_cleanup(process.kill)
+        session.config.add_cleanup(partial(compiling.end, process))
 
 
-@pytest.fixture(autouse=True)
-def compiled_loops(request: pytest.FixtureRequest) -> None:
-    """Let a test with the marker `compiled` begin when the loops are there."""
-    if _needs_compiled_loops(request.node):
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Let a test that needs compiled loops begin when they are there."""
+    if _needs_compiled_loops(item):
         compiling.wait()
 
 
