@@ -35,26 +35,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.get_closest_marker("campaign"):
             item.add_marker("slow")
     _leave_out(items, "quick", unless="slow", mark="slow")
-    items.sort(key=_needs_compiled_loops)
+    items.sort(key=_loops)
 
 
-def _needs_compiled_loops(item: pytest.Item) -> bool:
-    return item.get_closest_marker("compiled") is not None
+def _loops(item: pytest.Item) -> str:
+    """Return which compiled loops a test needs: "" for none, then "doubles", then "pairs"."""
+    marker = item.get_closest_marker("compiled")
+    return str(marker.args[0]) if marker else ""
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Have the loops compiled if a test needs them; of several workers the first one sees to it."""
     first = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"] == "gw0"
-    wanted = any(map(_needs_compiled_loops, session.items)) and not session.config.option.collectonly
-    if first and wanted and (process := compiling.begin()):
+    wanted = "" if session.config.option.collectonly else max(map(_loops, session.items), default="")
+    if first and wanted and (process := compiling.begin(wanted)):
         session.config.add_cleanup(partial(compiling.end, process))
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Let a test that needs compiled loops begin when they are there."""
-    if _needs_compiled_loops(item):
-        compiling.wait()
+    if loops := _loops(item):
+        compiling.wait(loops)
 
 
 def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:

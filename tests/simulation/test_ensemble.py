@@ -23,7 +23,7 @@ def one(name: str, use_numba: bool | None) -> EventTable:
 
 
 @pytest.mark.slow
-@pytest.mark.compiled
+@pytest.mark.compiled("doubles")
 @pytest.mark.full(4)
 @pytest.mark.parametrize("name", scene_names())
 def test_compiled_and_interpreted_agree_to_two_ulp(name: str) -> None:

@@ -50,7 +50,7 @@ def assert_no_faults(family: str, numbers: range, part: Fraction = Fraction(1), 
 
 
 @pytest.mark.slow
-@pytest.mark.compiled
+@pytest.mark.compiled("doubles")
 def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
     scenes = [
         plain.shortened(fuzz.scene_of(family, 1001, number), Fraction(1, 8))

@@ -81,7 +81,7 @@ def assert_one_engine(problem: Problem, use_numba: bool, **options: Any) -> Any:
     return trajectory
 
 
-COMPILED = pytest.param(True, marks=[pytest.mark.slow, pytest.mark.compiled])
+COMPILED = pytest.param(True, marks=[pytest.mark.slow, pytest.mark.compiled("doubles")])
 ENGINES = pytest.mark.parametrize("use_numba", [False, COMPILED], ids=["interpreted", "compiled"])
 
 

@@ -21,13 +21,22 @@ LONGEST_WAIT = 240
 _wait_until: list[float] = []
 
 
-def is_there() -> bool:
-    """Return whether both loops are on disk, or nothing can be compiled."""
+#: What the marker `compiled` asks for -> a program that compiles it.
+LOOPS = {
+    "doubles": "from symosc import load_scene, simulate_many\n"
+    "simulate_many(load_scene('fig5').parameters, [0, 0, 0], 1, use_numba=True)",
+    "pairs": "from symosc.simulation.warm import warm\nwarm()",  # and doubles
+}
+
+
+def is_there(loops: str) -> bool:
+    """Return whether loops are on disk, or nothing can be compiled."""
     if find_spec("numba") is None:
         return True
     from symosc.engine import arithmetic, binding, pairs
 
-    return binding.is_compiled(arithmetic.compiled()["follow_all"]) and pairs.is_compiled()
+    doubles = binding.is_compiled(arithmetic.compiled()["follow_all"])
+    return doubles and (loops == "doubles" or pairs.is_compiled())
 
 
 def ended() -> Path:
@@ -35,12 +44,11 @@ def ended() -> Path:
     return Path(os.environ[SHARED]) / "compiling-has-ended"
 
 
-def begin() -> subprocess.Popen[bytes] | None:
+def begin(loops: str) -> subprocess.Popen[bytes] | None:
     """Compile what is not on disk, in a process of its own."""
-    if is_there():
+    if is_there(loops):
         return None
-    code = "import sys, pathlib\nfrom symosc.simulation.warm import warm\n"
-    code += "try: warm()\nfinally: pathlib.Path(sys.argv[1]).touch()"
+    code = f"import pathlib, sys\ntry: exec({LOOPS[loops]!r})\nfinally: pathlib.Path(sys.argv[1]).touch()"
     nowhere = subprocess.DEVNULL
     return subprocess.Popen([sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere)
 
@@ -53,8 +61,8 @@ def end(process: subprocess.Popen[bytes]) -> None:
         process.kill()
 
 
-def wait() -> None:
-    """Wait until the loops are there, all tests of this process together not longer than LONGEST_WAIT."""
+def wait(loops: str) -> None:
+    """Wait until loops are there, all tests of this process together not longer than LONGEST_WAIT."""
     _wait_until[:] = _wait_until or [time.monotonic() + LONGEST_WAIT]
-    while not is_there() and not ended().exists() and time.monotonic() < _wait_until[0]:
+    while not is_there(loops) and not ended().exists() and time.monotonic() < _wait_until[0]:
         time.sleep(0.2)
