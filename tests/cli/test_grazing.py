@@ -218,7 +218,7 @@ def shaded(axes: Any, x: float, y: float) -> bool:
 
 
 @pytest.mark.full(3)
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mapping", "name"),
     [("P2", "Omega"), ("P2", "B0"), ("P2", "k"), ("P3", "v1"), ("P5", "v2"), ("P6", "B0"), ("P6", "v2"), ("P3", "k")],

@@ -56,6 +56,7 @@ FORMS = [(name, form) for name in FRAGMENTS for form in ("entire", "paper") if f
 IN_THE_OTHER = {(f"P{n}", form) for form, numbers in (("entire", (3, 6, 8)), ("paper", (2, 5, 7))) for n in numbers}
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     ("name", "form"),
     [
@@ -159,6 +160,7 @@ def test_theorem_7_in_numbers_names_the_windows() -> None:
     assert "window-P5" not in text  # v2 is open
 
 
+@pytest.mark.slow
 def test_without_a_spring_theorem_7_has_no_position() -> None:
     assert "x_m" not in run("theorem7", "--set", "k=0").stdout
 

@@ -16,7 +16,7 @@ from symosc.derive.scope import Scope
 from symosc.derive.steps import StepEvidence
 
 #: Some of these take a second to build, one that runs motions ten.
-KEYS = few(CHAPTERS, "motion", "domains", "grazing", "orbits", "errata", "literature")
+KEYS = few(CHAPTERS, "motion", "domains", "grazing", "events", "orbits", "errata", "literature")
 
 
 @cache

@@ -35,7 +35,7 @@ LABELS = ["P1", pytest.param("P3", marks=pytest.mark.slow), "P4", pytest.param("
 
 
 @pytest.mark.full(14)
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("label", LABELS)
 def test_every_regime_agrees_with_many_digits(regime: str, label: str) -> None:
@@ -70,6 +70,7 @@ def test_phases_beyond_our_own_sine_use_the_librarys() -> None:
     np.testing.assert_allclose(found, np.transpose(expected), rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_point_has_one_value_whatever_its_neighbours_are() -> None:
     rng = random.Random(4)
     p = load_scene("fig9").parameters
@@ -91,6 +92,7 @@ def test_a_stick_slips_where_the_force_is_smaller_unless_told() -> None:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "word"), [("fig9", "P32"), ("fig10", "P4645")])
 def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene: str, word: str) -> None:
     p = load_scene(scene).parameters
@@ -108,7 +110,7 @@ def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene
         np.testing.assert_allclose(blocks[n, ..., 0], jacobian(p, label, start, end), rtol=0, atol=1e-11)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("label", ["P1", "P3"])
 def test_a_users_own_compiled_code_may_call_it(label: str) -> None:
     p = load_scene("fig9").parameters
