@@ -151,6 +151,7 @@ def test_help_has_an_example() -> None:
     assert "symosc grazing fig9" in good("--help")
 
 
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
 def test_plot_files(suffix: str, tmp_path: Path) -> None:
