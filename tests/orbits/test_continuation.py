@@ -35,10 +35,10 @@ NEIGHBOURS = {
     ),
     "graze of v2": (
         (FIG9, "P32", "Omega", (4, 6), 1, "grazing", "P3 stays in Omega2", "P7482"),
-        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, 6), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
+        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, "5.15"), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
     ),
     "graze of v1": (
-        (FIG10, "P4645", "Omega", (1, 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
+        (FIG10, "P4645", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
         (FIG10.replace(Omega="2.7"), "P481746", "Omega", (2, 3), 0, "grazing", "P7 meets v1 with F^(2) < 0", "P4546"),
     ),
     "slip": (
