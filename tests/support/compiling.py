@@ -17,7 +17,7 @@ from pathlib import Path
 from once import SHARED
 
 #: Seconds after which nobody waits for the other process any longer.
-LONGEST_WAIT = 240
+LONGEST_WAIT = 600
 _wait_until: list[float] = []
 
 
