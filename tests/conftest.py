@@ -46,10 +46,11 @@ def _loops(item: pytest.Item) -> str:
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Have the loops compiled if a test needs them; of several workers the first one sees to it."""
-    first = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"] == "gw0"
+    worker = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"]
     wanted = "" if session.config.option.collectonly else max(map(_loops, session.items), default="")
-    if first and wanted and (process := compiling.begin(wanted)):
-        session.config.add_cleanup(partial(compiling.end, process))
+    if worker == "gw0" and wanted and (process := compiling.begin(wanted)):
+        others_wait = hasattr(session.config, "workerinput")
+        session.config.add_cleanup(partial(compiling.end, process, others_wait))
 
 
 @pytest.hookimpl(tryfirst=True)

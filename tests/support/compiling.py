@@ -53,12 +53,13 @@ def begin(loops: str) -> subprocess.Popen[bytes] | None:
     return subprocess.Popen([sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere)
 
 
-def end(process: subprocess.Popen[bytes]) -> None:
-    """Let the other process come to its end: another worker may still wait for what it makes."""
+def end(process: subprocess.Popen[bytes], others_wait: bool) -> None:
+    """End the other process, or let it come to its end if another worker may still wait for what it makes."""
     try:
-        process.wait(LONGEST_WAIT)
+        process.wait(LONGEST_WAIT if others_wait else 0)
     except subprocess.TimeoutExpired:
         process.kill()
+        process.wait()
 
 
 def wait(loops: str) -> None:
