@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from symosc.paper.claims import read_claims, read_errata
+from symosc.derive.errata import read_errata
+from symosc.paper.claims import read_claims
 from symosc.paper.coverage import PAPER
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED
 from symosc.paper.pictures import PICTURES
@@ -140,7 +141,7 @@ def test_the_letter_is_one_page_and_has_each_erratum_once(browser: Any, report: 
     page.close()
     assert listed == [erratum.id for erratum in read_errata()]
     text = " ".join((report / "letter.txt").read_text(encoding="utf-8").split())
-    for erratum in read_errata():
+    for erratum in (each.in_unicode() for each in read_errata()):
         assert text.count(f"Proof: {erratum.proof}") == 1
     assert max(map(len, (report / "letter.txt").read_text(encoding="utf-8").splitlines())) <= 80
 
