@@ -79,7 +79,7 @@ def grazing(
 
     --solve asks the other way round: for which values of a parameter a phase, or every phase between two, is in the
     window, exactly; without --phase, for which values the window is empty and for which it is everything. Two
-    parameters give a region. Without SCENE and --set the answer is in letters.
+    parameters give a region, which --plot draws. Without SCENE and --set the answer is in letters.
 
     \b
     Examples:
@@ -90,13 +90,14 @@ def grazing(
       symosc grazing fig9 --map P2 --against Omega=0.1:4 --plot sweep.pdf
       symosc grazing fig9 --map P2 --solve Omega --phase 7*pi/6
       symosc grazing fig9 --map P2 --solve Omega,k --phase pi:3*pi/2 --latex
+      symosc grazing fig9 --map P2 --solve Omega,k --phase 7*pi/6 --plot region.pdf
       symosc grazing --map P3 --solve Omega --phase pi
     """
     piped = goes_to_stdout(output, "--plot", as_json or as_latex)
     if phase is not None and solve is None:
         raise click.UsageError("--phase needs --solve, which says what is asked for")
-    if solve is not None and (output is not None or phases is not None or against is not None):
-        raise click.UsageError("--solve prints only; give it without --plot, --check and --against")
+    if solve is not None and (phases is not None or against is not None):
+        raise click.UsageError("--solve goes without --check and --against")
     letters = solve is not None and scene is None and not settings
     name, p = (None, None) if letters else _parameters(scene, settings)
     if as_latex and as_json:
@@ -106,7 +107,8 @@ def grazing(
     for mapping in mappings:
         place(mapping)
     if solve is not None:
-        inverse.solve(p, list(dict.fromkeys(mappings)), solve, phase, order, as_latex, as_json)
+        forms = {"as_latex": as_latex, "as_json": as_json, "output": output, "piped": piped}
+        inverse.solve(p, list(dict.fromkeys(mappings)), solve, phase, order, **forms)
         return 0
     assert p is not None
     chosen = list(dict.fromkeys(mappings)) or list(PLACES)

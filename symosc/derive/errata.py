@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from symosc.derive.unicode_words import unicode_words
@@ -47,7 +47,8 @@ class Erratum:
 
     def in_unicode(self) -> Erratum:
         """Return the erratum with texts that need no LaTeX, for the report and the letter."""
-        return replace(self, **{name: unicode_words(getattr(self, name)) for name in TEXTS})
+        said = {name: unicode_words(getattr(self, name)) for name in TEXTS}
+        return Erratum(self.number, self.id, self.severity, shown=self.shown, **said)
 
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:

@@ -140,7 +140,8 @@ def _theorem() -> Iterator[Any]:
         r"$(\alpha, \lambda, \sigma)$ from Table~\ref{tab:grazing-places}, and let the flow of $\Omega_\alpha$ have "
         r"$\dot{x} = v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and $\Theta^{\mathrm{cr}}$ as in "
         r"Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to first order iff $\theta_m \in [0, 2\pi)$ is in "
-        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$.",
+        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$ modulo "
+        r"$2\pi$.",
         title="the paper's Theorem 7, (55) to (58), completed",
         label="thm:grazing-theorem7",
     )
@@ -155,7 +156,8 @@ def _theorem() -> Iterator[Any]:
         r"$\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle $\Theta^{\mathrm{cr}}$ is negative: "
         r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and $\pi - \Theta^{\mathrm{cr}} = "
         r"\pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where the paper writes a closed end "
-        r"$2\pi]$, it is the phase 0. For the last sentence,",
+        r"$2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, at every phase or at none. For "
+        r"$a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
         equation(
             turned,
             -sp.sin(THETA_M),
@@ -335,8 +337,9 @@ def _no_spring() -> Iterator[Any]:
         Prose(
             r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
             r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ "
-            r"and $P_6$. If it is $\pm 1$, then $G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and "
-            r"nothing grazes; beyond that no contact has $F^{(\alpha)} = 0$.",
+            r"and $P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
+            r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no "
+            r"contact has $F^{(\alpha)} = 0$.",
             (fact(curve, "=", -B0 * Omega**2 * sp.cos(THETA_M) / m, Exact(tidy=sp.simplify)),),
         ),
         title="no spring",
