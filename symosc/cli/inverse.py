@@ -27,6 +27,8 @@ def solve(
 ) -> None:
     """Print the answers for all mappings, and draw one that is a region; p = None asks with letters."""
     asked = read_names(names)
+    if p is None and not isinstance(asked, str):
+        raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
     if output is not None and (p is None or isinstance(asked, str) or phases is None or len(mappings) != 1):
         raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
     found = [each for mapping in _depending(mappings, asked) for each in _answers(p, mapping, asked, phases, order)]
