@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -107,7 +107,7 @@ def grazing(
     for mapping in mappings:
         place(mapping)
     if solve is not None:
-        forms = {"as_latex": as_latex, "as_json": as_json, "output": output, "piped": piped}
+        forms: dict[str, Any] = {"as_latex": as_latex, "as_json": as_json, "output": output, "piped": piped}
         inverse.solve(p, list(dict.fromkeys(mappings)), solve, phase, order, **forms)
         return 0
     assert p is not None
