@@ -38,6 +38,7 @@ CASES_WITHOUT_DRIVE = ((p, r"$a = 0 < \gamma$"), (-p, r"$\gamma < 0 = a$"), (sp.
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _contact()
+    yield from _what_it_fixes()
     yield from _theorem()
     if scope.scene is not None:
         for mapping, place in PLACES.items():
@@ -81,6 +82,9 @@ def _contact() -> Iterator[Any]:
         ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
         tuple(rows),
     )
+
+
+def _what_it_fixes() -> Iterator[Any]:
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     general = (c * acceleration + k * rate) / m
     at_contact = general.subs({acceleration: 0, rate: v_lambda})
@@ -249,8 +253,6 @@ def _equality() -> Iterator[Any]:
     letter = sp.Symbol("a", real=True)
     amplitude = {letter: B0 * Omega / m}
     true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
-    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     yield from block(
         "theorem",
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
@@ -280,6 +282,15 @@ def _equality() -> Iterator[Any]:
         title="the case of equality",
         label="thm:grazing-equality",
     )
+    yield from _equality_proof(true3)
+    yield _equality_in_figures()
+
+
+def _equality_proof(true3: Any) -> Iterator[Any]:
+    """Yield the proof; `true3` is the third G-function at an end of a window."""
+    third, letter = G(3), sp.Symbol("a", real=True)
+    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
+    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
     other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
     yield from proof(
@@ -305,8 +316,11 @@ def _equality() -> Iterator[Any]:
         ),
         r"is never positive.",
     )
+
+
+def _equality_in_figures() -> Prose:
     at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
-    yield Prose(
+    return Prose(
         r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
         r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded "
         r"phase in either of them.",

@@ -30,6 +30,8 @@ def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _on_belt()
     yield from _exits(scope)
+    yield from _which_exit(scope)
+    yield from _every_stick_ends()
 
 
 def _on_belt() -> Iterator[Any]:
@@ -123,6 +125,9 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror image. "
         r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
     )
+
+
+def _which_exit(scope: Scope) -> Iterator[Any]:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -152,6 +157,9 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"rises to 0.",
         0.85,
     )
+
+
+def _every_stick_ends() -> Iterator[Any]:
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
