@@ -63,7 +63,6 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "derive.scope": ("derive/test_document.py", "what a scene leaves out is seen in the finished chapters"),
     "derive.steps": ("derive/test_document.py", CHAPTERS),
     "engine.arithmetic": ("engine/test_binding.py", ENGINE),
-    "engine.compiled_loop": ("simulation/test_one_engine.py", "it must give what one trajectory after the other gives"),
     "engine.mpfr_arithmetic": ("engine/test_mpfr.py", SAME),
     "engine.pair_loop": ("simulation/test_ladder.py", SAME),
     "engine.pairs": ("simulation/test_ladder.py", SAME),
