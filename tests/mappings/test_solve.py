@@ -16,6 +16,7 @@ from oracle import simulate_oracle
 
 from symosc import Parameters, load_scene, simulate
 from symosc.errors import ParameterError
+from symosc.mappings.equations import jacobian
 from symosc.mappings.solve import MapError, solve_map
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import MAPS
@@ -111,3 +112,29 @@ def test_derivatives_are_those_of_the_equation_of_motion() -> None:
             columns.append([float((a - b) / (2 * mpmath.mpf(10) ** -9)) for a, b in zip(*ends, strict=True)])
         size = 1 + np.abs(found).max()
         assert found == pytest.approx(np.array(columns).T, abs=1e-5 * size)
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+def test_a_start_may_be_at_0(digits: int | None) -> None:
+    """x = 0 and theta = 0 are numbers like others: the end is that of a start beside them."""
+    context = mpmath.mp.clone()
+    context.dps = digits or 15
+    number = float if digits is None else context.mpf
+    p = load_scene("fig9").parameters
+    found, beside = (solve_map(p, "P3", number(x), number(0)) for x in (0, 1e-9))
+    assert abs(found.x - beside.x) < 1e-7
+    assert abs(found.theta - beside.theta) < 1e-7
+
+
+def test_derivatives_keep_all_digits() -> None:
+    """Also those of sticks, whose matrix has whole numbers in it: they are not rounded to doubles."""
+    context = mpmath.mp.clone()
+    context.dps = 40
+    p = load_scene("fig10").parameters
+    for label in ("P1", "P4", "P2", "P6"):
+        x, theta = context.mpf(1) / 3, context.mpf(2) / 7
+        found = jacobian(p, label, (x, theta), (context.mpf(-1) / 7, theta + context.mpf(1) / 3))
+        assert found.dtype == object
+        exact = [entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)]
+        assert len(exact) >= 3
+        assert all(entry != float(entry) for entry in exact)
