@@ -195,6 +195,17 @@ def test_all_values_of_a_piece_are_found(seed: int) -> None:
         assert sorted(curve.found) == pytest.approx(right, abs=1e-12), (n, shift, level)
 
 
+@pytest.mark.parametrize(("beyond", "taken"), [(0.0, True), (1e-12, True), (1e-11, False)])
+def test_a_value_at_an_extremum_between_two_samples_is_found_once(beyond: float, taken: bool) -> None:
+    """The wave comes to the value from below or above and turns there, within rounding."""
+    for sign in (1, -1):
+        curve = Whole(lambda theta, sign=sign: 3.0 + sign * math.sin(theta))
+        curve.K, curve.target = SimpleNamespace(rate=1.0, Om=1.0), mpmath.mpf(3.0 + sign * (1 + beyond))
+        curve.roots = (math.pi / 2,)
+        curve._on_piece(Piece.of(curve, 0.2, 2.9, 10))
+        assert curve.found == ([math.pi / 2] if taken else [])
+
+
 def test_of_an_angle_all_turns_are_looked_for() -> None:
     """Every value that differs from the target by whole turns and lies in reach, and none beside it twice."""
     rng = np.random.default_rng(4)
