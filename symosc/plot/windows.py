@@ -58,7 +58,7 @@ def window_figure(
     Raises
     ------
     ParameterError
-        If an argument is none of these.
+        If there is no window, or no such panel, or more than one window with `ax`.
 
     Examples
     --------
