@@ -180,8 +180,9 @@ class Whole(Formula):
 def test_all_values_of_a_piece_are_found(seed: int) -> None:
     """Crossings, pairs of them between two samples, and touches of an extremum: of waves with known roots."""
     rng = np.random.default_rng(seed)
-    for n in (9, 12, 15, 40):
-        shift, level = rng.uniform(0, 1.5), rng.uniform(-0.97, 0.97)
+    for n in (7, 9, 12, 15, 40):
+        shift, height = rng.uniform(0, 1.5), rng.choice([rng.uniform(0, 0.97), rng.uniform(0.99, 0.9999)])
+        level = rng.choice([-1, 1]) * height  # near 1 both values lie between two samples
         target = 3.0 + level
         curve = Whole(lambda theta, shift=shift: 3.0 + math.sin(2 * theta + shift))
         curve.K = SimpleNamespace(rate=1.0, Om=1.0)
