@@ -100,9 +100,7 @@ def grazing(
         raise click.UsageError("--against needs --plot FILE and one --map")
     letters = solve is not None and scene is None and not settings
     name, p = (None, None) if letters else _parameters(scene, settings)
-    chosen = list(dict.fromkeys(mappings))
-    for mapping in chosen:
-        place(mapping)
+    chosen = _chosen(mappings)
     if solve is not None:
         inverse.solve(p, chosen, solve, phase, order, as_latex, as_json)
         return 0
@@ -121,6 +119,13 @@ def _check_questions(solve: str | None, phase: str | None, printed_only: bool) -
         raise click.UsageError("--phase needs --solve, which says what is asked for")
     if solve is not None and not printed_only:
         raise click.UsageError("--solve prints only; give it without --plot, --check and --against")
+
+
+def _chosen(mappings: tuple[str, ...]) -> list[str]:
+    """Return each map once; ParameterError for one without grazing."""
+    for mapping in mappings:
+        place(mapping)
+    return list(dict.fromkeys(mappings))
 
 
 def _decided(

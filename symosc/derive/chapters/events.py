@@ -26,7 +26,7 @@ def items(scope: Scope) -> Iterator[Any]:
     del scope  # the statements are the same for every scene
     yield from _gap()
     yield from _two_zeros()
-    yield from _bound_for_ever()
+    yield from _bounds()
     yield from _bound_for_a_while()
     yield from _search()
 
@@ -131,7 +131,7 @@ def _modes(expr: Any) -> Any:
     return solution.collect_modes(sp.expand_trig(expr))
 
 
-def _bound_for_ever() -> Iterator[Any]:
+def _bounds() -> Iterator[Any]:
     yield Heading("Two bounds for later times")
     third, fourth = named("u^{(3)}"), named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
