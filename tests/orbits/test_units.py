@@ -63,6 +63,7 @@ def test_an_orbit_has_the_same_margins(units: Units, p: Parameters, word: str, o
         assert other == (rest and tuple(value * units.length for value in rest))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("units", UNITS, ids=str)
 def test_an_orbit_is_found_in_any_units(units: Units) -> None:
     """Without a guess, to nearly all digits, with all that is said of it."""
