@@ -13,6 +13,7 @@ from careful_solver import TIGHT, random_parameters, solve
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
 from symosc.crosschecks.compare import CrossCheck, crosscheck
 from symosc.crosschecks.matching import Matcher, Matching, in_order
+from symosc.simulation.run import EVENT_KINDS
 
 Pairs = list[tuple[float, str]]
 KINDS = ("cross", "stick", "slip", "graze")
@@ -325,3 +326,26 @@ def test_exact_events_are_close_if_their_reaches_meet_and_they_are_at_one_belt()
             meets = belts[i] == belts[i - 1] and times[i] - own.reaches[i] <= times[i - 1] + own.reaches[i - 1]
             right = [*right[:-1], [*right[-1], i]] if meets else [*right, [i]]
         assert own._close_events() == right
+
+
+def test_what_is_left_of_a_list_or_of_wrong_steps_is_invented() -> None:
+    """Of right steps it is open, where the step has such an event at that belt, or none; several are something else."""
+    cross, stick = (next(code for code, name in EVENT_KINDS.items() if name == kind) for kind in ("cross", "stick"))
+    inside = {0: [], 1: [(cross, 1)], 2: [(cross, 2)], 3: [(stick, 1), (cross, 2)], 4: [(stick, 1)]}
+    rows = [row for step in inside for row in inside[step]]
+    starts = np.cumsum([0, *(len(each) for each in inside.values())])
+    events = SimpleNamespace(
+        kind=np.array([kind for kind, _ in rows]),
+        boundary=np.array([boundary for _, boundary in rows]),
+        rows=lambda first, last: slice(starts[first], starts[last + 1]),
+    )
+    for step, boundary in product(range(5), range(3)):
+        for given, wrong in product((False, True), ((), (step,))):
+            own = Told([(0.5, "cross")], wrong=wrong)
+            own.given, own.steps = given, SimpleNamespace(events=events)
+            vars(own.found[0]).update(step=step, last_step=step, boundary=boundary)
+            own._leave_found()
+            same = any(kind == cross and boundary in (0, belt) for kind, belt in inside[step])
+            assert own.result.invented == (own.found if given or wrong else [])
+            is_open = not given and not wrong and (same or not inside[step])
+            assert own.result.unresolved == (own.found if is_open else [])

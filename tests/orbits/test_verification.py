@@ -6,8 +6,6 @@ import math
 import pickle
 import random
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +13,7 @@ from branches import branch_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate
 from symosc.errors import ParameterError
-from symosc.model import MODE_NAMES
 from symosc.orbits import verification
-from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import orbit_at
 from symosc.orbits.floquet import rest_positions
@@ -269,94 +265,3 @@ def test_the_engine_agrees_up_to_its_tolerance_and_no_further(monkeypatch):
     due = verification._expected(equations, points, verification._start(equations, points))
     monkeypatch.setattr(verification, "_simulated", lambda *_: events[: len(due) - 1])
     assert not agrees(equations, points, None)
-
-
-# --- where the engine contradicts ---
-
-
-def told(orbit: PeriodicOrbit, changes: dict[int, dict[str, Any]], most: int = 99) -> list[SimpleNamespace]:
-    """Return the events of an orbit's period from its clearest point on, some of them changed, `most` of them."""
-    equations, points = orbit.equations(), orbit.phases()
-    due = verification._expected(equations, points, verification._start(equations, points))
-    events = [
-        SimpleNamespace(boundary=boundary, target=MODE_NAMES[mode], x=x, t=t, kind="cross")
-        for boundary, mode, x, t in due
-    ]
-    for i, change in changes.items():
-        vars(events[i]).update({name: value(events[i]) if callable(value) else value for name, value in change.items()})
-    return events[:most]
-
-
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
-def test_the_first_piece_that_the_engine_does_not_follow_is_named(
-    p: Parameters, word: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """By another belt, another mode, a wrong time or no event at all: how late, or a whole period, and of what kind."""
-    orbit = find_orbit(p, word)
-    equations, points = orbit.equations(), orbit.phases()
-    n, start = len(points), verification._start(equations, points)
-    clearest = []
-    for i, piece in enumerate(equations.pieces):
-        forces = [abs(equations.force(d, points[i][0], equations.belt(piece.start).v, points[i][1])) for d in (1, 2, 3)]
-        on = forces[piece.start - 1 : piece.start + 1]
-        clearest.append(-np.inf if equations.pieces[i - 1].sticks else min(on))
-    assert start == int(np.argmax(clearest))
-    for j in range(n):
-        piece = equations.pieces[(start + j) % n]
-        due = told(orbit, {})[j].t
-        for change, most, value, t in (
-            ({"boundary": 3}, 99, 0.0, due),
-            ({"target": "Omega9"}, 99, 0.0, due),
-            ({"t": due + 1e-3}, 99, -1e-3, due + 1e-3),
-            ({"t": due - 0.1}, 99, -0.1, due - 0.1),
-            ({"t": due + 99.0}, 99, -orbit.period, due + 99.0),
-            ({}, j, -orbit.period, due),
-        ):
-            events = told(orbit, {j: change}, most)
-            monkeypatch.setattr(verification, "_simulated", lambda *_, events=events: events)
-            found = verification._contradiction(equations, points)
-            assert not agrees(equations, points, None)
-            assert (found.piece, found.rank) == ((start + j) % n, 7)
-            assert found.text == f"{piece.label} ends where it first can"
-            assert found.event == ("birth of a slip" if piece.sticks else "grazing")
-            assert (found.value, found.t) == pytest.approx((value, t), rel=1e-9, abs=1e-12)
-    for change, same in (({"x": lambda e: e.x + 1e-3}, False), ({"kind": "graze"}, False), ({}, True)):
-        events = told(orbit, {n - 1: change})
-        monkeypatch.setattr(verification, "_simulated", lambda *_, events=events: events)
-        assert agrees(equations, points, None) is same
-
-
-def test_what_may_fail_where_more_digits_do_not_help() -> None:
-    """What fails; else what is within a millionth of its size of failing, the lowest rank first, said to be open."""
-    rng = random.Random(8)
-    for _ in range(30):
-        rows = [
-            Condition(i, f"c{i}", rng.choice([2e-6, 0.5e-6, -0.5e-6, 1.0]) * 3, 0.0, "", rng.randrange(3), 3.0)
-            for i in range(5)
-        ]
-        found = verification._undecided(rows)
-        failed = sorted((c for c in rows if c.value < 0), key=lambda c: c.rank)
-        near = sorted((c for c in rows if c.value < 2e-6), key=lambda c: c.rank)
-        if failed:
-            assert found == failed
-        else:
-            assert [(c.piece, c.value, c.text[:2]) for c in found] == [(c.piece, 0.0, c.text) for c in near]
-            assert all("cannot be decided" in c.text for c in found)
-
-
-def test_a_piece_that_vanishes_under_newtons_method_is_named() -> None:
-    orbit = find_orbit(FIG10, "P4645")
-    equations, points = orbit.equations(), orbit.phases()
-    rows = orbit.conditions()
-    for i in range(4):
-        for part, gone in ((0.5e-2, True), (-0.5e-2, True), (2e-2, False)):
-            moved = points.copy()
-            behind = moved[(i + 1) % 4, 1] + (float(equations.turn) if i == 3 else 0.0)
-            shift = (behind - moved[i, 1]) * (1 - part)
-            if i == 3:
-                moved[3, 1] += shift
-            else:
-                moved[i + 1, 1] -= shift
-            found = verification._vanishing(equations, points, rows, equations, Solution(moved, 0.0, 1, False, ""))
-            assert [(c.piece, c.value) for c in found] == ([(i, 0.0)] if gone else [])
-            assert all(c.text.endswith(" lasts") for c in found)
