@@ -349,3 +349,33 @@ def test_what_is_left_of_a_list_or_of_wrong_steps_is_invented() -> None:
             assert own.result.invented == (own.found if given or wrong else [])
             is_open = not given and not wrong and (same or not inside[step])
             assert own.result.unresolved == (own.found if is_open else [])
+
+
+def test_events_that_only_the_samples_own_path_has_are_set_aside() -> None:
+    """Each once: of a right step, of the kind, within reach, no exact event, and no partner of one."""
+    cross, stick = (next(code for code, name in EVENT_KINDS.items() if name == kind) for kind in ("cross", "stick"))
+    base: dict[str, Any] = {
+        "kind": cross,
+        "t": 3.0,
+        "step": 3,
+        "exact": False,
+        "used": False,
+        "wrong": (),
+        "reach": 0.01,
+    }
+    for change, aside in (
+        ({}, True), ({"kind": stick}, False), ({"t": 3.02}, False), ({"t": 3.009}, True), ({"exact": True}, False),
+        ({"used": True}, False), ({"wrong": (3,)}, False), ({"reach": 0.0, "t": 3.001}, False),
+        ({"t": 3.02, "listed": 0.02}, True),
+    ):  # fmt: skip
+        told = base | {"listed": 0.0} | change
+        own = Told([(3.0, "cross"), (3.0, "cross")], wrong=told["wrong"])
+        events = SimpleNamespace(t=np.array([told["t"]]), kind=np.array([told["kind"]]), step=np.array([told["step"]]))
+        own.steps = SimpleNamespace(events=events, K=SimpleNamespace(period=6.0))
+        own.local = [0 if told["used"] else None, None]
+        own._is_exact = lambda row, told=told: told["exact"]  # type: ignore[method-assign]
+        listed = np.full(2, told["listed"])
+        own.reach = SimpleNamespace(of_row=lambda row, told=told: told["reach"], listed=listed)  # type: ignore[assignment]
+        own._neighbours()
+        assert own.open == ({1} if aside else {0, 1}), change
+        assert own.result.unresolved == (own.found[:1] if aside else [])
