@@ -27,7 +27,6 @@ def items(scope: Scope) -> Iterator[Any]:
     yield from _gap()
     yield from _two_zeros()
     yield from _bounds()
-    yield from _bound_for_a_while()
     yield from _search()
 
 
@@ -168,10 +167,6 @@ def _bounds() -> Iterator[Any]:
         Step(Relation(energy, "<=", sp.Integer(0)), r"which is never positive:", Sign({energy: rate})),
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.",
     )
-
-
-def _bound_for_a_while() -> Iterator[Any]:
-    z = sp.Function("z")(tau)
     w, w_rate = named("w"), named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
     drive = LETTER_A * Omega**3 * sp.cos(theta)

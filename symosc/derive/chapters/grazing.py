@@ -37,7 +37,6 @@ CASES_WITHOUT_DRIVE = ((p, r"$a = 0 < \gamma$"), (-p, r"$\gamma < 0 = a$"), (sp.
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
-    yield from _places()
     yield from _contact()
     yield from _theorem()
     if scope.scene is not None:
@@ -45,12 +44,10 @@ def items(scope: Scope) -> Iterator[Any]:
             if place.boundary in scope.boundaries:
                 yield from _numbers(scope, mapping, place)
     yield from _equality()
-    yield from _proof_of_equality()
-    yield from _figures_7_and_8()
     yield from _no_spring()
 
 
-def _places() -> Iterator[Any]:
+def _contact() -> Iterator[Any]:
     yield Heading("What a contact fixes")
     yield from block(
         "definition",
@@ -84,9 +81,6 @@ def _places() -> Iterator[Any]:
         ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
         tuple(rows),
     )
-
-
-def _contact() -> Iterator[Any]:
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     general = (c * acceleration + k * rate) / m
     at_contact = general.subs({acceleration: 0, rate: v_lambda})
@@ -245,9 +239,16 @@ def _numbers(scope: Scope, mapping: str, place: Place) -> Iterator[Any]:
 def _equality() -> Iterator[Any]:
     yield Heading(r"The ends of a window, and the case of equality")
     second, third = G(2), G(3)
+    contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
+    g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
+    on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
+    assert sp.simplify(g1.subs(on_end)) == 0
+    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
     letter = sp.Symbol("a", real=True)
     amplitude = {letter: B0 * Omega / m}
-    true2, true3 = _g_functions_at_an_end()
+    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
+    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
+    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     yield from block(
         "theorem",
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
@@ -277,23 +278,6 @@ def _equality() -> Iterator[Any]:
         title="the case of equality",
         label="thm:grazing-equality",
     )
-
-
-def _g_functions_at_an_end() -> tuple[Any, Any]:
-    """Return G^(2) and G^(3) at a contact with G^(1) = 0."""
-    contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
-    g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
-    on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
-    assert sp.simplify(g1.subs(on_end)) == 0
-    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    return g2.subs(on_end).xreplace(wave), g3.subs(on_end).xreplace(wave)
-
-
-def _proof_of_equality() -> Iterator[Any]:
-    third, letter = G(3), sp.Symbol("a", real=True)
-    _, true3 = _g_functions_at_an_end()
-    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
-    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
     other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
     yield from proof(
@@ -319,9 +303,6 @@ def _proof_of_equality() -> Iterator[Any]:
         ),
         r"is never positive.",
     )
-
-
-def _figures_7_and_8() -> Iterator[Any]:
     at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
     yield Prose(
         r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "

@@ -47,7 +47,6 @@ DECIMALS = 20
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _uniqueness()
-    yield from _without_uniqueness()
     if scope.scene is None:
         yield from _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
         yield from _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
@@ -111,9 +110,6 @@ def _uniqueness() -> Iterator[Any]:
         r"a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes nothing "
         r"else: the multiplier is 1.",
     )
-
-
-def _without_uniqueness() -> Iterator[Any]:
     yield from block(
         "example",
         Prose(

@@ -30,8 +30,6 @@ def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _on_belt()
     yield from _exits(scope)
-    yield from _table_of_exits(scope)
-    yield from _lasting()
 
 
 def _on_belt() -> Iterator[Any]:
@@ -122,9 +120,6 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"does not vanish (Lemma~\ref{thm:switching-side}), so it goes below $v_\lambda$. The other end is the mirror "
         r"image. \eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
     )
-
-
-def _table_of_exits(scope: Scope) -> Iterator[Any]:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -154,9 +149,6 @@ def _table_of_exits(scope: Scope) -> Iterator[Any]:
         r"rises to 0.",
         0.85,
     )
-
-
-def _lasting() -> Iterator[Any]:
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
