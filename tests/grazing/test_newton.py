@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
@@ -280,3 +281,42 @@ def test_what_goes_on_for_ever_is_noted(at_low: bool) -> None:
                 assert f"theta_m = {0.5 if at_low else 1.5:.6g}" in curve.notes[0]
             if noted == "goes on for ever":
                 assert f"theta = {11 if at_low else 22}, x = 3 " in curve.notes[0]
+
+
+class Straight(SimpleNamespace):
+    """Flights from places that are a multiple of the tangency's phase."""
+
+    def __init__(self, slope: float) -> None:
+        super().__init__(context=mpmath.mp, K=SimpleNamespace(Om=2.0), digits=40, slope=mpmath.mpf(slope))
+
+    def number(self, value: Any) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else mpmath.mpf(value)
+
+    def contact(self, theta: Any) -> Any:
+        return mpmath.sin(theta) / 4
+
+    def instant(self, theta: Any, tau: Any) -> Any:
+        return SimpleNamespace(dx=self.slope * theta - self.contact(theta), x_theta=self.slope)
+
+
+@pytest.mark.parametrize("kind", ["touch", "contact"])
+@pytest.mark.parametrize("tau", [0.4, 2.5])
+def test_on_a_curve_of_touches_the_time_is_that_of_the_search(kind: str, tau: float) -> None:
+    """All flights take the same time there: only the phase is solved for, to all digits; a contact is no touch."""
+    with mpmath.workdps(40):
+        for name, slope in (("theta_i", 1.0), ("x_i", 3.0), ("x_i", -0.2), ("x_i", 0.0)):
+            curve = Formula(abs)
+            curve.name = name
+            curve.flights = Straight(slope)
+            arrival = SimpleNamespace(kind=kind, tau=mpmath.mpf(tau))
+            exact = lambda phase, order, far, digits, arrival=arrival: (arrival, None)  # noqa: E731
+            curve.curve = SimpleNamespace(origins=SimpleNamespace(exact=exact))
+            target = mpmath.mpf(1) / 3
+            found = curve._among_touches(0.7, target)
+            if kind != "touch" or slope == 0:
+                assert found is None
+                continue
+            right = target + 2 * mpmath.mpf(tau) if name == "theta_i" else target / mpmath.mpf(slope)
+            assert found is not None
+            assert found[1] == tau
+            assert abs(found[0] - right) < mpmath.mpf(10) ** -36
