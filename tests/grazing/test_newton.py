@@ -320,3 +320,12 @@ def test_on_a_curve_of_touches_the_time_is_that_of_the_search(kind: str, tau: fl
             assert found is not None
             assert found[1] == tau
             assert abs(found[0] - right) < mpmath.mpf(10) ** -36
+
+
+def test_both_ends_of_a_piece_are_looked_at_from_the_sample_next_to_them() -> None:
+    curve, asked = Whole(lambda theta: 3.0 + theta), []
+    curve.K, curve.target = SimpleNamespace(rate=1.0, Om=1.0), mpmath.mpf(9)
+    curve._at_end = lambda end, point, target: asked.append((end.theta_m, point.theta_m))  # type: ignore[method-assign]
+    curve._note_endless = lambda end, point, piece: asked.append((end.theta_m, point.theta_m))  # type: ignore[method-assign]
+    curve._on_piece(Piece.of(curve, 0.5, 1.5, 6))
+    assert asked == [(0.5, 0.51), (1.5, 1.49)] * 2
