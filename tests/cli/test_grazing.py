@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
+import cli_runs
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from sympy.parsing.sympy_parser import parse_expr
 
-from symosc.cli import app
-from symosc.cli.grazing import grazing
 from symosc.errors import ParameterError
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EVERYTHING
@@ -26,22 +24,7 @@ FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
 
 
-@click.group(cls=app.CommandLine)
-def program() -> None:
-    """Stands for symosc, whose error handling it has."""
-
-
-program.add_command(grazing)
-
-
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(program, ["grazing", *arguments], prog_name="symosc")
-
-
-def good(*arguments: str) -> str:
-    result = run(*arguments)
-    assert (result.exit_code, result.stderr) == (0, ""), result.output
-    return result.stdout
+run, good = partial(cli_runs.run, "grazing"), partial(cli_runs.good, "grazing")
 
 
 def test_the_table() -> None:

@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import cli_runs
 import pytest
-from click.testing import CliRunner, Result
 
 from symosc import load_scene, values_containing, values_empty, values_everything
-from symosc.cli.app import main
 
 FIG9 = load_scene("fig9").parameters
 
 
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(main, ["grazing", *arguments], prog_name="symosc")
-
-
-def good(*arguments: str) -> str:
-    result = run(*arguments)
-    assert (result.exit_code, result.stderr) == (0, ""), result.output
-    return result.stdout
+run, good = partial(cli_runs.run, "grazing"), partial(cli_runs.good, "grazing")
 
 
 def test_one_parameter_and_a_phase() -> None:

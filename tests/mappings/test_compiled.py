@@ -113,7 +113,7 @@ def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene
 @pytest.mark.slow
 @pytest.mark.parametrize("label", ["P1", "P3"])
 def test_a_users_own_compiled_code_may_call_it(label: str) -> None:
-    p = load_scene("fig9").parameters
+    p = load_scene("fig9").parameters.replace(m=1, c=0, k=1)
     f, g = compiled_residual(p, label).scalar, compiled_residual(p, label, jacobian=True).scalar
 
     @numba.njit
@@ -124,6 +124,9 @@ def test_a_users_own_compiled_code_may_call_it(label: str) -> None:
     plain, (f1, f2, slopes) = own(*point)
     assert plain == (f1, f2) == pytest.approx(residual(p, label, point[:2], point[2:]), abs=1e-13)
     np.testing.assert_allclose(np.reshape(slopes, (2, 4)), jacobian(p, label, point[:2], point[2:]), atol=1e-12)
+    even = (4.5, 0.5, 9.0, 4 * np.pi)  # x_j = B0: the forces 3 and -3 have one size, and the one below is taken
+    assert f(*even)[1] == residual(p, label, even[:2], even[2:])[1]
+    assert label != "P1" or f(*even)[1] == 3.0
 
 
 def test_bad_input_is_named() -> None:
