@@ -1,14 +1,23 @@
 """Marching along a flight in fixed steps, which cost no exp, sin or cos.
 
-A part of `symosc.engine.first_exit`, with the same bound. All functions are scalar and run on floats (CPython, numba)
-and, with other globals, on mpmath numbers.
+A part of `symosc.engine.first_exit`, with the same bound M4 of the fourth derivative. Both ends of a step are known, and
+so is Hermite's cubic of a gap g between them. With s = t h, its error is
+
+    |g - cubic| <= M4 s^2 (h - s)^2/24 = 6 t^2 (1 - t)^2 M4 h^4/144,
+
+at the most a sixteenth of what is left to Taylor's formula from one end. The cubic less that is a polynomial of degree
+four whose Bernstein coefficients are g0, g0 + d0/4, (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the
+values g0, g1 and the slopes times h, d0, d1, at both ends. If they are positive, so is the gap. At a start on the wall,
+where g0 = 0, the other four show that it has no other root.
+
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on mpmath numbers.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from typing import NamedTuple
 
-from symosc.engine.gap_bounds import gap_polynomial, positive_on
+from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels.entire import SIXTH
 
@@ -16,67 +25,124 @@ from symosc.kernels.entire import SIXTH
 MARCH_SLACK = 1e-10
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
 PATIENCE = 6e6
+# sqrt(a^2 + b^2) <= a + OCTAGON b for a >= b >= 0, as OCTAGON > sqrt(2) - 1; it is less by a tenth at the most.
+OCTAGON = 0.42
 
 
-def march(tau_max, v0, now, M4, walls, margin, K):
+class Marched(NamedTuple):
+    """Where a march ended."""
+
+    now: Flown  # up to there no wall is met; without dx and the entire functions
+    M4: Number  # the bound of the fourth derivative from there on
+    side: int  # of the wall that is met in the next step, there once and for sure; 0: the next step is not decided
+    there: Flown  # the end of that step
+
+
+def march(tau_max, v0, now, walls, margin, K):
     """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
-    Where the bound allows it, steps are strides.
+    Strides are tried where the gaps look wide enough.
 
     Returns
     -------
-    (now, M4)
-        The flight at a time up to which no wall is met, without dx and the entire functions, and the bound there.
+    Marched
     """
-    M, long, stride = K.march, False, K.stride.step
-    cm, w0sq, Om, Ss, Sc = K.cm, K.w0sq, K.Om, K.Ss, K.Sc
+    cm, w0sq, w0, Om, Ss, Sc = K.cm, K.w0sq, K.w0, K.Om, K.Ss, K.Sc
     Om2 = Om * Om
     Om3, Om4, steady4 = Om2 * Om, Om2 * Om2, K.V0 * Om2 * Om2
     tau, dv, F, G1, G2, G3, s, c = now.tau, now.dv, now.F, now.G1, now.G2, now.G3, now.s, now.c
     below, above, _, _, on_below, on_above = walls
     v_steady, u_steady = Ss * s + Sc * c, Ss * c - Sc * s
     v_free, F_free = v0 - v_steady, F - Om * u_steady
+    G2_free, G3_free = G2 + Om3 * u_steady, G3 - Om4 * v_steady
+    M4 = steady4 + at_least_norm(G3_free, w0 * G2_free)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     has_below, has_above = within_reach(v0, v_free, F_free, slack, walls, K)
-    reach = 0.25 * SIXTH * (stride * stride) * (stride * stride)
-    while tau + M.step < tau_max:
-        free = True
-        if has_below:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(below + dv, F, G1, G2, M4, on_below and tau == 0.0)
-            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
-        if has_above and free:
-            p0, p1, p2, p3, p4, degree = gap_polynomial(above - dv, -F, -G1, -G2, M4, on_above and tau == 0.0)
-            free = positive_on(M.step, p0 - slack if degree == 4 else p0, p1, p2, p3, p4)
-        if not free:
+    step, stride = K.march.step, K.stride.step
+    lift_step = 0.25 * SIXTH * SIXTH * (step * step) * (step * step)
+    lift_stride = 0.25 * SIXTH * SIXTH * (stride * stride) * (stride * stride)
+    side = 0
+    long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
+    while True:
+        M = K.stride if long else K.march
+        h = M.step
+        if tau + h >= tau_max:
             if not long:
                 break
-            M, long = K.march, False
+            long = False
             continue
-        tau = tau + M.step
-        v_free, F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
-        s, c = M.c * s + M.s * c, M.c * c - M.s * s
-        v_steady, u_steady = Ss * s + Sc * c, Ss * c - Sc * s
-        G1_free = -cm * F_free - w0sq * v_free
-        G2_free = -cm * G1_free - w0sq * F_free
+        next_free, next_F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
+        next_s, next_c = M.c * s + M.s * c, M.c * c - M.s * s
+        v_steady, u_steady = Ss * next_s + Sc * next_c, Ss * next_c - Sc * next_s
+        next_dv, next_F = next_free + v_steady - v0, next_F_free + Om * u_steady
+        lift = (lift_stride if long else lift_step) * M4 + slack
+        d0, d1, begun = h * F, h * next_F, tau > 0.0
+        free_below = not has_below or stays_open(
+            below + dv, d0, below + next_dv, d1, lift, slack, on_below and not begun
+        )
+        free_above = not has_above or stays_open(
+            above - dv, -d0, above - next_dv, -d1, lift, slack, on_above and not begun
+        )
+        free = free_below and free_above
+        if not free and long:
+            long = False
+            continue
+        G1_free = -cm * next_F_free - w0sq * next_free
+        G2_free = -cm * G1_free - w0sq * next_F_free
         G3_free = -cm * G2_free - w0sq * G1_free
-        M4 = steady4 + sqrt(G3_free * G3_free + w0sq * G2_free * G2_free)
-        dv = v_free + v_steady - v0
-        F, G1, G2 = F_free + Om * u_steady, G1_free - Om2 * v_steady, G2_free - Om3 * u_steady
-        G3 = G3_free + Om4 * v_steady
-        least = reach * M4
+        next_G1, next_G2, next_G3 = G1_free - Om2 * v_steady, G2_free - Om3 * u_steady, G3_free + Om4 * v_steady
+        if not free:
+            if free_above and below + next_dv < -slack and (begun or not on_below):
+                side = -1 if crosses_once(F, G1, next_F, next_G1, M4, h) else 0
+            elif free_below and above - next_dv < -slack and (begun or not on_above):
+                side = 1 if crosses_once(-F, -G1, -next_F, -next_G1, M4, h) else 0
+            break
+        tau, dv, F, G1, G2, G3, s, c = tau + h, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c
+        v_free, F_free = next_free, next_F_free
+        M4 = steady4 + at_least_norm(G3_free, w0 * G2_free)
         if K.patient:  # with the free motion gone, steps of their own length go farther
-            room = PATIENCE * least
+            room = PATIENCE * 6.0 * lift_stride * M4
             if (not has_below or below + dv > room) and (not has_above or above - dv > room):
                 break
-        long = (
-            tau + stride < tau_max
-            and (not has_below or below + dv + min(F, 0.0) * stride > least)
-            and (not has_above or above - dv - max(F, 0.0) * stride > least)
+        long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
+    here = Flown(tau, now.dx, dv, F, G1, G2, G3, s, c, now.E0, now.E1, now.E2)
+    there = here
+    if side != 0:
+        there = Flown(
+            tau + h, now.dx, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c, now.E0, now.E1, now.E2
         )
-        M = K.stride if long else K.march
-    return Flown(tau, now.dx, dv, F, G1, G2, G3, s, c, now.E0, now.E1, now.E2), M4
+    return Marched(here, M4, side, there)
+
+
+def at_least_norm(a, b):
+    """Return sqrt(a^2 + b^2) or a little more, without a root."""
+    a, b = abs(a), abs(b)
+    return a + OCTAGON * b if a > b else b + OCTAGON * a
+
+
+def looks_free(below, above, F, G1, h, has_below, has_above):
+    """Return whether the parabolas of both gaps are positive after a step of length h: a guess, no proof."""
+    rise = (F + 0.5 * G1 * h) * h
+    return (not has_below or below + rise > 0.0) and (not has_above or above - rise > 0.0)
+
+
+def stays_open(g0, d0, g1, d1, lift, slack, on_wall):
+    """Return whether a gap is shown to be positive over a step, at its start apart if that is on the wall."""
+    begins = d0 >= 0.0 if on_wall else g0 > slack and g0 + 0.25 * d0 > slack
+    return begins and g1 > slack and g1 - 0.25 * d1 > slack and 0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift
+
+
+def crosses_once(d0, b0, d1, b1, M4, h):
+    """Return whether a gap that is positive and then negative at the ends of a step surely has one root between.
+
+    It has if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
+    """
+    loose = SIXTH * h * h * M4
+    falls = d0 < 0.0 and d1 < 0.0 and d0 + 2.0 * SIXTH * h * b0 < 0.0 and 2.0 * d0 + h * b0 + d1 + loose * h < 0.0
+    half, bend = 0.5 * (b0 + b1), 1.5 * loose
+    return falls or (b0 < 0.0 and b1 < 0.0 and half + bend < 0.0) or (b0 > 0.0 and b1 > 0.0 and half - bend > 0.0)
 
 
 def within_reach(v0, v_free, F_free, slack, walls, K):
