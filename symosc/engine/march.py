@@ -1,9 +1,9 @@
 """Marching along a flight in fixed steps, which cost no exp, sin or cos.
 
-A part of `symosc.engine.first_exit`, with the same bound M4 of the fourth derivative. Both ends of a step are known, and
-so is Hermite's cubic of a gap g between them. With s = t h, its error is
+A part of `symosc.engine.first_exit`, with the same bound M4 of the fourth derivative. Both ends of a step are known,
+and so is Hermite's cubic of a gap g between them. At the part t of a step of length h its error is
 
-    |g - cubic| <= M4 s^2 (h - s)^2/24 = 6 t^2 (1 - t)^2 M4 h^4/144,
+    |g - cubic| <= 6 t^2 (1 - t)^2 M4 h^4/144,
 
 at the most a sixteenth of what is left to Taylor's formula from one end. The cubic less that is a polynomial of degree
 four whose Bernstein coefficients are g0, g0 + d0/4, (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the
@@ -18,6 +18,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symosc.aliases import Number
+from symosc.engine.gap_bounds import gap_to
 from symosc.engine.state import Flown
 from symosc.kernels.entire import SIXTH
 
@@ -63,30 +64,34 @@ def march(tau_max, v0, now, walls, margin, K):
     step, stride = K.march.step, K.stride.step
     lift_step = 0.25 * SIXTH * SIXTH * (step * step) * (step * step)
     lift_stride = 0.25 * SIXTH * SIXTH * (stride * stride) * (stride * stride)
-    side = 0
     long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
     while True:
         M = K.stride if long else K.march
-        h = M.step
+        h, lift = M.step, (lift_stride if long else lift_step) * M4 + slack
         if tau + h >= tau_max:
             if not long:
-                break
+                return Marched(point(tau, dv, F, G1, G2, G3, s, c, now), M4, 0, now)
             long = False
             continue
         next_free, next_F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
         next_s, next_c = M.c * s + M.s * c, M.c * c - M.s * s
         v_steady, u_steady = Ss * next_s + Sc * next_c, Ss * next_c - Sc * next_s
         next_dv, next_F = next_free + v_steady - v0, next_F_free + Om * u_steady
-        lift = (lift_stride if long else lift_step) * M4 + slack
-        d0, d1, begun = h * F, h * next_F, tau > 0.0
-        free_below = not has_below or stays_open(
-            below + dv, d0, below + next_dv, d1, lift, slack, on_below and not begun
-        )
-        free_above = not has_above or stays_open(
-            above - dv, -d0, above - next_dv, -d1, lift, slack, on_above and not begun
-        )
+        d0, d1, free_below, free_above = h * F, h * next_F, True, True
+        if has_below:
+            g1 = below + next_dv
+            if on_below and tau == 0.0:
+                free_below = opens(d0, G1 * h * h, g1, d1, lift, slack)
+            else:
+                free_below = stays_open(below + dv, d0, g1, d1, lift, slack)
+        if has_above:
+            g1 = above - next_dv
+            if on_above and tau == 0.0:
+                free_above = opens(-d0, -G1 * h * h, g1, -d1, lift, slack)
+            else:
+                free_above = stays_open(above - dv, -d0, g1, -d1, lift, slack)
         free = free_below and free_above
-        if not free and long:
+        if long and not free:
             long = False
             continue
         G1_free = -cm * next_F_free - w0sq * next_free
@@ -94,26 +99,23 @@ def march(tau_max, v0, now, walls, margin, K):
         G3_free = -cm * G2_free - w0sq * G1_free
         next_G1, next_G2, next_G3 = G1_free - Om2 * v_steady, G2_free - Om3 * u_steady, G3_free + Om4 * v_steady
         if not free:
-            if free_above and below + next_dv < -slack and (begun or not on_below):
-                side = -1 if crosses_once(F, G1, next_F, next_G1, M4, h) else 0
-            elif free_below and above - next_dv < -slack and (begun or not on_above):
-                side = 1 if crosses_once(-F, -G1, -next_F, -next_G1, M4, h) else 0
-            break
+            here = point(tau, dv, F, G1, G2, G3, s, c, now)
+            there = point(tau + h, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c, now)
+            side = -1 if free_above and meets_once(-1, here, there, M4, slack, walls) else 0
+            side = 1 if free_below and meets_once(1, here, there, M4, slack, walls) else side
+            return Marched(here, M4, side, there)
         tau, dv, F, G1, G2, G3, s, c = tau + h, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c
-        v_free, F_free = next_free, next_F_free
-        M4 = steady4 + at_least_norm(G3_free, w0 * G2_free)
+        v_free, F_free, M4 = next_free, next_F_free, steady4 + at_least_norm(G3_free, w0 * G2_free)
         if K.patient:  # with the free motion gone, steps of their own length go farther
             room = PATIENCE * 6.0 * lift_stride * M4
             if (not has_below or below + dv > room) and (not has_above or above - dv > room):
-                break
+                return Marched(point(tau, dv, F, G1, G2, G3, s, c, now), M4, 0, now)
         long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
-    here = Flown(tau, now.dx, dv, F, G1, G2, G3, s, c, now.E0, now.E1, now.E2)
-    there = here
-    if side != 0:
-        there = Flown(
-            tau + h, now.dx, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c, now.E0, now.E1, now.E2
-        )
-    return Marched(here, M4, side, there)
+
+
+def point(tau, dv, F, G1, G2, G3, s, c, start):
+    """Return a point of a flight whose dx and entire functions nobody asks for."""
+    return Flown(tau, start.dx, dv, F, G1, G2, G3, s, c, start.E0, start.E1, start.E2)
 
 
 def at_least_norm(a, b):
@@ -128,10 +130,31 @@ def looks_free(below, above, F, G1, h, has_below, has_above):
     return (not has_below or below + rise > 0.0) and (not has_above or above - rise > 0.0)
 
 
-def stays_open(g0, d0, g1, d1, lift, slack, on_wall):
-    """Return whether a gap is shown to be positive over a step, at its start apart if that is on the wall."""
-    begins = d0 >= 0.0 if on_wall else g0 > slack and g0 + 0.25 * d0 > slack
-    return begins and g1 > slack and g1 - 0.25 * d1 > slack and 0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift
+def stays_open(g0, d0, g1, d1, lift, slack):
+    """Return whether a gap is shown to be positive over a step; see the module."""
+    begins, ends = g0 > slack and g0 + 0.25 * d0 > slack, g1 > slack and g1 - 0.25 * d1 > slack
+    return begins and ends and 0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift
+
+
+def opens(d0, b0, g1, d1, lift, slack):
+    """Return whether a gap is shown to be positive over a step that begins on the wall, but for its start.
+
+    Without a slope there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic through g0, d0, b0 and
+    g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
+    """
+    if g1 <= slack:
+        return False
+    if d0 >= 0.0 and g1 - 0.25 * d1 > slack and 0.5 * g1 + SIXTH * (d0 - d1) > lift:
+        return True
+    return d0 == 0.0 and b0 >= 0.0 and 0.125 * b0 + 0.25 * g1 > 1.5 * lift
+
+
+def meets_once(side, now, there, M4, slack, walls):
+    """Return whether a gap is surely positive at one point of a flight, negative at the next, and 0 once between."""
+    if gap_to(side, there, walls) >= -slack or gap_to(side, now, walls) <= slack:
+        return False
+    h = there.tau - now.tau
+    return crosses_once(-side * now.F, -side * now.G1, -side * there.F, -side * there.G1, M4, h)
 
 
 def crosses_once(d0, b0, d1, b1, M4, h):
