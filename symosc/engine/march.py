@@ -18,16 +18,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine.gap_bounds import gap_to
-from symosc.engine.state import Flown
+from symosc.engine.flow import derivatives
+from symosc.engine.gap_bounds import fourth_derivative_bound, gap_to
+from symosc.engine.state import Flown, Walls
 from symosc.kernels.entire import SIXTH
 
 # What a gap must exceed while marching, as a part of its size.
 MARCH_SLACK = 1e-10
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
 PATIENCE = 6e6
-# sqrt(a^2 + b^2) <= a + OCTAGON b for a >= b >= 0, as OCTAGON > sqrt(2) - 1; it is less by a tenth at the most.
-OCTAGON = 0.42
 
 
 class Marched(NamedTuple):
@@ -50,84 +49,57 @@ def march(tau_max, v0, now, walls, margin, K):
     -------
     Marched
     """
-    cm, w0sq, w0, Om, Ss, Sc = K.cm, K.w0sq, K.w0, K.Om, K.Ss, K.Sc
-    Om2 = Om * Om
-    Om3, Om4, steady4 = Om2 * Om, Om2 * Om2, K.V0 * Om2 * Om2
-    tau, dv, F, G1, G2, G3, s, c = now.tau, now.dv, now.F, now.G1, now.G2, now.G3, now.s, now.c
-    below, above, _, _, on_below, on_above = walls
-    v_steady, u_steady = Ss * s + Sc * c, Ss * c - Sc * s
-    v_free, F_free = v0 - v_steady, F - Om * u_steady
-    G2_free, G3_free = G2 + Om3 * u_steady, G3 - Om4 * v_steady
-    M4 = steady4 + at_least_norm(G3_free, w0 * G2_free)
+    v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
-    has_below, has_above = within_reach(v0, v_free, F_free, slack, walls, K)
-    step, stride = K.march.step, K.stride.step
-    lift_step = 0.25 * SIXTH * SIXTH * (step * step) * (step * step)
-    lift_stride = 0.25 * SIXTH * SIXTH * (stride * stride) * (stride * stride)
-    long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
+    walls = within_reach(v0, v_free, F_free, slack, walls, K)
+    M4, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), K.stride.step
+    long, patience = looks_free(now, stride, walls), PATIENCE * 0.25 * SIXTH * (stride * stride) * (stride * stride)
     while True:
         M = K.stride if long else K.march
-        h, lift = M.step, (lift_stride if long else lift_step) * M4 + slack
-        if tau + h >= tau_max:
-            if not long:
-                return Marched(point(tau, dv, F, G1, G2, G3, s, c, now), M4, 0, now)
+        h, there, free_below, free_above = M.step, now, False, False
+        if now.tau + h < tau_max:
+            v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
+            s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
+            dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
+            G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
+            there = Flown(now.tau + h, now.dx, dv, F, G1, G2, G3, s, c, now.E0, now.E1, now.E2)
+            lift = 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
+            free_below = not walls.has_below or is_free(-1, now, there, lift, slack, walls)
+            free_above = not walls.has_above or is_free(1, now, there, lift, slack, walls)
+        if free_below and free_above:
+            now, v_free, F_free = there, v_next, F_next
+            M4 = fourth_derivative_bound(G2, G3, s, c, K)
+            # with the free motion gone, steps of their own length go farther
+            if K.patient and gap_is(patience * M4, now, walls):
+                return Marched(now, M4, 0, now)
+            long = looks_free(now, stride, walls)
+        elif long:
             long = False
-            continue
-        next_free, next_F_free = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
-        next_s, next_c = M.c * s + M.s * c, M.c * c - M.s * s
-        v_steady, u_steady = Ss * next_s + Sc * next_c, Ss * next_c - Sc * next_s
-        next_dv, next_F = next_free + v_steady - v0, next_F_free + Om * u_steady
-        d0, d1, free_below, free_above = h * F, h * next_F, True, True
-        if has_below:
-            g1 = below + next_dv
-            if on_below and tau == 0.0:
-                free_below = opens(d0, G1 * h * h, g1, d1, lift, slack)
-            else:
-                free_below = stays_open(below + dv, d0, g1, d1, lift, slack)
-        if has_above:
-            g1 = above - next_dv
-            if on_above and tau == 0.0:
-                free_above = opens(-d0, -G1 * h * h, g1, -d1, lift, slack)
-            else:
-                free_above = stays_open(above - dv, -d0, g1, -d1, lift, slack)
-        free = free_below and free_above
-        if long and not free:
-            long = False
-            continue
-        G1_free = -cm * next_F_free - w0sq * next_free
-        G2_free = -cm * G1_free - w0sq * next_F_free
-        G3_free = -cm * G2_free - w0sq * G1_free
-        next_G1, next_G2, next_G3 = G1_free - Om2 * v_steady, G2_free - Om3 * u_steady, G3_free + Om4 * v_steady
-        if not free:
-            here = point(tau, dv, F, G1, G2, G3, s, c, now)
-            there = point(tau + h, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c, now)
-            side = -1 if free_above and meets_once(-1, here, there, M4, slack, walls) else 0
-            side = 1 if free_below and meets_once(1, here, there, M4, slack, walls) else side
-            return Marched(here, M4, side, there)
-        tau, dv, F, G1, G2, G3, s, c = tau + h, next_dv, next_F, next_G1, next_G2, next_G3, next_s, next_c
-        v_free, F_free, M4 = next_free, next_F_free, steady4 + at_least_norm(G3_free, w0 * G2_free)
-        if K.patient:  # with the free motion gone, steps of their own length go farther
-            room = PATIENCE * 6.0 * lift_stride * M4
-            if (not has_below or below + dv > room) and (not has_above or above - dv > room):
-                return Marched(point(tau, dv, F, G1, G2, G3, s, c, now), M4, 0, now)
-        long = looks_free(below + dv, above - dv, F, G1, stride, has_below, has_above)
+        else:
+            side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
+            side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
+            return Marched(now, M4, side, there)
 
 
-def point(tau, dv, F, G1, G2, G3, s, c, start):
-    """Return a point of a flight whose dx and entire functions nobody asks for."""
-    return Flown(tau, start.dx, dv, F, G1, G2, G3, s, c, start.E0, start.E1, start.E2)
-
-
-def at_least_norm(a, b):
-    """Return sqrt(a^2 + b^2) or a little more, without a root."""
-    a, b = abs(a), abs(b)
-    return a + OCTAGON * b if a > b else b + OCTAGON * a
-
-
-def looks_free(below, above, F, G1, h, has_below, has_above):
+def looks_free(now, h, walls):
     """Return whether the parabolas of both gaps are positive after a step of length h: a guess, no proof."""
-    rise = (F + 0.5 * G1 * h) * h
-    return (not has_below or below + rise > 0.0) and (not has_above or above - rise > 0.0)
+    dv = now.dv + (now.F + 0.5 * now.G1 * h) * h
+    return (not walls.has_below or walls.below + dv > 0.0) and (not walls.has_above or walls.above - dv > 0.0)
+
+
+def gap_is(wide, now, walls):
+    """Return whether the gaps to the walls around are wider than that."""
+    dv = now.dv
+    return (not walls.has_below or walls.below + dv > wide) and (not walls.has_above or walls.above - dv > wide)
+
+
+def is_free(side, now, there, lift, slack, walls):
+    """Return whether a wall is surely not met over a step, at its start apart if that is on the wall."""
+    h, room = there.tau - now.tau, walls.below if side < 0 else walls.above
+    g0, d0, g1, d1 = room - side * now.dv, -side * h * now.F, room - side * there.dv, -side * h * there.F
+    if now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above):
+        return opens(d0, -side * h * h * now.G1, g1, d1, lift, slack)
+    return stays_open(g0, d0, g1, d1, lift, slack)
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
@@ -169,10 +141,14 @@ def crosses_once(d0, b0, d1, b1, M4, h):
 
 
 def within_reach(v0, v_free, F_free, slack, walls, K):
-    """Return which walls are near enough to be looked at: the steady amplitude and the transient's energy bound v."""
+    """Return the walls without those too far away: the steady amplitude and the energy of the transient bound v."""
     energy = F_free * F_free + K.w0sq * v_free * v_free
     room_below, room_above = walls.below - v0 - K.V0 - slack, v0 + walls.above - K.V0 - slack
-    return (
+    return Walls(
+        walls.below,
+        walls.above,
         walls.has_below and not (room_below > 0.0 and energy < K.w0sq * room_below * room_below),
         walls.has_above and not (room_above > 0.0 and energy < K.w0sq * room_above * room_above),
+        walls.on_below,
+        walls.on_above,
     )
