@@ -21,6 +21,7 @@ from symosc.aliases import Number
 from symosc.engine.flow import derivatives
 from symosc.engine.gap_bounds import fourth_derivative_bound, gap_to
 from symosc.engine.state import Flown, Walls
+from symosc.kernels._generated import next_derivative
 from symosc.kernels.entire import SIXTH
 
 # What a gap must exceed while marching, as a part of its size.
@@ -52,7 +53,7 @@ def march(tau_max, v0, now, walls, margin, K):
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     walls = within_reach(v0, v_free, F_free, slack, walls, K)
-    M4, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), K.stride.step
+    M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
     long, patience = looks_free(now, stride, walls), PATIENCE * 0.25 * SIXTH * (stride * stride) * (stride * stride)
     while True:
         M = K.stride if long else K.march
@@ -61,24 +62,39 @@ def march(tau_max, v0, now, walls, margin, K):
             v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
             s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
             dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
-            G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
-            there = Flown(now.tau + h, now.dx, dv, F, G1, G2, G3, s, c, now.E0, now.E1, now.E2)
+            G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
+            there = Flown(now.tau + h, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2)
             lift = 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
             free_below = not walls.has_below or is_free(-1, now, there, lift, slack, walls)
             free_above = not walls.has_above or is_free(1, now, there, lift, slack, walls)
         if free_below and free_above:
             now, v_free, F_free = there, v_next, F_next
-            M4 = fourth_derivative_bound(G2, G3, s, c, K)
-            # with the free motion gone, steps of their own length go farther
-            if K.patient and gap_is(patience * M4, now, walls):
-                return Marched(now, M4, 0, now)
             long = looks_free(now, stride, walls)
-        elif long:
-            long = False
-        else:
+            if not K.patient:
+                continue
+        elif not long and (since == now.tau or not are_wider(0.0, there, walls)):
+            now, there = whole(now, v0, K), whole(there, v0, K)
+            M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
             side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
             side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
             return Marched(now, M4, side, there)
+        else:
+            long = False
+        if since < now.tau:  # the bound never grows: until here one of an earlier time was good enough
+            now, since = whole(now, v0, K), now.tau
+            M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+        # with the free motion gone, steps of their own length go farther
+        if K.patient and are_wider(patience * M4, now, walls):
+            return Marched(now, M4, 0, now)
+
+
+def whole(now, v0, K):
+    """Return a point of a flight with all its derivatives; its launch has them, and knows which are exactly 0."""
+    if now.tau == 0.0:
+        return now
+    tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
+    G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
+    return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
 
 
 def looks_free(now, h, walls):
@@ -87,10 +103,10 @@ def looks_free(now, h, walls):
     return (not walls.has_below or walls.below + dv > 0.0) and (not walls.has_above or walls.above - dv > 0.0)
 
 
-def gap_is(wide, now, walls):
+def are_wider(least, now, walls):
     """Return whether the gaps to the walls around are wider than that."""
     dv = now.dv
-    return (not walls.has_below or walls.below + dv > wide) and (not walls.has_above or walls.above - dv > wide)
+    return (not walls.has_below or walls.below + dv > least) and (not walls.has_above or walls.above - dv > least)
 
 
 def is_free(side, now, there, lift, slack, walls):
