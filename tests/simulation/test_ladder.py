@@ -154,7 +154,7 @@ def test_faint_errors_leave_no_trace() -> None:
 
 @pytest.mark.slow
 def test_fig8_over_fifty_periods_is_told_apart_from_grazing_or_given_up() -> None:
-    """Its sticks shrink by 3/8 each half period: 36 digits go on beyond t = 61 and say where they stop, 150 to the end."""
+    """Its sticks shrink by 3/8 each half period: 36 digits go on beyond t = 61 and say so, 150 digits to the end."""
     scene = load_scene("fig8")
     p, start, t_end = scene.parameters, (scene.t0, scene.x0, scene.v0), scene.t0 + Fraction(355, 113) * 50
     found, table = simulate(scene, t_end=t_end), simulate_many(p, start, t_end)
