@@ -20,7 +20,8 @@ Bernstein coefficients, which are all positive. Near a simple root P tells its p
 converge on it from the left; once P shows that the first root is the only one nearby, its place is improved with the
 true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root
 is divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
-immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
+immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps,
+and mostly finds the one step in which a wall is met, so that no search of the kind above is needed.
 
 Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
 gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken
