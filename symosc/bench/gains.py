@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from math import cos, exp, inf, sin
 from typing import Any
 
@@ -94,14 +95,14 @@ def _functions(repeats: int) -> list[Record]:
         waiting, beside = [], []
         for function in (library[name], ours[name]):
             turns, arrays = numba.njit(_in_turn(function)), numba.njit(_over_array(function))
-            waiting.append(_nanoseconds(lambda f=turns: f(0.3, TIMED_CALLS), repeats, TIMED_CALLS))
-            beside.append(_nanoseconds(lambda f=arrays: f(numbers, passes), repeats, passes * len(numbers)))
+            waiting.append(_nanoseconds(partial(turns, 0.3, TIMED_CALLS), repeats, TIMED_CALLS))
+            beside.append(_nanoseconds(partial(arrays, numbers, passes), repeats, passes * len(numbers)))
         rows.append({"name": name, "in_turn": waiting, "in_arrays": beside})
     return rows
 
 
 def _in_turn(function: Any) -> Callable[[float, int], float]:
-    def chain(x, count):  # type: ignore[no-untyped-def]
+    def chain(x, count):
         for _ in range(count):
             first, second = function(x)
             x = 0.3 + 1e-3 * (first + second)
@@ -111,7 +112,7 @@ def _in_turn(function: Any) -> Callable[[float, int], float]:
 
 
 def _over_array(function: Any) -> Callable[[np.ndarray, int], np.ndarray]:
-    def fill(numbers, passes):  # type: ignore[no-untyped-def]
+    def fill(numbers, passes):
         found = np.empty((2, len(numbers)))
         for n in range(passes):
             for i in range(len(numbers)):
