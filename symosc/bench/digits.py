@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from fractions import Fraction
 from math import inf, pi
 from statistics import median
 from typing import Any
 
+from symosc.bench.formulas import in_turns
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.paths import Paths
 from symosc.engine.start import Start
@@ -38,20 +37,6 @@ def run(quick: bool = False) -> dict[str, Any]:
     return _many(QUICK_MOTIONS if quick else MOTIONS, repeats) | _sweep(repeats) | _one(repeats)
 
 
-def _seconds(action: Callable[[], Any]) -> float:
-    begin = time.process_time()
-    action()
-    return time.process_time() - begin
-
-
-def _in_turns(repeats: int, *actions: Callable[[], Any]) -> list[list[float]]:
-    """Return the seconds of each action, measured in turns after a first call of each."""
-    for action in actions:
-        action()
-    rounds = [[_seconds(action) for action in actions] for _ in range(repeats)]
-    return [list(column) for column in zip(*rounds, strict=True)]
-
-
 def _many(motions: int, repeats: int) -> dict[str, Any]:
     """Compare one long motion of fig5, which doubles follow, with many of fig8, as long as the scene."""
     easy, hard = load_scene("fig5"), load_scene("fig8")
@@ -61,7 +46,7 @@ def _many(motions: int, repeats: int) -> dict[str, Any]:
         lambda: simulate_many(hard.parameters, starts, hard.t_end),
     )
     events = [len(action()) for action in actions]
-    columns = _in_turns(repeats, *actions)
+    columns = in_turns(repeats, *actions)
     fig5, fig8 = ([time / count * 1e6 for time in column] for column, count in zip(columns, events, strict=True))
     ratio = median(b / a for a, b in zip(fig5, fig8, strict=True))
     return {"motions": motions, "fig5_us": min(fig5), "fig8_us": min(fig8), "fig8_over_fig5": ratio}
@@ -71,7 +56,7 @@ def _sweep(repeats: int) -> dict[str, Any]:
     p = load_scene("fig9").parameters
     sets = [p.replace(Omega=1 + Fraction(5 * n, SETS - 1)) for n in range(SETS)]
     ends = [SWEPT_PERIODS * 2 * pi / float(each.Omega) for each in sets]
-    default, as_it_is = _in_turns(
+    default, as_it_is = in_turns(
         repeats,
         lambda: simulate_many(sets, (0, 0, 0), ends),
         lambda: simulate_many(sets, (0, 0, 0), ends, accuracy=inf),
@@ -87,11 +72,11 @@ def _one(repeats: int) -> dict[str, Any]:
         fast, plain = (MpArithmetic(scene.parameters, WORKING_DIGITS) for _ in range(2))
         plain.__dict__["paths"] = Paths(plain.namespace)
         start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-        columns = _in_turns(repeats, lambda s=start, a=fast: _followed(s, a), lambda s=start, a=plain: _followed(s, a))  # type: ignore[misc]
+        columns = in_turns(repeats, lambda s=start, a=fast: _followed(s, a), lambda s=start, a=plain: _followed(s, a))  # type: ignore[misc]
         gains.append(median(b / a for a, b in zip(*columns, strict=True)))
         per_event.append(min(columns[0]) / len(_followed(start, fast).events) * 1e6)
     fig8 = load_scene("fig8")
-    single, doubles = _in_turns(repeats, lambda: simulate(fig8), lambda: simulate(fig8, accuracy=inf))
+    single, doubles = in_turns(repeats, lambda: simulate(fig8), lambda: simulate(fig8, accuracy=inf))
     events = len(simulate(fig8).events)
     return {
         "simulate_fig8_us": min(single) / events * 1e6,

@@ -19,7 +19,7 @@ from textwrap import fill
 from typing import Any
 
 from symosc.aliases import Number, Record
-from symosc.bench import formulas
+from symosc.bench import formulas, gains
 from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
 from symosc.engine.arithmetic import compiled
@@ -62,13 +62,13 @@ def run(quick: bool = False) -> Record:
     Keys of a row of `rows`: scene, events, ns_per_event, floor_ns, evaluations_per_event (in units of the floor),
     first_call_s, python_us_per_event, max_error (of event times and positions, relative to max(1, |value|), against 40
     digits), max_error_estimate (what the event estimates say) and compared (the number of events that were compared).
-    `formulas` is the result of `symosc.bench.formulas.run`.
+    `formulas` and `gains` are the results of `run` in the modules of these names.
     """
     repeats, events = (3, QUICK_TIMED_EVENTS) if quick else (REPEATS, TIMED_EVENTS)
     rows = [_scene(name, events, repeats) for name in TIMED_SCENES]
     unit = min(row["floor_ns"] for row in rows)
     result = {"machine": machine(), "floor_ns": unit, "rows": rows, "cold_start": _cold_start(3 if quick else 5)}
-    return result | {"formulas": formulas.run(quick)}
+    return result | {"formulas": formulas.run(quick), "gains": gains.run(quick)}
 
 
 @lru_cache(maxsize=1)
@@ -168,6 +168,8 @@ def table(result: Record) -> str:
             f"cold start: simulate fig5 {cold['simulate_fig5_s']:.2f} s, import numpy {cold['import_numpy_s']:.2f} s",
             "",
             formulas.table(result["formulas"]),
+            "",
+            gains.table(result["gains"]),
             "",
             sentence(result["machine"]),
         ]

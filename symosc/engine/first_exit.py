@@ -20,7 +20,8 @@ Bernstein coefficients, which are all positive. Near a simple root P tells its p
 converge on it from the left; once P shows that the first root is the only one nearby, its place is improved with the
 true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root
 is divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
-immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps.
+immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps,
+and mostly finds the one step in which a wall is met, so that no search of the kind above is needed.
 
 Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
 gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken
@@ -47,6 +48,7 @@ from symosc.engine.gap_bounds import (
     gap_bound,
     gap_to,
     is_near,
+    local_root,
     positive_on,
     quartic_start,
     safe_step,
@@ -63,7 +65,6 @@ MOST_STEPS = 20000
 MOST_STALLS = 30
 # Steps to a contact in its bracket (halving alone takes as many as there are bits).
 MOST_HALVINGS = 400
-MOST_NEWTON = 200
 # A gap smaller than this part of the velocities in question is compared with its error.
 THIN = 1e-9
 # An error of the start that is smaller than THIN times the root of this part of the velocities is rounding.
@@ -77,10 +78,13 @@ def first_exit(tau_max, start, walls, S, K):
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
     now, flat = search_start(tau_max, start, walls, K)
-    M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     thin, margin = error_margins(start, S, K)
     if K.apart and not flat:
-        now, M4 = march(tau_max, start.v, now, M4, walls, margin, K)
+        now, M4, side, there = march(tau_max, start.v, now, walls, margin, K)
+        if side != 0:
+            return polish(between(now, there, side, walls, K), now.tau, there.tau, side, start, walls, K)
+    else:
+        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -231,6 +235,23 @@ def over_wall(side, now, walls):
     return walls.below + now.dv if side < 0 else now.dv - walls.above
 
 
+def between(now, there, side, walls, K):
+    """Return about the time of the only root of a gap between two points.
+
+    A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
+    """
+    h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
+    inverse = 1.0 / (gap + beyond)
+    part = gap * inverse
+    rest = 1.0 - part
+    steeper, flatter = gap + beyond - side * h * now.F, gap + beyond - side * h * there.F
+    better = part + part * rest * (rest * steeper - part * flatter) * inverse
+    part = better if 0.0 < better < 1.0 else part
+    if part < 0.5:
+        return now.tau + sharpened(part * h, side, now, walls, K)
+    return there.tau + sharpened((part - 1.0) * h, side, there, walls, K)
+
+
 def sharpened(root, side, now, walls, K):
     """Return a root that a lower bound has placed, by one step of Halley's method on a polynomial of degree five.
 
@@ -244,7 +265,7 @@ def sharpened(root, side, now, walls, K):
     half_bend = half + (3.0 * third + (6.0 * fourth + 10.0 * fifth * root) * root) * root
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
-    return root - shift if abs(shift) < 0.5 * root else root
+    return root - shift if abs(shift) < 0.5 * abs(root) else root
 
 
 def polish(tau, low, high, side, start, walls, K):
@@ -278,34 +299,6 @@ def shifted(now, shift, v0, K):
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)
     return Flown(now.tau + shift, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
-
-
-def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24, by Newton's method.
-
-    A simple root so near that the inverted series has it to `resolution` needs no step, one farther off takes a step or
-    two after the series, a multiple root as many as it needs.
-    """
-    s = 0.0 * resolution
-    if abs(over * G1) < 0.1 * F * F:
-        inverse = 1.0 / F
-        linear = over * inverse
-        B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
-        s = -linear * (1.0 + B + 2.0 * B * B - W)
-        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
-        if abs(linear) * missing <= resolution:
-            return s
-    for _ in range(MOST_NEWTON):
-        slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
-        if slope == 0.0:
-            break
-        change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
-        s = s - change
-        bend, third = G1 + (G2 + 0.5 * G3 * s) * s, G2 + G3 * s
-        # The next step would be shorter than that.
-        if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
-            break
-    return s
 
 
 def turned(s, c, angle):

@@ -31,10 +31,11 @@ LASTING = 400
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
 SIGMAS = Fraction(8)
-# Step of the march along a flight, in units of 1/rate: about what a fourth-order bound allows in mid-flight.
+# Step of the march along a flight near a wall, in units of 1/rate, and stride: about what a bound of the fourth
+# derivative allows in mid-flight. With a slow drive nothing moves as fast as that once the transient has died away.
 MARCH_STEP = 1.0
-# ... and where nothing moves as fast as that any more, because the drive is slow and the transient has died away.
-STRIDE = 4.0
+STRIDE = 2.0
+SLOW_STRIDE, SLOW = 4.0, 5.0
 
 
 class BeltConstants(NamedTuple):
@@ -228,7 +229,8 @@ def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, 
         E0, E1, E2, _, _, s, c = basis(step, K)
         return MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c)
 
-    return K._replace(march=constants_of(MARCH_STEP / K.rate), stride=constants_of(STRIDE * MARCH_STEP / K.rate))
+    stride = SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE
+    return K._replace(march=constants_of(MARCH_STEP / K.rate), stride=constants_of(stride / K.rate))
 
 
 def _period_rest(period: float, Om: float) -> Fraction:

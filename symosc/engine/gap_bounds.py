@@ -14,7 +14,9 @@ from symosc.kernels.entire import EPS, SIXTH
 # A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate, and Newton's method
 # goes on from there. A shift below NEAR / rate is made by Taylor's formula, to full precision.
 ISOLATED = 6e-2
-NEAR = EPS**0.2
+NEAR = 2.0 * EPS**0.2
+MOST_NEWTON = 200
+FAR = 1e300
 # How far a safe step stays before the root that it aims at, as a part of the step.
 SHRINK = 1e-3
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
@@ -143,3 +145,31 @@ def quartic_start(G3, G2, s, c, K):
         return 4.0 * abs(G3) / M5 if M5 > 0.0 else K.chunk
     bound = 4.0 * abs(G3) / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
     return bound if bound * K.Om < 1.0 else 1.0 / K.Om
+
+
+def local_root(over, F, G1, G2, G3, resolution):
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24, by Newton's method.
+
+    A simple root so near that the inverted series has it to `resolution` needs no step, one farther off takes a step or
+    two after the series, a multiple root as many as it needs. FAR if none was found.
+    """
+    s = 0.0 * resolution
+    if abs(over * G1) < 0.1 * F * F:
+        inverse = 1.0 / F
+        linear = over * inverse
+        B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
+        s = -linear * (1.0 + B + 2.0 * B * B - W)
+        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
+        if abs(linear) * missing <= resolution:
+            return s
+    for _ in range(MOST_NEWTON):
+        slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
+        if slope == 0.0:
+            return s
+        change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
+        s = s - change
+        bend, third = G1 + (G2 + 0.5 * G3 * s) * s, G2 + G3 * s
+        # The next step would be shorter than that.
+        if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
+            return s
+    return FAR + s

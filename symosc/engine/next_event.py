@@ -194,6 +194,8 @@ def switch(there, end, vague, t_error, K):
         where = DOMAIN_ABOVE
     elif Fb > 0.0 and Fa < 0.0:
         where = BELT
+    elif Fb < 0.0:
+        where = DOMAIN_BELOW
     else:
         where = resolve(v, Fb, Fa, now.s, now.c, K)
     if where == BELT:

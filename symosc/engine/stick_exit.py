@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
+from symosc.engine.gap_bounds import NEAR, local_root
 from symosc.engine.state import HIT, NOTHING, STALLED, TANGENCY, StickEnd, Stretch
 from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import stick_acceleration
@@ -118,32 +119,30 @@ def force_noise(F_below, tau, S11, belt, K):
 def exit_root(force, side, stretch, hold, belt, K):
     """Return the only root of force + Delta on a stretch, on which Delta is monotone, as `belt_exit` does.
 
-    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative.
-    Halving when a step leaves the bracket or the steps do not shrink.
+    Steps to the root of the local parabola (Euler's method, which needs no slope), corrected for the third derivative,
+    and `local_root` from nearby. Halving when a step leaves the bracket or the steps do not shrink.
     """
     tau, over, low, high, s, c = first_guess(force, side, stretch, hold, belt, K)
     slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
     Om2 = K.Om * K.Om
-    fourth, step_before, exact = abs(K.fB) * K.Om * Om2, 2.0 * (high - low), False
+    slack, step_before, exact = 4.0 * EPS * high, 2.0 * (high - low), False
     for _ in range(MOST_STICK_STEPS):
         third = Om2 * (belt.drift - slope)
+        if exact:  # the first point is a guess, for which digits may have been lost
+            if over == 0.0:
+                return StickEnd(HIT, side, tau, -force, slope, bend)
+            if abs(over * bend) < 0.1 * slope * slope:
+                step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
+                if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
+                    incline = slope + (bend + 0.5 * third * step) * step
+                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
         step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
         incline = slope + (bend + 0.5 * third * step) * step
-        useful = steepness > 0.0 and side * incline > 0.0
-        if useful:
-            change = -SIXTH * third * step * step * step / incline
-            step = step + change
-        size = abs(step)
-        if exact:  # the first point is a guess, for which digits may have been lost
-            if over == 0.0:
-                return StickEnd(HIT, side, tau, -force, slope, bend)
-            if useful:
-                missing = fourth * size * size * size * size + change * change * (abs(bend) + abs(third) * size)
-                if missing <= EPS * tau * abs(incline) or tau + step == tau:
-                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step)
-        if tau + step >= high or tau + step <= low or 2.0 * size > step_before:
+        if steepness > 0.0 and side * incline > 0.0:
+            step = step - SIXTH * third * step * step * step / incline
+        if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
             step = 0.5 * (low + high) - tau
         step_before = abs(step) if exact else step_before
         if tau + step == tau:  # the bracket is as narrow as it gets

@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import sqrt
 
 from symosc.engine.flow import state_at, velocity_scale
-from symosc.engine.gap_bounds import gap_to, positive_on
+from symosc.engine.gap_bounds import FAR, gap_to, positive_on
 from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY
 from symosc.kernels.entire import EPS, SIXTH
 
@@ -21,7 +21,6 @@ ROUNDING = 64.0
 MOST_DESCENTS = 400
 # A gap within its error that leaves it within this time (times 1/rate) is on its way through 0.
 SOON = 1e-2
-FAR = 1e300
 
 
 def tolerance(now, start_gap, start, S, K):

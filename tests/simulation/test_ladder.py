@@ -150,3 +150,23 @@ def test_faint_errors_leave_no_trace() -> None:
                 assert rounding.rounded_covariance(at, x, v, *faint) == rounding.rounded_covariance(at, x, v, 0, 0, 0)
                 assert rounding.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
     assert rounding.rounding_error(1e-30, 0.0) == 1e-30
+
+
+@pytest.mark.slow
+def test_fig8_over_fifty_periods_is_told_apart_from_grazing_or_given_up() -> None:
+    """Its sticks shrink by 3/8 each half period: 36 digits go on beyond t = 61 and say so, 150 digits to the end."""
+    scene = load_scene("fig8")
+    p, start, t_end = scene.parameters, (scene.t0, scene.x0, scene.v0), scene.t0 + Fraction(355, 113) * 50
+    found, table = simulate(scene, t_end=t_end), simulate_many(p, start, t_end)
+    assert found.status == "undecidable"
+    assert "cannot be decided with 36 digits" in found.message
+    assert 61 < found.events[-1].t < t_end / 2
+    assert table.status == ["undecidable"]
+    assert rows_of(table, 0) == events_of(found)
+    exact = simulate(scene, t_end=t_end, digits=150)
+    assert (exact.status, len(exact.events)) == ("t_end", 196)
+    sticks = [segment.t_end - segment.t_start for segment in exact.segments if segment.mode.startswith("belt")]
+    assert 9.2e-43 < min(sticks) < 9.4e-43
+    for event, right in zip(found.events, exact.events, strict=False):
+        assert (event.kind, event.boundary) == (right.kind, right.boundary)
+        assert abs(float(right.t) - event.t) <= 10 * event.t_error
