@@ -11,6 +11,7 @@ import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic, compiled, mp_context
 from symosc.engine.compiled_loop import Batch, batch_of, follow_all, keep_state, room_for, state_of
+from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import belt_rows
@@ -174,11 +175,11 @@ def _upper_half(value: Any) -> Any:
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
     batch, count = batch_of(rows.copy()), len(rows)
-    loop, begin = _loop(count), 0
+    (loop, table), begin = _loop(count, K), 0
     floats, ints = [], []
     while begin < count:
         room = room_for(4 * count + 64)
-        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, K)
+        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, table)
         floats.append(room.floats[:filled, [0, 1, 3]])
         ints.append(room.ints[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)
@@ -211,14 +212,14 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
     return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
 
 
-def _loop(count: int) -> Callable[..., Any]:
+def _loop(count: int, K: Constants) -> tuple[Callable[..., Any], Any]:
+    """Return the event loop for so many rows, and the constants as it takes them."""
     if count < COMPILE_FROM:
-        return follow_all
+        return follow_all, [K]
     try:
-        compiled_one: Callable[..., Any] = compiled()["follow_all"]
+        return compiled()["follow_all"], table_of([K])
     except MissingExtraError:
-        return follow_all
-    return compiled_one
+        return follow_all, [K]
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:

@@ -16,6 +16,7 @@ from symosc.engine import (
     binding,
     compiled_loop,
     first_exit,
+    first_rows,
     flow,
     gap_bounds,
     march,
@@ -44,6 +45,7 @@ SOURCES = (
     rests,
     stick_exit,
     next_event,
+    first_rows,
     compiled_loop,
 )
 
@@ -63,6 +65,8 @@ OUTLINED = {
     "parts_again",
     "hidden",
     "follow_all",
+    "first_rows",
+    "march_rows",
 }
 
 

@@ -30,9 +30,10 @@ INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_cod
 
 
 class Batch(NamedTuple):
-    """Trajectories: where they are (rows as `row_of` makes them), their events so far, what each ended with."""
+    """Trajectories: where they are, their parameter sets, their events so far, and what each ended with."""
 
-    states: np.ndarray  # (n, STATE_WIDTH)
+    states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
+    sets: np.ndarray  # (n,)
     counts: np.ndarray  # (n,)
     codes: np.ndarray  # (n,)
 
@@ -44,9 +45,11 @@ class EventRows(NamedTuple):
     ints: np.ndarray
 
 
-def batch_of(states: np.ndarray) -> Batch:
-    """Return trajectories that are about to begin."""
-    return Batch(states, np.zeros(len(states), np.int64), np.zeros(len(states), np.int64))
+def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
+    """Return trajectories that are about to begin; all have the first parameter set unless `sets` says another."""
+    count = len(states)
+    sets = np.zeros(count, np.int64) if sets is None else sets
+    return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 def room_for(events: int) -> EventRows:
@@ -97,7 +100,7 @@ def handed_out(t, t_low, t0, x, v, t_error, S11, K):
     return out, t_error, x_error
 
 
-def follow_all(begin, batch, most, accuracy, out, K):
+def follow_all(begin, batch, most, accuracy, out, table):
     """Follow trajectories from number `begin` on, until all are done or the output is full.
 
     Parameters
@@ -107,7 +110,7 @@ def follow_all(begin, batch, most, accuracy, out, K):
     most : events after which a trajectory is FULL.
     accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
     out : EventRows
-    K : Constants
+    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
 
     Returns
     -------
@@ -115,10 +118,10 @@ def follow_all(begin, batch, most, accuracy, out, K):
         The trajectory to go on with, and the number of rows that were filled.
     """
     rows = 0
-    states, counts, codes = batch
+    states, sets, counts, codes = batch
     floats, ints = out
     for i in range(begin, states.shape[0]):
-        state = state_of(states, i)
+        state, K = state_of(states, i), table[sets[i]]
         t_end, t_end_low, t0 = float(states[i, 13]), float(states[i, 14]), float(states[i, 15])
         code = RUNNING
         while code == RUNNING:

@@ -33,7 +33,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K):
         The number of rows that were filled.
     """
     K = from_complex(K)
-    states, counts, codes = batch
+    states, _, counts, codes = batch
     floats, ints = out
     rows = 0
     for i in chosen:

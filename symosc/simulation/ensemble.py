@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine.compiled_loop import (
-    FLOAT_COLUMNS,
-    INT_COLUMNS,
-    Batch,
-    EventRows,
-    state_of,
-)
-from symosc.engine.start import Start, settles
+from symosc.engine.compiled_loop import FLOAT_COLUMNS, INT_COLUMNS, EventRows, room_for, state_of
+from symosc.engine.start import settles
 from symosc.engine.state import DOUBTFUL, END, FULL, REST
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, read_start_error, show, whole_number
+from symosc.exact import read_start_error, whole_number
 from symosc.files import write_whole
-from symosc.model import MODE_NAMES, Parameters
-from symosc.simulation.batch_loop import chosen_loop, joined
-from symosc.simulation.ladder import Ladder
-from symosc.simulation.run import EVENT_KINDS, check_reached
+from symosc.model import MODE_NAMES
+from symosc.simulation.batch_loop import CAPACITY, chosen_loops, joined
+from symosc.simulation.ladder import Ladder, Limits, without
+from symosc.simulation.problems import Problems
+from symosc.simulation.run import EVENT_KINDS, MOST_PERIODS, check_reached
 from symosc.simulation.simulate import MOST_EVENTS, end_status, in_doubles, read_accuracy
-from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.trajectory import Event
+from symosc.simulation.workers import Patrol, Progress, in_chunks, read_progress, read_workers
 
 #: Kinds of events by code.
 KIND_NAMES = EVENT_KINDS
@@ -116,7 +111,7 @@ class EventTable:
 
 
 def simulate_many(
-    parameters: Parameters | Sequence[Parameters],
+    parameters: Any,
     starts: Any,
     t_end: Any,
     *,
@@ -124,40 +119,39 @@ def simulate_many(
     accuracy: float | None = None,
     start_error: Any = None,
     use_numba: bool | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
 ) -> EventTable:
-    """Follow many motions in double precision; the event loop is compiled when numba is installed (extra `fast`).
+    """Follow many motions in double precision, on all cores; compiled when numba is installed (extra `fast`).
 
     Parameters
     ----------
-    parameters : Parameters or sequence of n Parameters
-    starts : array_like, shape (n, 3) or (3,)
+    parameters : Parameters, sequence of n Parameters, or mapping of all their names to a number or an (n,) array
+    starts : array_like, shape (n, 3) or (3,), or mapping of t0, x0 and v0 to a number or an (n,) array
         Rows of t0, x0, v0; floats are read as the decimals that they print as. One row serves for all parameters.
     t_end : number or array_like, shape (n,)
     max_events : int, optional
         Per trajectory (default 1,000,000).
-    accuracy : float, optional
-        As in `simulate` (default 1e-13): a trajectory that has an event with a larger error is followed with more
-        digits. With ``math.inf`` the paths that doubles compute are followed as they are.
-    start_error : number or three numbers, optional
-        Half-widths to which all t0, x0 and v0 are known, as in `simulate`; None: they are exact.
+    accuracy, start_error : optional
+        As in `simulate`, for all motions. With accuracy ``math.inf`` the paths of doubles are followed as they are.
     use_numba : bool, optional
         None: if it is installed. The same source runs without it, slower, with the same results.
+    workers : int, optional
+        Threads; None: one for each core. Their number changes no bit of the result.
+    progress : callable, optional
+        Called with the number of motions that are done and of all, now and then.
 
     Returns
     -------
     EventTable
+        Events, errors and statuses are those of `simulate` for each motion, to the last bit.
 
     Raises
     ------
     ParameterError
-        If a number is not finite, shapes do not fit or a t_end is not later than its t0.
+        If a number is not finite, shapes do not fit or a t_end is not later than its t0; it names the row.
     MissingExtraError
         If `use_numba` is True and numba is missing.
-
-    Notes
-    -----
-    Events, errors and statuses are those of `simulate` for each motion, to the last bit; it follows itself a motion
-    with a contact that doubles cannot decide, or with an event whose error is larger than `accuracy`.
 
     Examples
     --------
@@ -167,108 +161,78 @@ def simulate_many(
     >>> table.trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
-    problems = _read_problems(parameters, starts, t_end, read_start_error(start_error))
+    problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
-    asked = read_accuracy(accuracy)
-    steps = Ladder(problems, chosen_loop(use_numba), most, asked)
-    table = _table(steps.rows, [""] * len(problems), steps.mixed)
-    open_ones = [i for i in _statuses(table, steps.batch, problems) if i not in steps.looks]
-    looks = steps.looks | {i: in_doubles(problems[i], most, asked) for i in open_ones}
-    return _with_looks(table, looks) if looks else table
+    limits, loops = Limits(most, read_accuracy(accuracy)), chosen_loops(use_numba)
+    threads, shown = read_workers(workers), read_progress(progress)
+
+    def work(rows: slice, room: EventRows, patrol: Patrol) -> _Part:
+        return _part(problems, rows, Ladder(problems, rows, loops, limits, room, patrol))
+
+    threads = threads if loops.in_threads else 1
+    return _table(in_chunks(len(problems), work, partial(room_for, CAPACITY), threads, shown))
 
 
-def _statuses(table: EventTable, batch: Batch, problems: list[Start]) -> list[int]:
-    """Write the statuses of trajectories into the table; return the numbers of those that need a closer look."""
-    open_ones = []
-    for i, (code, count) in enumerate(zip(batch.codes.tolist(), batch.counts.tolist(), strict=True)):
-        if code in DOUBTFUL:
-            open_ones.append(i)
-        elif code == FULL:
-            table.status[i] = "max_events"
-        else:
-            state = state_of(batch.states, i)
-            code = REST if code == END and count == 0 and settles(problems[i]) else code
-            table.status[i] = end_status(code, state.mode, state.v, problems[i].parameters)
-            if code == END:
-                check_reached(problems[i], state.n)
-    return open_ones
+class _Part(NamedTuple):
+    """Events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
+
+    rows: EventRows
+    status: list[str]
 
 
-def _read_problems(parameters: Any, starts: Any, t_end: Any, start_error: Any) -> list[Start]:
-    try:
-        sets = [parameters] if isinstance(parameters, Parameters) else list(parameters)
-    except TypeError:
-        sets = [None]
-    if not all(isinstance(p, Parameters) for p in sets):
-        raise ParameterError("parameters", parameters, "give Parameters or a sequence of them")
-    rows = np.asarray(starts, dtype=object)
-    rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
-    if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ParameterError("starts", starts, f"must have shape (n, 3), rows of t0, x0, v0; it has {rows.shape}")
-    ends = np.atleast_1d(np.asarray(t_end, dtype=object))
-    if ends.ndim != 1:
-        raise ParameterError("t_end", t_end, f"must be a number or have shape (n,); it has {ends.shape}")
-    count = max(len(sets), len(rows), len(ends))
-    for name, length in (("parameters", len(sets)), ("starts", len(rows)), ("t_end", len(ends))):
-        if length not in (1, count):
-            raise ParameterError(name, length, f"must have 1 or {count} entries, as the others")
-    names = ("t0", "x0", "v0")
-    exact: dict[Any, Fraction] = {}
-
-    def read(name: str, value: Any) -> Fraction:
-        # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10, Fraction(0.1) is not.
-        key = type(value), value
-        try:
-            known = key in exact
-        except TypeError:  # a list, or another thing that is no number
-            return read_exact(name, value)
-        if not known:
-            exact[key] = read_exact(name, value)
-        return exact[key]
-
-    problems = []
-    for i in range(count):
-        row, end = rows[i % len(rows)], read("t_end", ends[i % len(ends)])
-        t0, x0, v0 = (read(name, value) for name, value in zip(names, row, strict=True))
-        if end <= t0:
-            raise ParameterError("t_end", show(end), f"must be later than t0 = {show(t0)}")
-        problems.append(Start(sets[i % len(sets)], t0, x0, v0, end, start_error))
-    return problems
+def _part(problems: Problems, rows: slice, steps: Ladder) -> _Part:
+    """Return what became of the motions of a chunk; those in doubt still are followed one by one."""
+    status, open_ones = _statuses(steps)
+    looks = dict(steps.looks)
+    for i in open_ones:
+        if i not in looks:
+            looks[i] = in_doubles(steps.problem(i), *steps.limits)
+    parts = [without(part, list(looks)) for part in steps.rows] if looks else steps.rows
+    for i, trajectory in looks.items():
+        status[i] = trajectory.status
+        parts = [*parts, _rows_of(i, trajectory.events)]
+    events = joined(parts)
+    if steps.mixed:
+        order = np.argsort(events.ints[:, 0], kind="stable")
+        events = EventRows(*(column[order] for column in events))
+    events.ints[:, 0] += rows.start
+    return _Part(events, status)
 
 
-def _table(parts: list[EventRows], status: list[str], sort: bool) -> EventTable:
-    numbers, codes = joined(parts)
-    if sort:
-        order = np.argsort(codes[:, 0], kind="stable")
-        numbers, codes = numbers[order], codes[order]
-    columns = dict(zip(FLOAT_COLUMNS, numbers.T, strict=True)) | dict(zip(INT_COLUMNS, codes.T, strict=True))
-    return EventTable(**columns, status=status)
+def _statuses(steps: Ladder) -> tuple[list[str], list[int]]:
+    """Return the statuses of a chunk's motions, and the numbers of those that need a closer look."""
+    batch = steps.batch
+    codes, counts, periods = batch.codes, batch.counts, batch.states[:, 2]
+    status = np.where(codes == FULL, "max_events", "t_end").tolist()
+    # Motions without a drive may have come to rest.
+    for i in np.flatnonzero((codes == REST) | ((codes == END) & (counts == 0))).tolist():
+        problem, state = steps.problem(i), state_of(batch.states, i)
+        code = REST if codes[i] == END and settles(problem) else int(codes[i])
+        status[i] = end_status(code, state.mode, state.v, problem.parameters)
+    for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
+        check_reached(steps.problem(i), int(periods[i]))
+    return status, np.flatnonzero(np.isin(codes, DOUBTFUL)).tolist()
+
+
+def _table(parts: list[_Part]) -> EventTable:
+    """Return the events of all chunks; each column in one piece."""
+    columns = {}
+    for names, which in ((FLOAT_COLUMNS, "floats"), (INT_COLUMNS, "ints")):
+        for n, name in enumerate(names):
+            pieces = [getattr(part.rows, which)[:, n] for part in parts]
+            columns[name] = np.concatenate(pieces) if pieces else room_for(0)[which == "ints"][:, n]
+    return EventTable(**columns, status=[each for part in parts for each in part.status])
+
+
+def _rows_of(i: int, events: Sequence[Event]) -> EventRows:
+    """Return the events of one trajectory as rows."""
+    codes = {name: code for names in (KIND_NAMES, MODE_NAMES) for code, name in names.items()}
+    rows = room_for(len(events))
+    for n, event in enumerate(events):
+        rows.floats[n] = [getattr(event, name) for name in FLOAT_COLUMNS]
+        rows.ints[n] = i, codes[event.kind], event.boundary, codes[event.source], codes[event.target]
+    return rows
 
 
 def _names(by_code: dict[int, str]) -> np.ndarray:
     return np.array([by_code.get(code, "") for code in range(max(by_code) + 1)])
-
-
-def _with_looks(table: EventTable, looks: dict[int, Trajectory]) -> EventTable:
-    """Replace trajectories that ended in doubt or lost accuracy by what `simulate` says of them."""
-    kept = ~np.isin(table.trajectory, list(looks))
-    columns = {name: [column[kept]] for name, column in vars(table).items() if name != "status"}
-    for i, trajectory in looks.items():
-        table.status[i] = trajectory.status
-        _append(columns, i, trajectory.events)
-    joined = {name: np.concatenate(parts) for name, parts in columns.items()}
-    order = np.argsort(joined["trajectory"], kind="stable")
-    return EventTable(**{name: column[order] for name, column in joined.items()}, status=table.status)
-
-
-def _append(columns: dict[str, list[np.ndarray]], i: int, events: Iterable[Event]) -> None:
-    rows = list(events)
-    codes = {name: code for names in (KIND_NAMES, MODE_NAMES) for code, name in names.items()}
-    for name, parts in columns.items():
-        if name == "trajectory":
-            values = [i] * len(rows)
-        elif name.endswith("_code"):
-            values = [codes[getattr(event, name.removesuffix("_code"))] for event in rows]
-        else:
-            values = [getattr(event, name) for event in rows]
-        parts.append(np.array(values, dtype=parts[0].dtype))
