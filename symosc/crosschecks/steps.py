@@ -16,6 +16,7 @@ from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import belt_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
+from symosc.engine.tally import no_tally
 from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
@@ -179,7 +180,7 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     floats, ints = [], []
     while begin < count:
         room = room_for(4 * count + 64)
-        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, table)
+        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, no_tally(), table)
         floats.append(room.floats[:filled, [0, 1, 3]])
         ints.append(room.ints[:filled])
     numbers, table = np.concatenate(floats), np.concatenate(ints)

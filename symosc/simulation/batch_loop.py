@@ -14,6 +14,7 @@ from symosc.engine.arithmetic import compiled
 from symosc.engine.binding import is_compiled
 from symosc.engine.compiled_loop import Batch, EventRows, room_for
 from symosc.engine.constant_table import ConstantRows
+from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
 # Events after which a loop gives its rows back: a fifth of a second at most.
@@ -44,7 +45,7 @@ class Patience:
 
 DOUBLES, PAIRS = Patience(15.0), Patience(30.0)
 
-Follow = Callable[[int, Batch, int, float, EventRows, np.ndarray], tuple[int, int]]
+Follow = Callable[[int, Batch, int, float, EventRows, Tally, np.ndarray], tuple[int, int]]
 
 
 class Loops(NamedTuple):
@@ -61,10 +62,10 @@ class Loops(NamedTuple):
 
 
 def interpreted(
-    begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, table: np.ndarray
+    begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
 ) -> tuple[int, int]:
     """Do what `symosc.engine.compiled_loop.follow_all` does, in CPython."""
-    return compiled_loop.follow_all(begin, batch, most, accuracy, out, ConstantRows(table))
+    return compiled_loop.follow_all(begin, batch, most, accuracy, out, tally, ConstantRows(table))
 
 
 def _first_rows(table: np.ndarray, sets: np.ndarray, states: np.ndarray) -> None:
@@ -90,14 +91,14 @@ class PatientLoop:
         self._compiled = compiled_one
 
     def __call__(
-        self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, table: np.ndarray
+        self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
     ) -> tuple[int, int]:
         """Do what `symosc.engine.compiled_loop.follow_all` does, perhaps in turns of fewer rows."""
         if DOUBLES.left <= 0 or is_compiled(self._compiled):
-            return self._compiled(begin, batch, most, accuracy, out, table)
+            return self._compiled(begin, batch, most, accuracy, out, tally, table)
         one, some = Batch(*(column[: begin + 1] for column in batch)), EventRows(*(rows[:TURN] for rows in out))
         with DOUBLES.used():
-            return interpreted(begin, one, most, accuracy, some, table)
+            return interpreted(begin, one, most, accuracy, some, tally, table)
 
 
 def chosen_loops(use_numba: Any) -> Loops:
@@ -119,14 +120,23 @@ def chosen_loops(use_numba: Any) -> Loops:
     return plain._replace(follow=PatientLoop(ready.follow))
 
 
-def followed(
-    follow: Follow, batch: Batch, most: int, accuracy: float, room: EventRows, table: np.ndarray
-) -> Iterator[EventRows]:
+class Followed(NamedTuple):
+    """What motions are followed into and how far: room, tally, events per motion, accuracy, and their constants."""
+
+    room: EventRows
+    tally: Tally
+    most: int
+    accuracy: float
+    table: np.ndarray
+
+
+def followed(follow: Follow, batch: Batch, into: Followed) -> Iterator[EventRows]:
     """Follow a batch to its end; yield the rows of its events, copied out of the room that is used again."""
     begin = 0
     while begin < len(batch.states):
-        begin, filled = follow(begin, batch, most, accuracy, room, table)
-        yield EventRows(*(column[:filled].copy() for column in room))
+        begin, filled = follow(begin, batch, into.most, into.accuracy, into.room, into.tally, into.table)
+        filled = 0 if len(into.tally.floats) else filled
+        yield EventRows(*(column[:filled].copy() for column in into.room))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:

@@ -23,8 +23,9 @@ from symosc.engine.arithmetic import Arithmetic, many_digits
 from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import DOUBTFUL, IN_DOUBT, RUNNING, Number
+from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import PAIRS, Loops, followed, joined
+from symosc.simulation.batch_loop import PAIRS, Followed, Loops, followed, joined
 from symosc.simulation.problems import Problems
 from symosc.simulation.run import last_time
 from symosc.simulation.simulate import attainable, in_doubles
@@ -72,6 +73,8 @@ class Ladder:
         Used while the motions are followed.
     patrol : Patrol
         Asked whether to go on whenever the room is full.
+    keep : callable, optional
+        Returns the tally of the motions, given their rows at the start: then no events are recorded.
 
     Attributes
     ----------
@@ -86,30 +89,42 @@ class Ladder:
     """
 
     def __init__(
-        self, problems: Problems, rows: slice, loops: Loops, limits: Limits, room: EventRows, patrol: Patrol
+        self,
+        problems: Problems,
+        rows: slice,
+        loops: Loops,
+        limits: Limits,
+        room: EventRows,
+        patrol: Patrol,
+        keep: Callable[[np.ndarray], Tally] | None = None,
     ) -> None:
         self._problems, self._first, self.limits = problems, rows.start, limits
-        self._follow, self._room, self._patrol = loops.follow, room, patrol
+        self._follow, self._patrol = loops.follow, patrol
         self.batch, table = problems.begin(rows, loops.first_rows, loops.march_rows)
-        self._table = table
         if isinf(limits.accuracy):
             table["sigmas"] = 0.0
-        self.rows = list(self._in_doubles(self.batch))
+        self.table, self.tally = table, keep(self.batch.states) if keep else no_tally()
+        needed = attainable(limits.accuracy, problems.start_error)
+        self._into = Followed(room, self.tally, limits.most, needed, table)
+        fresh = some_of(self.tally, slice(None))
+        self.rows = list(self._in_doubles(self.batch, self.tally))
         self.looks: dict[int, Trajectory] = {}
         in_doubt = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
         self.mixed = len(in_doubt) > 0
+        put_back(self.tally, in_doubt, some_of(fresh, in_doubt))
         if in_doubt and loops.in_threads:
             self.looks = looks_before_compiling(in_doubt, self.problem, limits)
             self._climb([i for i in in_doubt if i not in self.looks and fits(self.problem(i))])
+        left = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
+        put_back(self.tally, left, some_of(fresh, left))
 
     def problem(self, i: int) -> Start:
         """Return a motion's problem by its number here."""
         found: Start = self._problems[self._first + i]
         return found
 
-    def _in_doubles(self, batch: Batch) -> Iterator[EventRows]:
-        needed = attainable(self.limits.accuracy, self._problems.start_error)
-        for rows in followed(self._follow, batch, self.limits.most, needed, self._room, self._table):
+    def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
+        for rows in followed(self._follow, batch, self._into._replace(tally=tally)):
             self._patrol.check()
             yield rows
 
@@ -119,13 +134,14 @@ class Ladder:
         for i in members:
             groups.setdefault(self.problem(i).parameters, []).append(i)
         for some in groups.values():
-            below = Batch(*(column[some] for column in self.batch))
+            below = Motions(Batch(*(column[some] for column in self.batch)), some_of(self.tally, some), self.table)
             found = climb([self.problem(i) for i in some], below, self._in_doubles)
             for rows in found.rows:
                 rows.ints[:, 0] = np.asarray(some)[rows.ints[:, 0]]
             self.rows += found.rows
             for column, own in zip(self.batch, found.batch, strict=True):
                 column[some] = own
+            put_back(self.tally, some, below.tally)
 
 
 def without(rows: EventRows, members: list[int]) -> EventRows:
@@ -140,33 +156,44 @@ def fits(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not still
 
 
-def climb(problems: Sequence[Start], below: Batch, go_on: Callable[[Batch], Iterator[EventRows]]) -> Climb:
+class Motions(NamedTuple):
+    """Motions with what is kept of them, and the constants of their parameter sets."""
+
+    batch: Batch
+    tally: Tally
+    table: np.ndarray
+
+
+def climb(
+    problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tally], Iterator[EventRows]]
+) -> Climb:
     """Follow motions of one parameter set that doubles left open.
 
     Parameters
     ----------
     problems : sequence of n Start
-    below : Batch
-        What doubles made of them.
+    below : Motions
+        What doubles made of them, with fresh tallies, which are filled.
     go_on : callable
-        Goes on in doubles with a batch, which it updates, and yields the rows of its events.
+        Goes on in doubles with a batch and its tallies, which it updates, and yields the rows of its events.
     """
     from symosc.engine.pairs import ROUNDED_FROM, as_complex, follow_pairs, pair_constants
 
-    parameters = problems[0].parameters
+    parameters, doubles, tally = problems[0].parameters, below.batch, below.tally
     follow, K, arithmetic = follow_pairs(), pair_constants(parameters), many_digits(parameters, ROUNDED_FROM)
     pairs = np.array([as_complex(tuple(_row(problem, arithmetic))) for problem in problems])
-    batch, rows = batch_of(below.states.copy(), below.sets), list[EventRows]()
-    wanted = below.counts + (below.codes == IN_DOUBT)
+    batch, rows = batch_of(doubles.states.copy(), doubles.sets), list[EventRows]()
+    wanted = doubles.counts + (doubles.codes == IN_DOUBT)
     active = np.arange(len(problems))
     while len(active):
-        room = room_for(int((wanted - batch.counts)[active].sum()))
-        filled = follow(active, wanted, pairs, batch, room, K)
+        room = room_for(0 if len(tally.floats) else int((wanted - batch.counts)[active].sum()))
+        filled = follow(active, wanted, pairs, batch, room, K, tally, below.table)
+        filled = min(filled, len(room.floats))
         rows.append(EventRows(room.floats[:filled], room.ints[:filled]))
         active = active[batch.codes[active] == RUNNING]
         if len(active):
-            further = Batch(*(column[active] for column in batch))
-            events = joined(go_on(further))
+            further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
+            events = joined(go_on(further, counted))
             doubtful = np.isin(further.codes, DOUBTFUL)
             kept = ~doubtful[events.ints[:, 0]]
             events.ints[:, 0] = active[events.ints[:, 0]]
@@ -175,6 +202,7 @@ def climb(problems: Sequence[Start], below: Batch, go_on: Callable[[Batch], Iter
             done = active[~doubtful]
             for column, own in zip(batch, further, strict=True):
                 column[done] = own[~doubtful]
+            put_back(tally, done, some_of(counted, ~doubtful))
             active = active[doubtful]
     return Climb(batch, rows)
 

@@ -24,6 +24,7 @@ Progress = Callable[[int, int], object]
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
 MOST_IN_CHUNK = 1024
 CHUNKS_PER_WORKER = 6
+MOST_WORKERS = 256
 
 
 class Stopped(Exception):
