@@ -78,6 +78,7 @@ OUTLINED = {
     "covered",
     "within",
     "cut_at",
+    "stationary",
     "end_tally",
     "rest_tally",
     "keep_section",

@@ -13,18 +13,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symosc.engine.flow import derivatives, state_at
-from symosc.engine.gap_bounds import fourth_derivative_bound, positive_on
+from symosc.engine.first_exit import shifted
+from symosc.engine.gap_bounds import NEAR, fourth_derivative_bound, positive_on
 from symosc.engine.state import Flown
 from symosc.kernels.entire import EPS, SIXTH
 
 # How far beyond an extreme a bound may be, as a part of the extremes' size: some units in the last place.
 WIDTH_SLACK = 16.0 * EPS
 # The first cell of a flight, times 1/rate, and the shortest: there nothing can be hidden.
-FIRST_CELL, SHORTEST_CELL = 2.0, 1e-6
+FIRST_CELL, SHORTEST_CELL = 3.0, 1e-6
 MOST_CELLS = 100_000
 MOST_STATIONARY_STEPS = 8
-# How near to a stationary point is near enough, as a part of its cell: the extreme is off by half the square of that.
-STATIONARY = 1e-9
+# How far from the ends of a cell a place to cut is at least, as a part of it.
 AWAY = 1e-3
 
 
@@ -47,40 +47,36 @@ def widened(seen, x, v):
     )
 
 
-def flight_extremes(begin, end, start, x0, seen, K):
-    """Return extremes that include a flight from `begin` to `end` after its launch, whose ends they include already.
+def flight_extremes(begin, last, start, x0, seen, K):
+    """Return extremes that include a flight, whose ends they include already.
 
     Parameters
     ----------
-    begin, end : times after the launch.
+    begin : time after the launch from which on it counts.
+    last : Flown
+        Its end.
     start : Launch
     x0 : position at the launch.
     seen : Extremes
     K : Constants
     """
-    now = point_at(begin, start, K)
+    now, end = point_at(begin, start, K), last.tau
     cell = FIRST_CELL * K.moment
     for _ in range(MOST_CELLS):
         if now.tau >= end:
             break
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         left = end - now.tau
-        longest = left
-        if not K.steady and longest * K.Om > 1.0:
-            longest = 1.0 / K.Om
-        if longest == left and within(left, 1.0, now, M4, start.v, x0, seen):
-            break
-        cell = longest if cell > longest else cell
-        then = state_at(now.tau + cell if cell < left else end, start, K)
+        cell = 1.0 / K.Om if not K.steady and cell * K.Om > 1.0 else cell
+        then = last
         if cell < left:
+            then = state_at(now.tau + cell, start, K)
             seen = widened(seen, x0 + then.dx, start.v + then.dv)
-        cuts = 0
+        cut = False
         while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not covered(now, then, M4, start.v, x0, seen):
-            # A cell that ends at a stationary point, and is too long still, is halved.
-            then = cut_at(now, then, start, K) if cuts % 2 == 0 else state_at(0.5 * (now.tau + then.tau), start, K)
-            seen, cuts = widened(seen, x0 + then.dx, start.v + then.dv), cuts + 1
-        cell = then.tau - now.tau if cuts > 0 else 2.0 * cell
-        cell = FIRST_CELL * K.moment if cell < FIRST_CELL * K.moment else cell
+            then, cut = cut_at(now, then, start, K), True
+            seen = widened(seen, x0 + then.dx, start.v + then.dv)
+        cell = FIRST_CELL * K.moment if cut or cell < FIRST_CELL * K.moment else 2.0 * cell
         now = then
     return seen
 
@@ -127,35 +123,57 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
 
 def cut_at(now, then, start, K):
     """Return a point between two: where the acceleration is 0, or the velocity, or the middle."""
-    v_now, v_then = start.v + now.dv, start.v + then.dv
-    of_v = now.F * then.F < 0.0
-    if not of_v and v_now * v_then >= 0.0:
-        return state_at(0.5 * (now.tau + then.tau), start, K)
-    low, high = now.tau, then.tau
-    below = (now.F if of_v else v_now) < 0.0
-    # The root of the parabola with the values at both ends and the slope at the first.
-    f0, f1 = (now.F, then.F) if of_v else (v_now, v_then)
-    slope = now.G1 if of_v else now.F
-    tau = low + parabola_root(f0, slope, f1, high - low)
+    width = then.tau - now.tau
+    for of_v in (True, False):
+        if of_v:
+            first, rise, last, rise_last = now.F, now.G1, then.F, then.G1
+        else:
+            first, rise, last, rise_last = start.v + now.dv, now.F, start.v + then.dv, then.F
+        # A stationary point at an end is known, and no place to cut.
+        at_end = abs(first) <= AWAY * abs(rise) * width or abs(last) <= AWAY * abs(rise_last) * width
+        if first * last < 0.0 and not at_end:
+            here = stationary(now, then, of_v, start, K)
+            if now.tau < here.tau < then.tau:
+                return here
+    return state_at(0.5 * (now.tau + then.tau), start, K)
+
+
+def stationary(now, then, of_v, start, K):
+    """Return the point between two where v is stationary, or x: by Halley's method, and a short shift at the end."""
+    low, high, width = now.tau, then.tau, then.tau - now.tau
+    if of_v:
+        first, rise, last = now.F, now.G1, then.F
+    else:
+        first, rise, last = start.v + now.dv, now.F, start.v + then.dv
+    tau = low + parabola_root(first, rise, last, width)
+    here = now
     for _ in range(MOST_STATIONARY_STEPS):
         here = state_at(tau, start, K)
-        value = here.F if of_v else start.v + here.dv
-        slope = here.G1 if of_v else here.F
-        if (value < 0.0) == below:
+        if of_v:
+            value, slope, bend = here.F, here.G1, here.G2
+        else:
+            value, slope, bend = start.v + here.dv, here.F, here.G1
+        if (value < 0.0) == (first < 0.0):
             low = tau
         else:
             high = tau
-        if abs(value) <= STATIONARY * abs(slope) * (then.tau - now.tau):
-            break
-        bend = here.G2 if of_v else here.G1
-        below_root = slope * slope - 0.5 * value * bend
-        step = -value * slope / below_root if below_root > 0.0 else 0.0
-        tau = tau + step
+        square = slope * slope - 0.5 * value * bend
+        shift = -value * slope / square if square > 0.0 else 2.0 * width
+        if abs(shift) * K.rate < NEAR:  # the extreme is off by the square of what is missing
+            return moved(here, shift, start.v, K)
+        tau = tau + shift
         if not low < tau < high:
             tau = 0.5 * (low + high)
-    away = AWAY * (then.tau - now.tau)  # a stationary point at an end is known, and no place to cut
-    inside = now.tau + away < here.tau < then.tau - away
-    return here if inside else state_at(0.5 * (now.tau + then.tau), start, K)
+    return here
+
+
+def moved(here, shift, v0, K):
+    """Return a point of a flight moved by so short a time that Taylor's formula has full precision, v included."""
+    dv = here.dv + (here.F + (0.5 * here.G1 + SIXTH * here.G2 * shift) * shift) * shift
+    there = shifted(here, shift, v0, K)
+    G1, G2 = here.G1 + here.G2 * shift, here.G2 + here.G3 * shift
+    s, c, E0, E1, E2 = there.s, there.c, there.E0, there.E1, there.E2
+    return Flown(there.tau, there.dx, dv, there.F, G1, G2, here.G3, s, c, E0, E1, E2)
 
 
 def parabola_root(f0, slope, f1, width):

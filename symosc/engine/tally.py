@@ -16,15 +16,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.extremes import Extremes, flight_extremes, widened
-from symosc.engine.flow import state_at
+from symosc.engine.flow import constant_force, derivatives, state_at
 from symosc.engine.next_event import TWO_PI, later
-from symosc.engine.state import GRAZE, ON_BELT, STICK, Launch, State
-from symosc.kernels._generated import motion
+from symosc.engine.state import GRAZE, ON_BELT, STICK, Flown, Launch, State
+from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.words import MAPS
 
-# Columns of `Tally.floats`: time that is left out, stuck time, extremes, and the last state.
-SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST = range(9)
+# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the extremes of the ends
+# of steps alone, which are always kept.
+SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
 # Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
 # section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
 EVENTS, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
@@ -44,7 +45,8 @@ MAP_OF = tuple(_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in 
 class Tally(NamedTuple):
     """What is kept of each motion; the last axis of `sections` is x, v and their errors, in a ring."""
 
-    floats: np.ndarray  # (n, 9)
+    inside: bool  # whether extremes inside flights are looked for
+    floats: np.ndarray  # (n, 13)
     ints: np.ndarray  # (n, 9)
     sections: np.ndarray  # (n, ring, 4)
     words: np.ndarray  # (n, ring), of the periods that end at these sections; -1 for none
@@ -53,38 +55,45 @@ class Tally(NamedTuple):
 
 def no_tally() -> Tally:
     """Return a tally of no motion: events are recorded."""
-    return begun_tally(np.zeros((0, 16)), np.zeros(0), 1, 1)
+    return begun_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, 1, 1))
 
 
-def begun_tally(states: np.ndarray, skipped: np.ndarray, ring: int, longest: int) -> Tally:
+class Kept(NamedTuple):
+    """What a tally is to keep: extremes inside flights or not, sections, and mappings of a word."""
+
+    inside: bool
+    ring: int
+    longest: int
+
+
+def begun_tally(states: np.ndarray, skipped: np.ndarray, room: Kept) -> Tally:
     """Return the tally of motions at their starts.
 
     Parameters
     ----------
     states : (n, STATE_WIDTH) rows of a batch.
     skipped : (n,) time that is left out.
-    ring, longest : int
-        Sections that are kept, and mappings of a word.
+    room : Kept
     """
     count = len(states)
-    floats, ints = np.zeros((count, 9)), np.zeros((count, 9), np.int64)
+    floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
     floats[:, SKIPPED] = skipped
-    floats[:, [X_MIN, V_MIN]], floats[:, [X_MAX, V_MAX]] = inf, -inf
+    floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
     floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
     ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
-    sections, words = np.full((count, ring, 4), np.nan), np.full((count, ring), -1, np.int64)
-    return Tally(floats, ints, sections, words, np.zeros((count, 2, longest), np.uint8))
+    sections, words = np.full((count, room.ring, 4), np.nan), np.full((count, room.ring), -1, np.int64)
+    return Tally(room.inside, floats, ints, sections, words, np.zeros((count, 2, room.longest), np.uint8))
 
 
 def some_of(tally: Tally, rows: Any) -> Tally:
     """Return the tallies of some motions, as a copy."""
-    return Tally(*(column[rows].copy() for column in tally)) if len(tally.floats) else tally
+    return Tally(tally.inside, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
 
 
 def put_back(tally: Tally, rows: Any, own: Tally) -> None:
     """Write the tallies of some motions."""
     if len(tally.floats):
-        for column, part in zip(tally, own, strict=True):
+        for column, part in zip(tally[1:], own[1:], strict=True):
             column[rows] = part
 
 
@@ -126,12 +135,14 @@ def launch_of(state):
     return Launch(state.v, state.Fb, sin(state.theta), cos(state.theta))
 
 
-def seen_of(i, tally):
-    """Return the extremes so far."""
-    floats = tally.floats
-    return Extremes(
-        float(floats[i, X_MIN]), float(floats[i, X_MAX]), float(floats[i, V_MIN]), float(floats[i, V_MAX])
-    )
+def end_of(before, after, tau, start, K):
+    """Return the end of a flight (Flown), from the state behind it."""
+    if K.stiff:
+        return state_at(tau, start, K)
+    s, c = sin(after.theta), cos(after.theta)
+    F = acceleration(after.x, after.v, c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
+    G1, G2, G3 = derivatives(after.v, F, s, c, K)
+    return Flown(tau, after.x - before.x, after.v - before.v, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
@@ -141,18 +152,21 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
     if tau < begin:
         return
     begin = begin if begin > 0.0 else 0.0
-    seen = widened(seen_of(i, tally), after.x, after.v)
+    x, v = before.x, before.v
+    start = launch_of(before)
     if before.mode > ON_BELT:
         floats[i, STUCK] += tau - begin
-        seen = widened(seen, before.x + before.v * begin, before.v)
-    else:
-        start = launch_of(before)
-        if begin > 0.0:
-            now = state_at(begin, start, K)
-            seen = widened(seen, before.x + now.dx, before.v + now.dv)
-        else:
-            seen = widened(seen, before.x, before.v)
-        seen = flight_extremes(begin, tau, start, before.x, seen, K)
+        x = x + v * begin
+    elif begin > 0.0:
+        now = state_at(begin, start, K)
+        x, v = x + now.dx, v + now.dv
+    ends = Extremes(floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH])
+    ends = widened(widened(ends, x, v), after.x, after.v)
+    floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH] = ends
+    seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
+    seen = widened(widened(seen, x, v), after.x, after.v)
+    if tally.inside and before.mode <= ON_BELT:
+        seen = flight_extremes(begin, end_of(before, after, tau, start, K), start, before.x, seen, K)
     floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
 
 

@@ -12,7 +12,6 @@ from symosc.engine import tally as kept
 from symosc.engine.compiled_loop import EventRows, state_of
 from symosc.engine.start import settles
 from symosc.engine.state import DOUBTFUL, END, FULL, REST
-from symosc.errors import ParameterError
 from symosc.simulation.batch_loop import Loops, joined
 from symosc.simulation.event_table import EventTable, rows_of, table_from
 from symosc.simulation.ladder import Ladder, Limits, without
@@ -41,10 +40,13 @@ class EventsPart(NamedTuple):
 
 def read_record(record: Any, skip: Any, sections: Any, task: Task) -> Callable[[slice, EventRows, Patrol], Any]:
     """Return what does a chunk: `events_part` or `summary_part`."""
-    if record not in ("events", "summary"):
-        raise ParameterError("record", record, 'must be "events" or "summary"')
-    asked = Question(skip, sections, task.problems)
-    return partial(events_part, task) if record == "events" else partial(summary_part, task, asked)
+    asked = Question(record, skip, sections, task.problems)
+    return partial(events_part, task) if is_events(record) else partial(summary_part, task, asked)
+
+
+def is_events(record: Any) -> bool:
+    """Return whether events are to be recorded, and not a summary."""
+    return isinstance(record, str) and record == "events"
 
 
 def events_part(task: Task, rows: slice, room: EventRows, patrol: Patrol) -> EventsPart:
@@ -85,12 +87,13 @@ def summary_part(
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
         columns["stuck"] = np.where(counted > 0.0, np.minimum(steps.tally.floats[:, kept.STUCK] / counted, 1.0), np.nan)
-    for i in np.flatnonzero(steps.tally.ints[:, kept.LAST_LENGTH] > longest).tolist():
+    too_long = np.flatnonzero(steps.tally.ints[:, kept.LAST_LENGTH] > longest) if "word" in asked.names else []
+    for i in map(int, too_long):
         row, length = rows.start + i, int(steps.tally.ints[i, kept.LAST_LENGTH])
         again = summary_part(task, asked, slice(row, row + 1), room, patrol, length)
         columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again["word"].dtype))
         columns["word"][i] = again["word"][0]
-    return columns
+    return {name: columns[name] for name in asked.names}
 
 
 def ended(steps: Ladder, patrol: Patrol) -> tuple[list[str], dict[int, Trajectory]]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 from symosc.engine.compiled_loop import room_for
 from symosc.exact import read_start_error, whole_number
 from symosc.simulation.batch_loop import CAPACITY, chosen_loops
-from symosc.simulation.chunks import Task, read_record, table_of_parts
+from symosc.simulation.chunks import Task, is_events, read_record, table_of_parts
 from symosc.simulation.event_table import EventTable
 from symosc.simulation.ladder import Limits
 from symosc.simulation.problems import Problems
@@ -28,7 +29,7 @@ def simulate_many(
     accuracy: float | None = None,
     start_error: Any = None,
     use_numba: bool | None = None,
-    record: str = "events",
+    record: str | Sequence[str] = "events",
     skip: Any = 0,
     sections: int = 1,
     workers: int | None = None,
@@ -46,8 +47,8 @@ def simulate_many(
         As in `simulate`, for all motions.
     use_numba : bool, optional
         None: if it is installed. The same source runs without it, slower, with the same results.
-    record : str
-        "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`.
+    record : str or sequence of str
+        "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
     skip : number or (n,) array
         For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient.
     sections : int
@@ -83,4 +84,4 @@ def simulate_many(
     part = read_record(record, skip, sections, task)
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, read_progress(progress))
-    return summary_from(parts) if record == "summary" else table_of_parts(parts)
+    return table_of_parts(parts) if is_events(record) else summary_from(parts)

@@ -31,6 +31,10 @@ SAME_PART, SAME_ERRORS = 1e-6, 8.0
 USUAL_WORD = 48
 
 
+# What stands for a column that was not asked for.
+MISSING: Any = ()
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Summary:
     """What became of many motions, one row each.
@@ -68,24 +72,24 @@ class Summary:
     (['P32'], [1], [0])
     """
 
-    status: np.ndarray
-    events: np.ndarray
-    sticks: np.ndarray
-    t: np.ndarray
-    x: np.ndarray
-    v: np.ndarray
-    mode: np.ndarray
-    word: np.ndarray
-    multiplicity: np.ndarray
-    stuck: np.ndarray
-    x_min: np.ndarray
-    x_max: np.ndarray
-    v_min: np.ndarray
-    v_max: np.ndarray
-    section: np.ndarray
+    status: np.ndarray = MISSING
+    events: np.ndarray = MISSING
+    sticks: np.ndarray = MISSING
+    t: np.ndarray = MISSING
+    x: np.ndarray = MISSING
+    v: np.ndarray = MISSING
+    mode: np.ndarray = MISSING
+    word: np.ndarray = MISSING
+    multiplicity: np.ndarray = MISSING
+    stuck: np.ndarray = MISSING
+    x_min: np.ndarray = MISSING
+    x_max: np.ndarray = MISSING
+    v_min: np.ndarray = MISSING
+    v_max: np.ndarray = MISSING
+    section: np.ndarray = MISSING
 
     def __len__(self) -> int:
-        return len(self.status)
+        return max(map(len, self.columns().values()), default=0)
 
     def __getitem__(self, motion: Any) -> Any:
         """Return the row of one motion as a dictionary, or another summary of some of them."""
@@ -98,24 +102,26 @@ class Summary:
         """Whether both have the same rows."""
         if not isinstance(other, Summary):
             return NotImplemented
-        return all(
-            np.array_equal(column, getattr(other, name), equal_nan=column.dtype.kind == "f")
-            for name, column in self.columns().items()
+        mine, others = self.columns(), other.columns()
+        return mine.keys() == others.keys() and all(
+            np.array_equal(column, others[name], equal_nan=column.dtype.kind == "f") for name, column in mine.items()
         )
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
     def __repr__(self) -> str:
-        return f"<Summary of {counted(len(self), 'motion')}: {statuses(self.status)}>"
+        what = ", ".join(self.columns()) if not len(self.status) else statuses(self.status)
+        return f"<Summary of {counted(len(self), 'motion')}: {what}>"
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the columns by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: column for name, column in columns.items() if isinstance(column, np.ndarray)}
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row per motion; MissingExtraError if pandas is not installed."""
         columns = self.columns()
-        section = columns.pop("section")
+        section = columns.pop("section", np.zeros((0, 0, 2)))
         for n in range(section.shape[1]):
             place = n - section.shape[1]
             columns |= {f"section_x[{place}]": section[:, n, 0], f"section_v[{place}]": section[:, n, 1]}
@@ -125,24 +131,49 @@ class Summary:
     def to_xarray(self) -> Any:
         """Return a Dataset over `motion`, `section` and `component`; MissingExtraError if xarray is not installed."""
         columns: Record = {name: (("motion",), column) for name, column in self.columns().items()}
-        columns["section"] = ("motion", "period", "component"), self.section
-        periods = np.arange(-self.section.shape[1], 0)
-        places = {"motion": np.arange(len(self)), "period": periods, "component": ["x", "v"]}
+        places: Record = {"motion": np.arange(len(self))}
+        if "section" in columns:
+            columns["section"] = ("motion", "period", "component"), self.section
+            places |= {"period": np.arange(-self.section.shape[1], 0), "component": ["x", "v"]}
         return imported("xarray").Dataset(columns, coords=places)
 
 
+#: Columns of a summary, and those that have to be looked for inside flights.
+COLUMNS = tuple(field.name for field in fields(Summary))
+EXTREMES = {"x_min", "x_max", "v_min", "v_max"}
+
+
+def read_names(record: Any) -> tuple[str, ...]:
+    """Return the columns that are asked for, in order: all for "summary", or some by name."""
+    if record == "events" or isinstance(record, str):
+        names = COLUMNS if record in ("events", "summary") else (record,)
+    else:
+        try:
+            names = tuple(record)
+        except TypeError:
+            names = (record,)
+    for name in names:
+        if name not in COLUMNS:
+            allowed = f'must be "events", "summary", or some of {", ".join(COLUMNS)}'
+            raise ParameterError("record", name, allowed)
+    return tuple(name for name in COLUMNS if name in names)
+
+
 class Question:
-    """What is asked of a summary: the time that is left out, and the sections that are kept.
+    """What is asked of a summary: its columns, the time that is left out, and the sections that are kept.
 
     Parameters
     ----------
+    record : "events", "summary" or names of columns
     skip : number or (n,) array
         Time from the start.
     sections : int
     problems : Problems
     """
 
-    def __init__(self, skip: Any, sections: Any, problems: Problems) -> None:
+    def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
+        self.names = read_names(record)
+        self.inside = not EXTREMES.isdisjoint(self.names)
         self.sections = whole_number("sections", sections, 0)
         column = NumberColumn("skip", as_given(skip))
         if len(column) not in (1, len(problems)):
@@ -154,7 +185,8 @@ class Question:
 
     def begun(self, rows: slice, states: np.ndarray, longest: int = USUAL_WORD) -> Tally:
         """Return the tally of some motions at their starts."""
-        return kept.begun_tally(states, self.skip[rows], max(2 * MOST_REPEATS, self.sections), longest)
+        room = kept.Kept(self.inside, max(2 * MOST_REPEATS, self.sections), longest)
+        return kept.begun_tally(states, self.skip[rows], room)
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> State:
@@ -194,7 +226,7 @@ def columns_of(tally: Tally, sections: int) -> dict[str, np.ndarray]:
     """Return the columns of a summary that a tally has."""
     floats, ints = tally.floats, tally.ints
     values, errors, words = _in_order(tally)
-    extent = np.stack([floats[:, kept.X_MAX] - floats[:, kept.X_MIN], floats[:, kept.V_MAX] - floats[:, kept.V_MIN]])
+    extent = np.stack([floats[:, kept.X_HIGH] - floats[:, kept.X_LOW], floats[:, kept.V_HIGH] - floats[:, kept.V_LOW]])
     found = {"events": ints[:, kept.EVENTS], "sticks": ints[:, kept.STICKS]}
     lengths = np.minimum(ints[:, kept.LAST_LENGTH], tally.labels.shape[2]).tolist()
     labels = tally.labels[:, 1]
@@ -233,8 +265,7 @@ def repeats(values: np.ndarray, errors: np.ndarray, words: np.ndarray, extent: n
 
 def summary_from(parts: Sequence[dict[str, np.ndarray]]) -> Summary:
     """Return the summary of all chunks."""
-    names = [field.name for field in fields(Summary)]
-    return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in names})
+    return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 #: Modes by code.
