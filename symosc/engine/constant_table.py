@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import atan2, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -54,23 +54,13 @@ class ConstantRows(Sequence[Constants]):
         return self._last[1]
 
 
-class ParameterColumns(NamedTuple):
+class ParameterColumns:
     """Parameters as columns of exact numbers; the forces are those of `Parameters`."""
 
-    m: Any
-    c: Any
-    k: Any
-    A0: Any
-    B0: Any
-    Omega: Any
-    v1: Any
-    v2: Any
-    mu1: Any
-    mu2: Any
-    FN: Any
+    A, belt = Parameters.A, Parameters.belt
 
-    A = Parameters.A
-    belt = Parameters.belt
+    def __init__(self, columns: dict[str, PairColumn]) -> None:
+        vars(self).update(columns)
 
 
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
@@ -100,7 +90,7 @@ def constant_table(
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(ParameterColumns(**given), as_double, np.sqrt, each(atan2), pi)  # type: ignore[arg-type]
+        K = constants(ParameterColumns(given), as_double, np.sqrt, each(atan2), pi)  # type: ignore[arg-type]
     _fill(table, K)
     open_ones = np.flatnonzero(doubts)
     table[open_ones] = table_of(map(alone, open_ones.tolist())) if len(open_ones) else table[open_ones]

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from symosc.engine.flow import derivatives, state_at
 from symosc.engine.first_exit import shifted
+from symosc.engine.flow import derivatives, state_at
 from symosc.engine.gap_bounds import NEAR, fourth_derivative_bound, positive_on
 from symosc.engine.state import Flown
 from symosc.kernels.entire import EPS, SIXTH
@@ -25,7 +25,7 @@ FIRST_CELL, SHORTEST_CELL = 3.0, 1e-6
 MOST_CELLS = 100_000
 MOST_STATIONARY_STEPS = 8
 # How far from the ends of a cell a place to cut is at least, as a part of it.
-AWAY = 1e-3
+CUT_AWAY = 1e-3
 
 
 class Extremes(NamedTuple):
@@ -130,7 +130,7 @@ def cut_at(now, then, start, K):
         else:
             first, rise, last, rise_last = start.v + now.dv, now.F, start.v + then.dv, then.F
         # A stationary point at an end is known, and no place to cut.
-        at_end = abs(first) <= AWAY * abs(rise) * width or abs(last) <= AWAY * abs(rise_last) * width
+        at_end = abs(first) <= CUT_AWAY * abs(rise) * width or abs(last) <= CUT_AWAY * abs(rise_last) * width
         if first * last < 0.0 and not at_end:
             here = stationary(now, then, of_v, start, K)
             if now.tau < here.tau < then.tau:

@@ -5,7 +5,7 @@ The rule is that of `symosc.engine.start.first_state`; a start that takes more t
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos
 
 from symosc.engine.flow import MARCH_STEP, STRIDE, constant_force, march_constants
 from symosc.engine.state import ON_BELT

@@ -227,7 +227,6 @@ def _chunk(still: bool, period: Number, h: Number, free: dict[str, Any]) -> Numb
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
     """Return K with the constants for marching, from the entire functions at one step and at one stride."""
-
     steps = MARCH_STEP / K.rate, STRIDE * MARCH_STEP / K.rate
     march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in steps)
     return K._replace(march=march, stride=stride)

@@ -28,7 +28,7 @@ from symosc.words import MAPS
 SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
 # Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
 # section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
-EVENTS, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
 # An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
 AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
 # Words of a period are compared by a number; of up to 18 mappings by all of them.
@@ -120,7 +120,7 @@ def tally_step(i, before, found, t0, tally, K):
             ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
         ints[i, PLANE] = found.boundary
         if (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
-            ints[i, EVENTS] += 1
+            ints[i, EVENTS_SO_FAR] += 1
             ints[i, STICKS] += found.code == STICK
     keep_last(i, after.t + after.t_low, after.x, after.v, tally)
 

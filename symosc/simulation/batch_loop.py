@@ -120,7 +120,7 @@ def chosen_loops(use_numba: Any) -> Loops:
     return plain._replace(follow=PatientLoop(ready.follow))
 
 
-class Followed(NamedTuple):
+class Course(NamedTuple):
     """What motions are followed into and how far: room, tally, events per motion, accuracy, and their constants."""
 
     room: EventRows
@@ -130,7 +130,7 @@ class Followed(NamedTuple):
     table: np.ndarray
 
 
-def followed(follow: Follow, batch: Batch, into: Followed) -> Iterator[EventRows]:
+def followed(follow: Follow, batch: Batch, into: Course) -> Iterator[EventRows]:
     """Follow a batch to its end; yield the rows of its events, copied out of the room that is used again."""
     begin = 0
     while begin < len(batch.states):

@@ -23,7 +23,7 @@ from symosc.simulation.trajectory import Trajectory
 from symosc.simulation.workers import Patrol
 
 
-class Task(NamedTuple):
+class BatchTask(NamedTuple):
     """What all chunks are about."""
 
     problems: Problems
@@ -38,7 +38,7 @@ class EventsPart(NamedTuple):
     status: list[str]
 
 
-def read_record(record: Any, skip: Any, sections: Any, task: Task) -> Callable[[slice, EventRows, Patrol], Any]:
+def read_record(record: Any, skip: Any, sections: Any, task: BatchTask) -> Callable[[slice, EventRows, Patrol], Any]:
     """Return what does a chunk: `events_part` or `summary_part`."""
     asked = Question(record, skip, sections, task.problems)
     return partial(events_part, task) if is_events(record) else partial(summary_part, task, asked)
@@ -49,7 +49,7 @@ def is_events(record: Any) -> bool:
     return isinstance(record, str) and record == "events"
 
 
-def events_part(task: Task, rows: slice, room: EventRows, patrol: Patrol) -> EventsPart:
+def events_part(task: BatchTask, rows: slice, room: EventRows, patrol: Patrol) -> EventsPart:
     """Return the events of a chunk."""
     steps = Ladder(task.problems, rows, task.loops, task.limits, room, patrol)
     status, looks = ended(steps, patrol)
@@ -69,7 +69,7 @@ def table_of_parts(parts: list[EventsPart]) -> EventTable:
 
 
 def summary_part(
-    task: Task, asked: Question, rows: slice, room: EventRows, patrol: Patrol, longest: int = USUAL_WORD
+    task: BatchTask, asked: Question, rows: slice, room: EventRows, patrol: Patrol, longest: int = USUAL_WORD
 ) -> dict[str, np.ndarray]:
     """Return the columns of a chunk; a motion whose word has no room is followed once more, with more of it."""
     keep = partial(asked.begun, rows, longest=longest)
@@ -82,13 +82,13 @@ def summary_part(
     columns = columns_of(steps.tally, asked.sections)
     columns |= {"status": np.array(status, dtype=str), "mode": MODE_TEXTS[modes]}
     whole = np.isin(columns["status"], ("t_end", "equilibrium"))
-    t_end, t0 = (np.broadcast_to(column.pairs(rows).hi, len(status)) for column in (task.problems.t_end, task.problems.t0))
+    t_end, t0 = (column.pairs(rows).hi for column in (task.problems.t_end, task.problems.t0))
     columns["t"] = np.where(whole, t_end, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
         columns["stuck"] = np.where(counted > 0.0, np.minimum(steps.tally.floats[:, kept.STUCK] / counted, 1.0), np.nan)
-    too_long = np.flatnonzero(steps.tally.ints[:, kept.LAST_LENGTH] > longest) if "word" in asked.names else []
-    for i in map(int, too_long):
+    too_long = (steps.tally.ints[:, kept.LAST_LENGTH] > longest) & ("word" in asked.names)
+    for i in np.flatnonzero(too_long).tolist():
         row, length = rows.start + i, int(steps.tally.ints[i, kept.LAST_LENGTH])
         again = summary_part(task, asked, slice(row, row + 1), room, patrol, length)
         columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again["word"].dtype))

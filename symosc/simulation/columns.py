@@ -24,7 +24,7 @@ LEAST_IN_REACH, MOST_IN_REACH = 1e-5, 1e15
 # A rest that is rounded to a double is off by a little less than half a unit of its last place.
 HALF_UNIT = 0.5 * (1.0 - 2.0**-30)
 # Enough digits for any double and the decimal that it prints as.
-DECIMALS = Context(prec=800)
+DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
@@ -71,7 +71,7 @@ class NumberColumn:
         self.hi, (self.lo, sure) = np.array(given), decimal_rest(given)
         for row in np.flatnonzero(~sure).tolist():
             value = float(given[row])
-            self.lo[row] = float(DECIMALS.subtract(Decimal(repr(value)), Decimal(value)))
+            self.lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
         self.off = np.where(self.lo == 0.0, 0.0, HALF_UNIT * np.spacing(abs(self.lo)))
 
     def _of_any(self, given: Any) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from symosc.engine.compiled_loop import room_for
 from symosc.exact import read_start_error, whole_number
 from symosc.simulation.batch_loop import CAPACITY, chosen_loops
-from symosc.simulation.chunks import Task, is_events, read_record, table_of_parts
+from symosc.simulation.chunks import BatchTask, is_events, read_record, table_of_parts
 from symosc.simulation.event_table import EventTable
 from symosc.simulation.ladder import Limits
 from symosc.simulation.problems import Problems
@@ -46,15 +46,14 @@ def simulate_many(
     max_events, accuracy, start_error : optional
         As in `simulate`, for all motions.
     use_numba : bool, optional
-        None: if it is installed. The same source runs without it, slower, with the same results.
+        None: if it is installed. Without it all is slower, with the same results.
     record : str or sequence of str
         "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
-    skip : number or (n,) array
-        For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient.
-    sections : int
-        For summaries: the last so many ends of forcing periods at which x and v are kept.
+    skip, sections : optional
+        For summaries: the time from t0 on (in the unit of t_end; one for each motion, or one for all) that is left out
+        as a transient; and at how many ends of forcing periods x and v are kept.
     workers : int, optional
-        Threads; None: one for each core. Their number changes no bit of the result.
+        Threads; None: one for each core. The result is the same for any number.
     progress : callable, optional
         Called now and then with the number of motions that are done, and of all.
 
@@ -66,21 +65,18 @@ def simulate_many(
     Raises
     ------
     ParameterError
-        If a number is not finite or out of range, or if shapes do not fit; it names the row.
-    MissingExtraError
-        If `use_numba` is True and numba is missing.
+        If a number is out of range, or shapes do not fit; it names the row.
 
     Examples
     --------
     >>> from symosc import load_scene, simulate_many
-    >>> starts = [(0, 0, 0), (0, 1, 2)]  # for so few starts the compilation would not be worth its time
-    >>> table = simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False)
-    >>> table.trajectory.tolist()
+    >>> starts = [(0, 0, 0), (0, 1, 2)]  # so few are not worth compiling
+    >>> simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else whole_number("max_events", max_events, 1)
-    task = Task(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
+    task = BatchTask(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
     part = read_record(record, skip, sections, task)
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, read_progress(progress))

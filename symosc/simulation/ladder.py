@@ -25,7 +25,7 @@ from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import DOUBTFUL, IN_DOUBT, RUNNING, Number
 from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import PAIRS, Followed, Loops, followed, joined
+from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
 from symosc.simulation.problems import Problems
 from symosc.simulation.run import last_time
 from symosc.simulation.simulate import attainable, in_doubles
@@ -105,7 +105,7 @@ class Ladder:
             table["sigmas"] = 0.0
         self.table, self.tally = table, keep(self.batch.states) if keep else no_tally()
         needed = attainable(limits.accuracy, problems.start_error)
-        self._into = Followed(room, self.tally, limits.most, needed, table)
+        self._into = Course(room, self.tally, limits.most, needed, table)
         fresh = some_of(self.tally, slice(None))
         self.rows = list(self._in_doubles(self.batch, self.tally))
         self.looks: dict[int, Trajectory] = {}
@@ -164,9 +164,7 @@ class Motions(NamedTuple):
     table: np.ndarray
 
 
-def climb(
-    problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tally], Iterator[EventRows]]
-) -> Climb:
+def climb(problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tally], Iterator[EventRows]]) -> Climb:
     """Follow motions of one parameter set that doubles left open.
 
     Parameters

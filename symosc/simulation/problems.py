@@ -1,4 +1,4 @@
-"""Many initial value problems in columns: read and checked at once, begun in rows, made into objects where one is asked.
+"""Many initial value problems in columns: read and checked at once, begun in rows, objects where one is asked for.
 
 What doubles, or pairs of them, do not decide is left to `symosc.engine.start`, motion by motion.
 """
@@ -151,16 +151,16 @@ class Problems(Sequence[Start]):
         self.t_end = NumberColumn("t_end", _one_row("t_end", t_end))
         starts_length = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
         lengths = {"parameters": len(self.sets), "starts": starts_length, "t_end": len(self.t_end)}
-        self.count = common_length(lengths)
+        self._count = common_length(lengths)
         with np.errstate(all="ignore"):
             gap = self.t_end.pairs() - self.t0.pairs()
-        for row in np.flatnonzero(np.broadcast_to(gap.hi <= 1.01 * gap.off, self.count)).tolist():
+        for row in np.flatnonzero(np.broadcast_to(gap.hi <= 1.01 * gap.off, self._count)).tolist():
             t0, end = self.t0.exact(row), self.t_end.exact(row)
             if end <= t0:
                 raise ParameterError(self.t_end.called(row), show(end), f"must be later than t0 = {show(t0)}")
 
     def __len__(self) -> int:
-        return self.count
+        return self._count
 
     def __getitem__(self, i: Any) -> Any:
         t0, x0, v0, end = (column.exact(i) for column in (self.t0, self.x0, self.v0, self.t_end))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from math import cos
 from typing import Any
 
@@ -24,7 +25,7 @@ from symosc.simulation.run import EVENT_KINDS
 from symosc.simulation.trajectory import Trajectory
 
 # Periods after which a motion may repeat, at most.
-MOST_REPEATS = 32
+LONGEST_REPEAT = 32
 # Two sections are the same if they differ by less than this part of the motion's extent, and this times their errors.
 SAME_PART, SAME_ERRORS = 1e-6, 8.0
 # Mappings of a period for which there is room at first.
@@ -139,24 +140,24 @@ class Summary:
 
 
 #: Columns of a summary, and those that have to be looked for inside flights.
-COLUMNS = tuple(field.name for field in fields(Summary))
+SUMMARY_COLUMNS = tuple(field.name for field in fields(Summary))
 EXTREMES = {"x_min", "x_max", "v_min", "v_max"}
 
 
 def read_names(record: Any) -> tuple[str, ...]:
     """Return the columns that are asked for, in order: all for "summary", or some by name."""
     if record == "events" or isinstance(record, str):
-        names = COLUMNS if record in ("events", "summary") else (record,)
+        names = SUMMARY_COLUMNS if record in ("events", "summary") else (record,)
     else:
         try:
             names = tuple(record)
         except TypeError:
             names = (record,)
     for name in names:
-        if name not in COLUMNS:
-            allowed = f'must be "events", "summary", or some of {", ".join(COLUMNS)}'
+        if name not in SUMMARY_COLUMNS:
+            allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
             raise ParameterError("record", name, allowed)
-    return tuple(name for name in COLUMNS if name in names)
+    return tuple(name for name in SUMMARY_COLUMNS if name in names)
 
 
 class Question:
@@ -185,7 +186,7 @@ class Question:
 
     def begun(self, rows: slice, states: np.ndarray, longest: int = USUAL_WORD) -> Tally:
         """Return the tally of some motions at their starts."""
-        room = kept.Kept(self.inside, max(2 * MOST_REPEATS, self.sections), longest)
+        room = kept.Kept(self.inside, max(2 * LONGEST_REPEAT, self.sections), longest)
         return kept.begun_tally(states, self.skip[rows], room)
 
 
@@ -195,7 +196,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     states = [_state(piece) for piece in trajectory._pieces]
     codes = {name: code for code, name in EVENT_KINDS.items()}
     events, number, last = trajectory.events, 0, states[0]
-    for before, after in zip(states, states[1:], strict=False):
+    for before, after in pairwise(states):
         if number == len(events) and trajectory.status not in ("t_end", "equilibrium"):
             break
         found = NextEvent(MOVED, 0, True, 0.0, after)
@@ -227,10 +228,12 @@ def columns_of(tally: Tally, sections: int) -> dict[str, np.ndarray]:
     floats, ints = tally.floats, tally.ints
     values, errors, words = _in_order(tally)
     extent = np.stack([floats[:, kept.X_HIGH] - floats[:, kept.X_LOW], floats[:, kept.V_HIGH] - floats[:, kept.V_LOW]])
-    found = {"events": ints[:, kept.EVENTS], "sticks": ints[:, kept.STICKS]}
+    found = {"events": ints[:, kept.EVENTS_SO_FAR], "sticks": ints[:, kept.STICKS]}
     lengths = np.minimum(ints[:, kept.LAST_LENGTH], tally.labels.shape[2]).tolist()
     labels = tally.labels[:, 1]
-    text = ["P" + bytes(48 + row[:size])[::-1].decode() if size else "" for row, size in zip(labels, lengths)]
+    text = [
+        "P" + bytes(48 + row[:size])[::-1].decode() if size else "" for row, size in zip(labels, lengths, strict=True)
+    ]
     found["word"] = np.array(text, dtype=str)
     found["multiplicity"] = repeats(values, errors, words, extent.T)
     names = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
@@ -251,7 +254,7 @@ def repeats(values: np.ndarray, errors: np.ndarray, words: np.ndarray, extent: n
     """Return after how many periods words and sections repeat, twice in a row; 0 if they do not."""
     found = np.zeros(len(words), np.int64)
     left = np.arange(len(words))
-    for m in range(1, MOST_REPEATS + 1):
+    for m in range(1, LONGEST_REPEAT + 1):
         last, before = slice(-m, None), slice(-2 * m, -m)
         same = (words[left, last] == words[left, before]).all(axis=1) & (words[left, before] >= 0).all(axis=1)
         some = left[same]

@@ -50,12 +50,12 @@ def warm() -> list[Warmed]:
         K, room = pair_constants(p), room_for(0)
         follow_pairs()(nothing, nothing, states.astype(complex), batch, room, K, no_tally(), table)
 
-    loops: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
+    works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops)), doubles),
         "events in double-double numbers": (lambda: is_compiled(follow_pairs()), pairs),
     }
     done = []
-    for what, (is_there, run) in loops.items():
+    for what, (is_there, run) in works.items():
         was_there, begin = is_there(), perf_counter()
         run()
         done.append(Warmed(what, was_there, perf_counter() - begin))

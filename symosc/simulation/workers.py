@@ -80,8 +80,7 @@ def in_chunks(
         Does some rows, in room that no other thread uses meanwhile.
     room : callable
         Makes such room, once for each thread.
-    workers : int
-    progress : callable, optional
+    workers, progress : as `simulate_many` takes them.
 
     Notes
     -----

@@ -19,6 +19,7 @@ from symosc.simulation.problems import Problems
 from symosc.simulation.run import last_time
 
 FIG9 = load_scene("fig9").parameters
+TWO_PI = "6.28318530717958647692528676656"
 
 
 def begun(problems: Problems) -> np.ndarray:
@@ -41,7 +42,9 @@ def test_motions_begin_as_one_by_one(seed: int) -> None:
     sets = [FIG9.replace(Omega=dice.choice((4, 0.7, dice.uniform(1, 6))), mu1=dice.choice((0, 0.3))) for _ in range(60)]
     starts: list[tuple[Any, ...]] = []
     for p in sets:
-        t = dice.choice((0, 0.1, dice.uniform(-9, 9), 10**8, dice.uniform(-1e9, 1e9), "6.28318530717958647692528676656"))
+        t = dice.choice(
+            (0, 0.1, dice.uniform(-9, 9), 10**8, dice.uniform(-1e9, 1e9), "6.28318530717958647692528676656")
+        )
         v = dice.choice((p.v1, 25.0, dice.uniform(-9, 30), Fraction(p.v2) + Fraction(1, 10**25), 1.0))
         rest = (p.A0 + (p.mu2 - p.mu1) * p.FN + p.B0 - p.c) / p.k  # the force above belt 1 is 0 at t = 0
         starts.append((t, dice.choice((rest, dice.uniform(-9, 9), 0)), v))
