@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import Future, as_completed
 from concurrent.futures import TimeoutError as Overdue
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
@@ -34,6 +35,8 @@ Tasks = dict[Key, Callable[[], Any]]
 ERROR = "error"
 #: Seconds after which a task counts as hanging.
 PICTURE_LIMIT = 300.0
+#: How many pools of processes are tried. One in which a process dies while it takes its task may break down whole.
+POOLS = 3
 
 
 @dataclass(frozen=True)
@@ -247,11 +250,24 @@ def _done_here(tasks: Tasks) -> Generator[tuple[Key, Done], None, None]:
 
 
 def _in_parallel(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done], None, None]:
+    for _ in range(POOLS):
+        left: Tasks = {}
+        for key, outcome in _in_a_pool(tasks, workers):
+            if outcome is None:
+                left[key] = tasks[key]
+            else:
+                yield key, outcome
+        if not left:
+            return
+        tasks = left
+    yield from ((key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks)
+
+
+def _in_a_pool(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done | None], None, None]:
+    """Yield what became of each task; None if the pool broke down before it."""
     pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
     try:
-        futures: dict[Future[Done], Key] = {}
-        for key, task in tasks.items():
-            futures[pool.schedule(timed, args=(task,), timeout=PICTURE_LIMIT)] = key
+        futures = {_scheduled(pool, task): key for key, task in tasks.items()}
         for future in as_completed(futures):
             yield futures[future], _outcome(future)
     finally:
@@ -259,13 +275,24 @@ def _in_parallel(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done], None
         pool.join()
 
 
-def _outcome(future: Future[Done]) -> Done:
+def _scheduled(pool: ProcessPool, task: Callable[[], Any]) -> Future[Done]:
+    try:
+        return pool.schedule(timed, args=(task,), timeout=PICTURE_LIMIT)
+    except RuntimeError as error:  # the pool has already broken down
+        future: Future[Done] = Future()
+        future.set_exception(BrokenProcessPool(str(error)))
+        return future
+
+
+def _outcome(future: Future[Done]) -> Done | None:
     try:
         return future.result()
     except Overdue:
         return Done(error=f"no result within {PICTURE_LIMIT:g} s")
     except ProcessExpired as death:
         return Done(error=f"the process ended with exit code {death.exitcode}")
+    except BrokenProcessPool:
+        return None
 
 
 def _judged(claim: Claim, done: Done) -> Judged:

@@ -7,6 +7,7 @@ import os
 import re
 import signal
 from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
-from stand_in_claims import CLAIM
+from pebble.pool.process import PoolManager
+from stand_in_claims import CLAIM, bad_picture, good_picture
 
 from symosc.cli import reproduce
 from symosc.cli.app import main
@@ -24,19 +26,9 @@ from symosc.paper import report
 from symosc.paper.claims import read_claims
 from symosc.paper.evidence import VERDICTS
 from symosc.paper.pictures import PICTURES, Picture
-from symosc.paper.run import ERROR, Plan, Results, run
+from symosc.paper.run import ERROR, POOLS, Plan, Results, run
 
 CLAIMS = read_claims(PICTURES)
-
-
-def good_picture() -> Figure:
-    figure = Figure(figsize=(1, 1))
-    figure.add_subplot().plot([0, 1], [0, 1])
-    return figure
-
-
-def bad_picture() -> Figure:
-    raise ValueError("no such curve")
 
 
 def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
@@ -104,6 +96,30 @@ def test_what_goes_wrong_is_a_result(results: Results) -> None:
         assert "no such curve" in texts[name]
     assert r"a\|b | 10<sup>−20</sup>" in texts["report.md"]
     assert "It is 1 &lt;2&gt;." in texts["report.html"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pools", [1, POOLS])
+def test_a_pool_that_breaks_down_is_replaced(read: Any, monkeypatch: pytest.MonkeyPatch, pools: int) -> None:
+    # A process that dies before the pool has noted what it does takes the whole pool with it.
+    find = PoolManager.find_expired_task
+    seen: list[int] = []
+
+    def break_down(manager: PoolManager, worker: int) -> Any:
+        seen.append(worker)
+        if len(seen) == 1:
+            raise BrokenProcessPool("All workers expired")
+        return find(manager, worker)
+
+    monkeypatch.setattr(PoolManager, "find_expired_task", break_down)
+    monkeypatch.setattr("symosc.paper.run.POOLS", pools)
+    claims = read("".join(CLAIM.format(id=name, check=name) for name in ("dies", "right")))
+    findings = {each.claim.id: each.finding for each in run(Plan(claims, {}), workers=2).judged}
+    if pools > 1:
+        assert findings["dies"] == "the process ended with exit code 7"
+        assert findings["right"] == "It is 1 <2>."
+    else:
+        assert findings["dies"] == "the pool of processes broke down, 1 times"
 
 
 @pytest.mark.slow

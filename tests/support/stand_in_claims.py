@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from matplotlib.figure import Figure
+
 CHECKS = """
 import os
 import time
@@ -23,3 +25,16 @@ says = "1 < 2"
 check = "stand_ins.{check}"
 verdict = "confirmed"
 """
+
+
+# Worker processes import these by the name of this module; they cannot import a module of tests.
+
+
+def good_picture() -> Figure:
+    figure = Figure(figsize=(1, 1))
+    figure.add_subplot().plot([0, 1], [0, 1])
+    return figure
+
+
+def bad_picture() -> Figure:
+    raise ValueError("no such curve")
