@@ -40,8 +40,7 @@ def simulate_many(
     Parameters
     ----------
     parameters : Parameters, sequence of n Parameters, or mapping of all their names to a number or an (n,) array
-    starts : array_like, shape (n, 3) or (3,), rows of t0, x0, v0; or mapping of these names like `parameters`
-        Floats are read as the decimals that they print as.
+    starts : (n, 3) or (3,) array_like, rows of t0, x0, v0; or mapping of these names like `parameters`
     t_end : number or (n,) array
     max_events, accuracy, start_error : optional
         As in `simulate`, for all motions.
@@ -50,8 +49,8 @@ def simulate_many(
     record : str or sequence of str
         "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
     skip, sections : optional
-        For summaries: the time from t0 on (in the unit of t_end; one for each motion, or one for all) that is left out
-        as a transient; and at how many ends of forcing periods x and v are kept.
+        For summaries: the time from t0 on, in the unit of t_end (one for all motions, or one for each), that is left out
+        as a transient, and the number of sections that are kept.
     workers : int, optional
         Threads; None: one for each core. The result is the same for any number.
     progress : callable, optional

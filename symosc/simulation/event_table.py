@@ -158,7 +158,7 @@ def imported(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise MissingExtraError(f"a table of {name}", "tables") from None
+        raise MissingExtraError(f"a table of {name}", "sweep") from None
 
 
 def counted(count: int, what: str) -> str:
