@@ -49,8 +49,8 @@ def simulate_many(
     record : str or sequence of str
         "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
     skip, sections : optional
-        For summaries: the time from t0 on, in the unit of t_end (one for all motions, or one for each), that is left out
-        as a transient, and the number of sections that are kept.
+        For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient (one for all motions,
+        or one for each), and the number of sections that are kept.
     workers : int, optional
         Threads; None: one for each core. The result is the same for any number.
     progress : callable, optional
