@@ -10,6 +10,7 @@ All functions are scalar and run on floats (CPython, numba).
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 from symosc.engine.first_exit import shifted
@@ -180,7 +181,7 @@ def parabola_root(f0, slope, f1, width):
     """Return the root in (0, width) of the parabola with f0 and a slope at 0 and f1, of the other sign, at `width`."""
     bend = (f1 - f0 - slope * width) / (width * width)
     square = slope * slope - 4.0 * bend * f0
-    root = square**0.5 if square > 0.0 else 0.0
+    root = sqrt(square) if square > 0.0 else 0.0
     sign = 1.0 if f1 > 0.0 else -1.0
     below = slope + sign * root
     tau = -2.0 * f0 / below if below != 0.0 else 0.5 * width

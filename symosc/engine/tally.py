@@ -10,7 +10,7 @@ All functions are scalar and run on floats (CPython, numba).
 
 from __future__ import annotations
 
-from math import cos, inf, sin
+from math import cos, inf, sin, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,7 +102,8 @@ def tally_step(i, before, found, t0, tally, K):
     after, ints = found.state, tally.ints
     tau = (after.t - before.t) + (after.t_low - before.t_low)
     tally_stretch(i, before, after, tau, t0, tally, K)
-    tally_sections(i, before, after.n, after.S, tally, K)
+    if after.n > before.n:
+        tally_sections(i, before, after.n, after.S, tally, K)
     if found.code <= GRAZE:
         to_section = TWO_PI - after.theta
         reach = K.Om * found.t_error
@@ -153,12 +154,11 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
         return
     begin = begin if begin > 0.0 else 0.0
     x, v = before.x, before.v
-    start = launch_of(before)
     if before.mode > ON_BELT:
         floats[i, STUCK] += tau - begin
         x = x + v * begin
     elif begin > 0.0:
-        now = state_at(begin, start, K)
+        now = state_at(begin, launch_of(before), K)
         x, v = x + now.dx, v + now.dv
     ends = Extremes(floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH])
     ends = widened(widened(ends, x, v), after.x, after.v)
@@ -166,6 +166,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
     seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
     seen = widened(widened(seen, x, v), after.x, after.v)
     if tally.inside and before.mode <= ON_BELT:
+        start = launch_of(before)
         seen = flight_extremes(begin, end_of(before, after, tau, start, K), start, before.x, seen, K)
     floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
 
@@ -179,8 +180,8 @@ def tally_sections(i, before, last, S, tally, K):
         tally.ints[i, SECTIONS] += (last - ring) - first
         first, tally.ints[i, EARLY] = last - ring, 1
     s, c = sin(before.theta), cos(before.theta)
-    x_error = max(before.S.S11, S.S11) ** 0.5
-    v_error = max(before.S.S22, S.S22) ** 0.5
+    x_error = sqrt(max(before.S.S11, S.S11))
+    v_error = sqrt(max(before.S.S22, S.S22))
     for period in range(first, last + 1):
         turns = period - before.n
         tau = (turns * TWO_PI - before.theta) / K.Om
@@ -228,7 +229,7 @@ def close_word(i, tally):
 def end_tally(i, state, tally):
     """Finish a motion that came to its end: a section that is just ahead counts."""
     if TWO_PI - state.theta < AT_SECTION:
-        keep_section(i, state.x, state.v, state.S.S11**0.5, state.S.S22**0.5, tally)
+        keep_section(i, state.x, state.v, sqrt(state.S.S11), sqrt(state.S.S22), tally)
 
 
 def rest_tally(i, state, left, t0, tally, K):

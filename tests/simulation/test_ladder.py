@@ -13,7 +13,7 @@ from samples import sample_of
 from symosc import EventTable, Parameters, Trajectory, load_scene, simulate, simulate_many
 from symosc.engine import rounding
 from symosc.engine.state import IN_DOUBT
-from symosc.simulation import batch_loop, ensemble, ladder
+from symosc.simulation import batch_loop, chunks, ensemble, ladder
 
 numba = pytest.importorskip("numba")
 
@@ -48,7 +48,7 @@ def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
 @sample_of(6, 200)
 def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     climbed, looked = [], []
-    climb, in_doubles = ladder.climb, ensemble.in_doubles
+    climb, in_doubles = ladder.climb, chunks.in_doubles
 
     def counted(problems: Any, *others: Any) -> Any:
         found = climb(problems, *others)
@@ -56,7 +56,7 @@ def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytes
         return found
 
     monkeypatch.setattr(ladder, "climb", counted)
-    monkeypatch.setattr(ensemble, "in_doubles", lambda *given: looked.append(given) or in_doubles(*given))
+    monkeypatch.setattr(chunks, "in_doubles", lambda *given: looked.append(given) or in_doubles(*given))
     for seed in range(count):
         p, starts = fig8_like(seed)
         accuracy, most = random.Random(seed).choice(((1e-15, None), (5e-16, 40), (3e-16, 7)))
