@@ -17,8 +17,8 @@ from symosc.engine.constant_table import ConstantRows
 from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
-# Events after which a loop gives its rows back: a fifth of a second at most.
-CAPACITY = 1 << 18
+# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
+CAPACITY = 1 << 16
 # Events after which the interpreted loop looks at the clock.
 TURN = 2048
 
