@@ -10,14 +10,21 @@ from collections.abc import Callable
 from typing import Any
 
 #: What draws each kind of answer; filled by `register` when `symosc.plot` is loaded.
-_drawers: dict[type, Callable[..., Any]] = {}
+_drawers: dict[str, Callable[..., Any]] = {}
 #: Called before the first drawing; they load what registers.
 loaders: list[Callable[[], object]] = []
 
 
-def register(kind: type, draw: Callable[..., Any]) -> None:
-    """Let ``answer.plot(**options)`` return ``draw(answer, **options)`` for answers of a kind."""
-    _drawers[kind] = draw
+def register(kind: type | str, draw: Callable[..., Any]) -> None:
+    """Let ``answer.plot(**options)`` return ``draw(answer, **options)`` for answers of a kind.
+
+    A kind whose module is slow to load is given by its name, such as "symosc.simulation.trajectory.Trajectory".
+    """
+    _drawers[kind if isinstance(kind, str) else _name(kind)] = draw
+
+
+def _name(kind: type) -> str:
+    return f"{kind.__module__}.{kind.__qualname__}"
 
 
 class Drawable:
@@ -33,8 +40,8 @@ class Drawable:
         **options
             As for that function: `plot.figure` for a Trajectory, `plot.orbit_figure` for a PeriodicOrbit,
             `plot.branch_figure` for a Branch, `plot.window_figure` for a GrazingWindow, `plot.figure_grazing_curve` for
-            a GrazingCurve and `plot.crosscheck_figure` for a CrossCheck. All take ``panels=``, and ``ax=`` for axes of
-            your own, which hold one panel.
+            a GrazingCurve, `plot.region_figure` for a ParameterRegion and `plot.crosscheck_figure` for a CrossCheck.
+            Those with panels take ``panels=``, and all take ``ax=`` for axes of your own, which hold one panel.
 
         Returns
         -------
@@ -49,7 +56,7 @@ class Drawable:
         """
         while loaders:
             loaders.pop()()
-        kinds = [kind for kind in type(self).__mro__ if kind in _drawers]
+        kinds = [name for name in map(_name, type(self).__mro__) if name in _drawers]
         if not kinds:
             raise NotImplementedError(f"nothing draws a {type(self).__name__}")
         return _drawers[kinds[0]](self, **options)

@@ -7,14 +7,18 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
+import compiling
 import pytest
 from once import SHARED, alone
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder that the workers share."""
+    """Make the folder that the workers share; give each of them tests that stand together, which share the most."""
+    if getattr(config.option, "dist", "no") == "load":  # what pytest-xdist takes if nothing is said
+        config.option.dist = "worksteal"
     if not hasattr(config, "workerinput"):  # the first process
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
@@ -24,13 +28,36 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is left out: of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
 
-    Of a test with `quick(n)` all but n cases of those that are left are slow.
+    Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled loops comes last.
     """
     _leave_out(items, "full", unless="campaign", mark="campaign")
     for item in items:
         if item.get_closest_marker("campaign"):
             item.add_marker("slow")
     _leave_out(items, "quick", unless="slow", mark="slow")
+    items.sort(key=_loops)
+
+
+def _loops(item: pytest.Item) -> str:
+    """Return which compiled loops a test needs: "" for none, then "doubles", then "pairs"."""
+    marker = item.get_closest_marker("compiled")
+    return str(marker.args[0]) if marker else ""
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Have the loops compiled if a test needs them; of several workers the first one sees to it."""
+    worker = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"]
+    wanted = "" if session.config.option.collectonly else max(map(_loops, session.items), default="")
+    if worker == "gw0" and wanted and (process := compiling.begin(wanted)):
+        others_wait = hasattr(session.config, "workerinput")
+        session.config.add_cleanup(partial(compiling.end, process, others_wait))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Let a test that needs compiled loops begin when they are there."""
+    if loops := _loops(item):
+        compiling.wait(loops)
 
 
 def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:

@@ -18,7 +18,8 @@ PUBLIC |= {f"plot.{name}": getattr(plot, name) for name in plot.__all__ if calla
 #: Examples that need an optional package, and which.
 NEEDED = {"compiled_residual": "numba"}
 #: Examples that take half a second and more.
-LONG = ("Branch", "BranchEnd", "Case", "ConvergenceError", "GrazingReport", "continue_orbit", "plot.branch_figure")
+LONG = ("Branch", "BranchEnd", "Case", "CompiledResidual", "ConvergenceError", "GrazingReport", "continue_orbit")
+LONG += ("plot.branch_figure",)
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 
 

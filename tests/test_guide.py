@@ -17,6 +17,7 @@ def test_every_example_says_what_it_prints() -> None:
     assert len(EXAMPLES) == GUIDE.count("```python") > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(EXAMPLES)))
 def test_example(number: int, tmp_path: Path) -> None:
     code, expected = EXAMPLES[number]

@@ -8,13 +8,15 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+from sources import nodes
+
 import symosc
 
 ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
     {"aliases", "errors"},
-    {"exact", "files", "drawable"},
+    {"exact", "files", "drawable", "records"},
     {"model"},
     {"words"},
     {"scenes", "machine", "citation"},
@@ -38,12 +40,6 @@ def module_name(path: Path) -> str:
 
 
 MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
-
-
-@cache
-def nodes(path: Path) -> list[ast.AST]:
-    """Return all nodes of a file, its module first."""
-    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 def body(path: Path) -> list[ast.stmt]:
@@ -195,16 +191,21 @@ def test_no_function_is_given_more_than_eight_arguments_by_place() -> None:
     assert crowded == []
 
 
-def test_the_engine_has_no_long_function() -> None:
-    """Not more than 60 lines, with its docstring."""
-    long = [
-        f"{name}.{function.name} has {(function.end_lineno or 0) - function.lineno + 1} lines"
+#: Functions that may have more than 60 lines, and why they are left in one piece.
+LONG = {
+    "bench.peers_heyoka.at_its_best": "callbacks that share their state in the quickest way that Python has",
+}
+
+
+def test_a_function_has_more_than_60_lines_only_where_it_says_why() -> None:
+    """With its docstring."""
+    long = {
+        f"{name}.{function.name}"
         for name, path in MODULES.items()
-        if name.split(".")[0] in ("engine", "simulation", "mappings", "kernels")
         for function in functions_in(path)
         if (function.end_lineno or 0) - function.lineno + 1 > 60
-    ]
-    assert long == []
+    }
+    assert long == set(LONG)  # a name that is short by now is taken out
 
 
 def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import click
 import pytest
 from project_files import PROJECT, PYPROJECT, ROOT, cff, text
+from sources import nodes
 
 import symosc
 from symosc.cli.app import main
@@ -109,7 +110,7 @@ def test_what_is_imported_is_declared() -> None:
     declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {"symosc"}
     declared |= {"sksundae"}  # of scikit-sundae
     for path in (ROOT / "symosc").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
             for head in {name.partition(".")[0] for name in names}:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -79,7 +79,7 @@ def grazing(
 
     --solve asks the other way round: for which values of a parameter a phase, or every phase between two, is in the
     window, exactly; without --phase, for which values the window is empty and for which it is everything. Two
-    parameters give a region. Without SCENE and --set the answer is in letters.
+    parameters give a region, which --plot draws. Without SCENE and --set the answer is in letters.
 
     \b
     Examples:
@@ -90,41 +90,66 @@ def grazing(
       symosc grazing fig9 --map P2 --against Omega=0.1:4 --plot sweep.pdf
       symosc grazing fig9 --map P2 --solve Omega --phase 7*pi/6
       symosc grazing fig9 --map P2 --solve Omega,k --phase pi:3*pi/2 --latex
+      symosc grazing fig9 --map P2 --solve Omega,k --phase 7*pi/6 --plot region.pdf
       symosc grazing --map P3 --solve Omega --phase pi
     """
     piped = goes_to_stdout(output, "--plot", as_json or as_latex)
-    if phase is not None and solve is None:
-        raise click.UsageError("--phase needs --solve, which says what is asked for")
-    if solve is not None and (output is not None or phases is not None or against is not None):
-        raise click.UsageError("--solve prints only; give it without --plot, --check and --against")
-    letters = solve is not None and scene is None and not settings
-    name, p = (None, None) if letters else _parameters(scene, settings)
     if as_latex and as_json:
         raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
+    _check_questions(solve, phase, compared=phases is not None or against is not None)
     if against is not None and (output is None or len(mappings) != 1):
         raise click.UsageError("--against needs --plot FILE and one --map")
-    for mapping in mappings:
-        place(mapping)
+    letters = solve is not None and scene is None and not settings
+    name, p = (None, None) if letters else _parameters(scene, settings)
+    chosen = _chosen(mappings)
     if solve is not None:
-        inverse.solve(p, list(dict.fromkeys(mappings)), solve, phase, order, as_latex, as_json)
+        forms: dict[str, Any] = {"as_latex": as_latex, "as_json": as_json, "output": output, "piped": piped}
+        inverse.solve(p, chosen, solve, phase, order, **forms)
         return 0
     assert p is not None
-    chosen = list(dict.fromkeys(mappings)) or list(PLACES)
-    from symosc.grazing.window import grazing_window
-
-    windows = [grazing_window(p, mapping, order) for mapping in chosen]
-    reports = []
-    if phases is not None:
-        from symosc.grazing.check import check_grazing
-
-        reports = [check_grazing(p, mapping, n=phases) for mapping in chosen]
+    windows, reports = _decided(p, chosen or list(PLACES), order, phases)
     if output is not None:
         _draw(windows, against, output)
-    failed = int(any(not report.ok for report in reports))
-    if piped:
-        return failed
+    if not piped:
+        _show(name, windows, reports, as_latex, as_json)
+    return int(any(not report.ok for report in reports))
+
+
+def _check_questions(solve: str | None, phase: str | None, compared: bool) -> None:
+    """Refuse a phase that nothing is asked about, and checks of an answer about parameters."""
+    if phase is not None and solve is None:
+        raise click.UsageError("--phase needs --solve, which says what is asked for")
+    if solve is not None and compared:
+        raise click.UsageError("--solve goes without --check and --against")
+
+
+def _chosen(mappings: tuple[str, ...]) -> list[str]:
+    """Return each map once; ParameterError for one without grazing."""
+    for mapping in mappings:
+        place(mapping)
+    return list(dict.fromkeys(mappings))
+
+
+def _decided(
+    p: Parameters, mappings: list[str], order: str, phases: int | None
+) -> tuple[list[GrazingWindow], list[GrazingReport]]:
+    """Return the windows, and reports that check each at so many phases, if any."""
+    from symosc.grazing.window import grazing_window
+
+    windows = [grazing_window(p, mapping, order) for mapping in mappings]
+    if phases is None:
+        return windows, []
+    from symosc.grazing.check import check_grazing
+
+    return windows, [check_grazing(p, mapping, n=phases) for mapping in mappings]
+
+
+def _show(
+    name: str | None, windows: list[GrazingWindow], reports: list[GrazingReport], as_latex: bool, as_json: bool
+) -> None:
+    """Print windows and reports as JSON, the windows as LaTeX, or both as tables."""
     if as_json:
-        data: Record = {"scene": name, "parameters": p.as_dict(), "order": order}
+        data: Record = {"scene": name, "parameters": windows[0].parameters.as_dict(), "order": windows[0].order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
         write_json(data | {"windows": [_data(window) for window in windows]})
     elif as_latex:
@@ -132,7 +157,6 @@ def grazing(
             write(window.latex())
     else:
         _print(windows, reports)
-    return failed
 
 
 def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:

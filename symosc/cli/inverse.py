@@ -14,11 +14,28 @@ if TYPE_CHECKING:
 
 
 def solve(
-    p: Parameters | None, mappings: list[str], names: str, phases: str | None, order: str, as_latex: bool, as_json: bool
+    p: Parameters | None,
+    mappings: list[str],
+    names: str,
+    phases: str | None,
+    order: str,
+    *,
+    as_latex: bool = False,
+    as_json: bool = False,
+    output: str | None = None,
+    piped: bool = False,
 ) -> None:
-    """Print the answers for all mappings; p = None asks with letters."""
+    """Print the answers for all mappings, and draw one that is a region; p = None asks with letters."""
     asked = read_names(names)
+    if p is None and not isinstance(asked, str):
+        raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
+    if output is not None and (p is None or isinstance(asked, str) or phases is None or len(mappings) != 1):
+        raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
     found = [each for mapping in _depending(mappings, asked) for each in _answers(p, mapping, asked, phases, order)]
+    if output is not None:
+        _draw(found[0], output)
+    if piped:
+        return
     if as_json:
         write_json(
             {"parameters": None if p is None else p.as_dict(), "order": order, "answers": list(map(_data, found))}
@@ -26,6 +43,13 @@ def solve(
         return
     for answer in found:
         write(answer.latex() if as_latex else answer.text())
+
+
+def _draw(answer: Any, output: str) -> None:
+    from symosc.plot.drawing import check_suffix, save
+
+    check_suffix(output)
+    save(answer.plot(), output)
 
 
 def read_names(text: str) -> Any:

@@ -35,11 +35,13 @@ def reproduce(output: str, only: str | None, as_json: bool) -> int:
     """
     folder = Path(folder_name(output))
     from symosc.derive.chapters import CHAPTERS
-    from symosc.paper.claims import read_claims, read_errata, read_unjudged
+    from symosc.derive.errata import read_errata
+    from symosc.paper.claims import read_claims, read_unjudged
     from symosc.paper.pictures import PICTURES
     from symosc.paper.run import Plan
 
-    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS), read_errata(), read_unjudged())
+    errata = tuple(erratum.in_unicode() for erratum in read_errata())
+    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS), errata, read_unjudged())
     return carry_out(plan if only is None else plan.only(only), folder, as_json)
 
 
@@ -64,7 +66,7 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
 
 
 def _show(results: Results, output: Path) -> None:
-    from symosc.paper.claims import SEVERITIES
+    from symosc.derive.errata import SEVERITIES
 
     rows = []
     for each in results.judged:

@@ -96,14 +96,7 @@ def crosscheck(
     >>> crosscheck("fig5", t, x, v).ok
     True
     """
-    samples = _read(t, x, v, events)
-    task = _task(scene, samples, tolerance, global_tolerance)
-    units, listed = task.rounding.units(len(samples.t)), task.rounding.of_events(len(samples.events or ()))
-    check_joints(samples, max(SAMPLE_JUMP, task.tolerance), *_loose(task.parameters, samples, units).T)
-    result = task.judge(np.zeros_like(units), np.zeros_like(listed))
-    if result.ok or not task.rounding.texts:
-        return result
-    return task.judge(units, listed)
+    return _task(scene, _read(t, x, v, events), tolerance, global_tolerance).verdict()
 
 
 def _read(t: object, x: object, v: object, events: object) -> Samples:
@@ -136,6 +129,14 @@ class Task:
     tolerance: float
     limit: float
     rounding: Rounding
+
+    def verdict(self) -> CrossCheck:
+        """Judge the samples as numbers with all digits; if they fail and have few, once more at their precision."""
+        samples, rounding = self.samples, self.rounding
+        units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
+        check_joints(samples, max(SAMPLE_JUMP, self.tolerance), *_loose(self.parameters, samples, units).T)
+        result = self.judge(np.zeros_like(units), np.zeros_like(listed))
+        return result if result.ok or not rounding.texts else self.judge(units, listed)
 
     def judge(self, units: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion.

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
 
 import numpy as np
 
-from symosc.engine.arithmetic import Arithmetic, compiled, mp_context
-from symosc.engine.compiled_loop import Batch, batch_of, follow_all, keep_state, room_for, state_of
+from symosc.engine.arithmetic import Arithmetic, mp_context
+from symosc.engine.compiled_loop import Batch, batch_of, keep_state, room_for, state_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import belt_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.engine.tally import no_tally
-from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
+from symosc.simulation.batch_loop import Course, chosen_loops, followed, joined
 
-# Fewer steps than this are done before compiled code is loaded.
+# Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`.
 COMPILE_FROM = 4000
 MOST_STEP_EVENTS = 10_000  # in one step
 
@@ -175,16 +174,11 @@ def _upper_half(value: Any) -> Any:
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
-    batch, count = batch_of(rows.copy()), len(rows)
-    (loop, table), begin = _loop(count, K), 0
-    floats, ints = [], []
-    while begin < count:
-        room = room_for(4 * count + 64)
-        begin, filled = loop(begin, batch, MOST_STEP_EVENTS, inf, room, no_tally(), table)
-        floats.append(room.floats[:filled, [0, 1, 3]])
-        ints.append(room.ints[:filled])
-    numbers, table = np.concatenate(floats), np.concatenate(ints)
-    t, x, theta = numbers.T
+    batch = batch_of(rows.copy())
+    loops = chosen_loops(False if len(rows) < COMPILE_FROM else None)
+    course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
+    numbers, table = joined(followed(loops.follow, batch, course))
+    t, x, theta = numbers[:, [0, 1, 3]].T
     found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
     doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(doubtful):
@@ -211,16 +205,6 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
     dx, dv, _ = motion(v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     held = modes > ON_BELT
     return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
-
-
-def _loop(count: int, K: Constants) -> tuple[Callable[..., Any], Any]:
-    """Return the event loop for so many rows, and the constants as it takes them."""
-    if count < COMPILE_FROM:
-        return follow_all, [K]
-    try:
-        return compiled()["follow_all"], table_of([K])
-    except MissingExtraError:
-        return follow_all, [K]
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:

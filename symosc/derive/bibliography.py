@@ -65,7 +65,8 @@ def line(key: str) -> str:
     else:
         place = f"{get('note')}, {get('year')}"
     doi = f", doi:{get('doi')}" if get("doi") else ""
-    return f"{_authors(reference.fields['author'])}, {title}, {place}{doi}."
+    doubt = f" (not checked: {get('unchecked')})" if get("unchecked") else ""
+    return f"{_authors(reference.fields['author'])}, {title}, {place}{doi}{doubt}."
 
 
 def _authors(text: str) -> str:
@@ -74,7 +75,8 @@ def _authors(text: str) -> str:
     people = []
     for person in text.split(" and "):
         family, _, given = person.partition(", ")
-        initials = "~".join(part if part.endswith(".") else f"{part[0]}." for part in re.split(r"[ -]", given))
+        names = (part.split("-") for part in given.split(" "))
+        initials = "~".join("-".join(each if each.endswith(".") else f"{each[0]}." for each in part) for part in names)
         people.append(f"{initials}~{family}")
     return people[0] if len(people) == 1 else f"{', '.join(people[:-1])} and {people[-1]}"
 

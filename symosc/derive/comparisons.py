@@ -107,7 +107,7 @@ def multipliers() -> list[Value]:
     for c, F, Omega in AMPLITUDES:
         p = wall(F, Omega, c)
         one, other = published.slide_orbit(p, COMPARISON_DIGITS).multipliers
-        names = (r"\lambda_1 + \lambda_2", r"\lambda_1 \lambda_2")
+        names = (r"\rho_1 + \rho_2", r"\rho_1 \rho_2")
         numbers = zip(names, Formulas(p).trace_and_determinant(), (one + other, one * other), strict=True)
         found += [Value(name, _damped(c, F, Omega), formula, value.real) for name, formula, value in numbers]
     return [value for value in found if abs(value.formula) > TINY]
@@ -165,7 +165,7 @@ def continuum() -> list[Value]:
             low, high = (half / (4 * n * n) - x_f) ** 2, (half / (4 * n * n) + x_f) ** 2
             product = (low - middle**2) / (high - middle**2)
             pairs = (middle + half, highest, r"x_{\max}"), (middle - half, lowest, r"x_{\min}")
-            for formula, x, name in (*pairs, (product, orbit.multipliers[1].real, r"\lambda_2")):
+            for formula, x, name in (*pairs, (product, orbit.multipliers[1].real, r"\rho_2")):
                 found.append(Value(name, case, formula, x))
         case = rf"$\Omega = 1/{2 * n}$, $F = {F}$"
         end = half / (4 * n * n) - x_f

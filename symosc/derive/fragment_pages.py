@@ -50,7 +50,8 @@ def check_fragment(name: str, scope: FragmentScope) -> CheckedFragment:
     parts = []
     numbers = ", ".join(f"${symbol} = {value}$" for symbol, value in scope.table())
     if numbers:
-        parts.append(Part(Prose(f"The numbers are {numbers}."), ()))
+        several = len(scope.table()) > 1
+        parts.append(Part(Prose(f"The {'numbers are' if several else 'number is'} {numbers}."), ()))
     for item in FRAGMENTS[name].items(scope):
         evidence = tuple(step.verify() for step in steps_of(item))
         parts.append(Part(item, evidence))
@@ -122,11 +123,13 @@ def _piece(part: Any, fragment: CheckedFragment, scope: FragmentScope, prefix: s
         return str(part.item.text)
     table: Table = part.item
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
+    numbered = (tags.get(f"column{i}") for i in range(len(table.heads)))
+    heads = [f"{head}, {tag}" if tag else head for head, tag in zip(table.heads, numbered, strict=True)]
     return "\n".join(
         [
             r"\begin{center}",
             rf"\begin{{tabular}}{{{'l' * len(table.heads)}}}",
-            " & ".join(table.heads) + r" \\ \hline",
+            " & ".join(heads) + r" \\ \hline",
             *(line + (r" \\[8pt]" if r"\frac" in line else r" \\") for line in lines),
             r"\end{tabular}",
             r"\end{center}",

@@ -130,7 +130,9 @@ def _flight_map(scope: FragmentScope, label: str) -> Iterator[Any]:
     yield Prose(
         rf"The mapping ${name}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, \theta_i)$ on "
         rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, \theta_{{i+1}})$ on "
-        rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase. With the duration"
+        rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
+        rf"$\Sigma^{{1}}_{{(\lambda)}}$ and $\Sigma^{{2}}_{{(\lambda)}}$ are the points of motions below and above "
+        r"$\dot{x} = v_\lambda$. With the duration"
     )
     yield equation(
         tau,
@@ -148,7 +150,10 @@ def _flight_map(scope: FragmentScope, label: str) -> Iterator[Any]:
     yield equation(f2, velocity - symbolic_maps.v_j, "", check2, label="f2")
     yield Prose(r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.")
     yield from motion_items(scope)
-    yield Prose(_scene(row.domain) + " the constant part of the forces is")
+    yield Prose(
+        rf"{_scene(row.domain)} the motion obeys $m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, "
+        "and the constant part of the forces is"
+    )
     yield constant(row.domain)
 
 
@@ -160,7 +165,8 @@ def _stick_map(label: str) -> Iterator[Any]:
     f1 = named("f_1")
     ride = symbolic_maps.stick_residual()["f1"].xreplace({v_i: speed})
     yield Prose(
-        rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$ is a stick on belt {belt} from $(x_i, \theta_i)$ to "
+        rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
+        rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
         r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
         r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with"
     )

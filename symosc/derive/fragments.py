@@ -180,7 +180,8 @@ def _theorem7(scope: FragmentScope) -> Iterator[Any]:
     yield Prose(
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the time $t_m$, with the "
         r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
-        r"$(2, 2)$ and $P_6$ $(3, 2)$. With"
+        r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
+        r"where it is below. With"
     )
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}")
     fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
@@ -193,8 +194,8 @@ def _theorem7(scope: FragmentScope) -> Iterator[Any]:
     table = grazing.windows_table("theorem7")
     yield Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows)
     yield Prose(
-        r"For $|\gamma| = |a|$ the point that is taken out is a tangency of fourth order, at which the flow returns as "
-        r"well: to full order the set is the whole circle."
+        r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, at which the flow "
+        r"returns as well: to full order these two sets are the whole circle, and the others stay as they are."
     )
     if not scope.zero("k"):
         solved = sp.solve(solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta}), x)[
@@ -202,7 +203,10 @@ def _theorem7(scope: FragmentScope) -> Iterator[Any]:
         ]
         right = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
         check = Exact({named("x_m"): solved.subs(theta, grazing.THETA_M)})
-        yield equation(named("x_m"), right, r"The contact is at the position", check, label="xm")
+        reason = (
+            r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at"
+        )
+        yield equation(named("x_m"), right, reason, check, label="xm")
     yield from _windows_in_numbers(scope)
 
 
@@ -228,7 +232,7 @@ FRAGMENTS: dict[str, Fragment] = {
     "theorem4": Fragment("Theorem 4", _theorem4, {"F": "9"}),
     "theorem5": Fragment("Theorem 5", _theorem5, {"F": "9"}),
     "theorem6": Fragment("Theorem 6", _theorem6, {"F": "9", "G1": "47"}),
-    "theorem7": Fragment("Theorem 7", _theorem7, {}),
+    "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
     "saltation": Fragment("Saltation and perturbations", _saltation, {}),
     **{
         label: Fragment(

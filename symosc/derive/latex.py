@@ -35,6 +35,11 @@ LATEX_NAMES = {
 
 #: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
 ORDER = [
+    "g",
+    r"\dot{g}",
+    r"\ddot{g}",
+    "g^{(3)}",
+    "C_4",
     "C_1",
     "C_2",
     "D_1",
@@ -57,7 +62,7 @@ ORDER = [
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
 #: What stands in front of a product as a fraction of its own, such as k/m.
 PARAMETERS = {"m", "c", "k", "A", "A_0", "B_0", "Omega", "mu_1", "mu_2", "F_N", "cm", "w0sq", "f0", "h", "v_lambda"}
-PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa"}
+PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
 
 
 def named(latex: str, **assumptions: Any) -> Expr:
@@ -214,7 +219,11 @@ class PaperPrinter(LatexPrinter):
     def _trig(self, name: str, expr: Expr, exp: Any) -> str:
         name = f"{name}^{{{exp}}}" if exp else name
         argument = expr.args[0]
-        text = self._print(argument)
+        above, below = sp.fraction(argument)
+        if below != 1 and not above.is_Add and not argument.could_extract_minus_sign():
+            text = self._fraction(*(list(sp.Mul.make_args(part)) for part in (above, below)))  # nothing beside it
+        else:
+            text = self._print(argument)
         return f"{name} {text}" if argument.is_Symbol or argument.is_Mul else f"{name}{_parentheses(text)}"
 
     def _print_Interval(self, expr: Expr) -> str:

@@ -148,16 +148,16 @@ def rests() -> Iterator[Any]:
     yield Heading("Rest positions on a belt at rest")
     low, high, B0, A = named("x_-"), named("x_+"), solution.B0, solution.A0
     mu, other = solution.mu1, solution.mu2
-    ends = {low: (A - (mu - other) * FN + B0) / k, high: (A + (mu + other) * FN - B0) / k}
+    ends = {low: (A - (mu - other) * FN + sp.Abs(B0)) / k, high: (A + (mu + other) * FN - sp.Abs(B0)) / k}
     yield equation(
         high - low,
-        2 * (mu * FN - B0) / k,
+        2 * (mu * FN - sp.Abs(B0)) / k,
         r"For $c > 0$ a periodic motion is the only one, except on a belt at rest "
         r"(Theorem~\ref{thm:orbits-unique}). Let $v_1 = 0$. The mass stays at $x$ for ever "
         r"if $F^{(1)} \ge 0 \ge F^{(2)}$ at all phases, $k x \le A_1 - "
         r"|B_0|$ and $k x \ge A_2 + |B_0|$. These $x$ form an interval of the length",
         Exact(ends, sp.expand),
-        r"for $0 \le B_0 \le \mu_1 F_N$; of a negative $B_0$ take the size.",
+        r"for $|B_0| \le \mu_1 F_N$.",
     )
     yield Prose(r"The map over a period leaves every rest where it is, so that its multiplier along the interval is 1.")
     yield numbers(

@@ -19,7 +19,7 @@ from symosc.symbolic.solution import E0, E1, E2, cm, w0sq
 #: The basis functions are not independent.
 RELATION = {E0: 1 - w0sq * E2 - cm * E1}
 #: The multipliers.
-LAMBDA = named(r"\lambda_1"), named(r"\lambda_2")
+LAMBDA = named(r"\rho_1"), named(r"\rho_2")
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,7 @@ NOTATION = (
     Entry(r"$P_1, \ldots, P_8$", "basic mappings", r"Table~\ref{tab:maps-maps}", r"P_\d+|P_j"),
     Entry(r"$f_1$, $f_2$", "governing equations of a mapping", r"Theorem~\ref{thm:maps-flight}"),
     Entry(
-        r"$\Phi$, $\Psi_j$, $S$, $M$, $\rho_j$, $T$",
+        r"$\Phi$, $\Psi_j$, $S$, $M$, $\rho_j$, $\mathcal{T}$",
         "matrices of a flight and a piece, saltation and monodromy matrix, multipliers, period",
         r"Theorem~\ref{thm:jacobians-monodromy}",
         r"\\Phi_\d\d|\\Psi_(?:\d|n)|S_(?:\d|n|j)|\\rho(?:_(?:\d|1,2))?",
@@ -152,15 +152,23 @@ NOTATION = (
         r"(?:\\dot|\\ddot)\{y\}|W_\\infty|H_1|\\tilde\{[Txw]\}|[xT]\^\*|\\dot\{x\}\^\*|\\dot\{W\}",
     ),
     Entry(
+        r"$G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$",
+        "in the list of errata, as in the paper: of one domain or belt; a boundary and its equation",
+        r"Chapter~\ref{sec:errata}",
+        r"G\^\{\([0-3]\)\}|\\Sigma(?:\^[012])?|(?:\\dot\{x\}|x)\^\{\([01i]\)\}|\\Omega_ij|\\varphi_ij|t_\\pm|"
+        r"v_\\lambda\^\{[+-]\}|\\varepsilon",
+    ),
+    Entry(
         r"$P$, $F$, $x_f$, $r$",
         r"amplitude of the drive, friction, $F/k$, $\Omega\sqrt{m/k}$",
         r"Chapter~\ref{sec:literature}",
     ),
     Entry(
-        r"$Q$, $G$, $H$, $p_0$, $q_0$, $U$, $B$, $T_h$, $D_h$, $\bar{x}$",
-        "parts of the symmetric motion and of its half period, Den Hartog's letters, a middle",
+        r"$Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\Delta x$, $L$, $\bar{x}$",
+        "there only: parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a "
+        "middle",
         r"Chapter~\ref{sec:literature}",
-        r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\lambda_[12]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
+        r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
     ),
 )
 
@@ -175,7 +183,7 @@ SILENT = (
     r"pm|cdot|cup|circ|colon|mapsto|varnothing|times|tilde|begin|end|mathrm|operatorname|limits|hspace|[,;:!| {}\\])"
 )
 TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\d+(?:\.\d+)?|[a-zA-Z]|[{}^_']|.", re.DOTALL)
-ACCENTS = (r"\dot", r"\ddot", r"\tilde", r"\bar", r"\mathbf", r"\mathbb")
+ACCENTS = (r"\dot", r"\ddot", r"\tilde", r"\bar", r"\mathbf", r"\mathbb", r"\mathcal")
 
 
 def rows() -> list[tuple[str, str, str]]:

@@ -30,7 +30,7 @@ STEP_POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
 STEP_AGREEMENT = CONTEXT.mpf(10) ** -45
 # Enough to refute a wrong statement without a proof attempt.
-REFUTATION_POINTS = 3
+REFUTATION_POINTS = 1
 DIFFERENT = CONTEXT.mpf(10) ** -30
 
 
@@ -213,7 +213,7 @@ class Solves(Check):
             y.subs(at_start) - self.start,
             first.subs(at_start) - self.rate,
         )
-        tidy = solution.use_relations if self.general else _modes
+        tidy = solution.use_relations if self.general else modes
         for residual in residuals:
             if not self.general:
                 _refute(statement, residual)
@@ -227,8 +227,14 @@ def _by_tau(expr: Expr) -> Expr:
     return expr.diff(solution.tau)
 
 
-def _modes(expr: Expr) -> Expr:
-    return solution.collect_modes(sp.expand_trig(expr))
+def modes(expr: Expr) -> Expr:
+    """Return 0 for an expression in modes (products of tau, exp, sin, ...) that vanishes, else their sum."""
+    expr = sp.expand_trig(expr)
+    found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
+    letters = dict(zip(found, (sp.Dummy() for _ in found), strict=True))
+    # What vanishes for all values of its modes needs no more than its numerator.
+    above, _ = sp.fraction(sp.together(expr.xreplace(letters)))
+    return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,10 @@ Three arguments, each for all times to come:
   u' = l1 u + r. So u >= 0 and r >= 0 keep u >= 0, and g' >= l2 g keeps g > 0: the gap may shrink without end, but it
   never closes (`creeps_for_ever`). For k = 0 u is constant, a rational number whose sign is exact.
 
+Who decides whether a motion creeps: about an exact start `symosc.engine.start.settles`, in rational numbers, once and
+for all, before anything is simulated; about every later state, and the starts of maps and orbits, `creeps_for_ever`
+here, which says yes only where that is clear of rounding. The conditions are the same.
+
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on mpmath numbers.
 """
 

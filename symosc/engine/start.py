@@ -219,7 +219,8 @@ def is_steady(start: Start) -> bool:
 def settles(start: Start) -> bool:
     """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
 
-    As `symosc.engine.rests.creeps_for_ever`, with u = g' + (h + w) g >= 0 told from the squares of its two parts.
+    The conditions are those of `symosc.engine.rests`, which says who decides what. Here u = g' + (h + w) g >= 0 is told
+    from the squares of its two parts.
     """
     p = start.parameters
     h = p.c / (2 * p.m)

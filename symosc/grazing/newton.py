@@ -99,7 +99,7 @@ class Candidates:
         slopes = piece.slope_x if self.name == "x_i" else piece.slope_theta
         columns = (piece.theta_m, self._values(piece), slopes, (piece.theta_m - piece.theta) / self.K.Om)
         points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
-        for end, first in ((piece.low, 0), (piece.high, len(points))):
+        for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
             if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
                 source = self.curve._source

@@ -42,14 +42,21 @@ def kinds_of(theta_i, theta_j, K, kinds):
     return counts
 
 
-def load(block, points, begin, count):
-    """Copy `count` points into the first four rows of the block; what is left of a row repeats one of them."""
+def load(block, points, begin):
+    """Copy points into the first four rows of the block; return how many. What is left of a row repeats one of them."""
+    count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]
         for n in range(count):
             block[row * BLOCK + n] = column[begin + n]
         for n in range(count, BLOCK):
             block[row * BLOCK + n] = column[begin]
+    return count
+
+
+def pair(block, n):
+    """Return x_i, theta_i, x_j, theta_j: one of the pairs of points that were loaded."""
+    return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 
 def store(column, begin, count, block, row):
@@ -63,10 +70,9 @@ def flights(points, speeds, A, K, f):
     v_i, v_j = speeds
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):
-        count = min(BLOCK, len(points[0]) - begin)
-        load(block, points, begin, count)
+        count = load(block, points, begin)
         for n in range(BLOCK):
-            x_i, theta_i, x_j, theta_j = block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
+            x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
             block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
         for equation in range(2):
@@ -79,10 +85,9 @@ def flights_and_slopes(points, speeds, A, K, f, J):
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
     for begin in range(0, len(points[0]), BLOCK):
-        count = min(BLOCK, len(points[0]) - begin)
-        load(block, points, begin, count)
+        count = load(block, points, begin)
         for n in range(BLOCK):
-            x_i, theta_i, x_j, theta_j = block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
+            x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
             x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_slopes(x_i, theta_i, theta_j, v_i, A, K)
             block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
@@ -103,10 +108,9 @@ def sticks(points, v, sides, K, f):
     below, above = sides
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):
-        count = min(BLOCK, len(points[0]) - begin)
-        load(block, points, begin, count)
+        count = load(block, points, begin)
         for n in range(BLOCK):
-            x_i, theta_i, x_j, theta_j = block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
+            x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, force_below = stick(x_i, theta_i, x_j, theta_j, v, below, K)
             _, force_above = stick(x_i, theta_i, x_j, theta_j, v, above, K)
             smaller = force_below if abs(force_below) <= abs(force_above) else force_above

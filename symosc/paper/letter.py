@@ -7,7 +7,7 @@ from typing import Any
 
 from symosc import __version__
 from symosc.citation import paper_reference
-from symosc.paper.claims import SEVERITIES
+from symosc.derive.errata import SEVERITIES
 from symosc.paper.rendering import render
 from symosc.paper.run import Results
 

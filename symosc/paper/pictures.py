@@ -9,7 +9,7 @@ from functools import partial
 from matplotlib.figure import Figure
 
 from symosc.mappings.theorem7_cases import place
-from symosc.paper import captions, drawings
+from symosc.paper import captions, drawings, oscillator
 from symosc.paper.paper_figures import (
     grazing_figure_P2,
     grazing_figure_P3,
@@ -97,7 +97,7 @@ ORBIT = orbit_figure, captions.orbit_caption
 
 _ALL = (
     _drawn(
-        drawings.fig1,
+        oscillator.fig1,
         captions.model_caption,
         1,
         title="physical model",

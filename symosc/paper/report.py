@@ -18,10 +18,11 @@ from typing import Any
 from markupsafe import Markup
 
 from symosc.citation import paper_reference
+from symosc.derive.errata import SEVERITIES, Erratum
 from symosc.errors import OutputError
 from symosc.machine import machine
 from symosc.paper import letter
-from symosc.paper.claims import PARTS, SEVERITIES, Erratum
+from symosc.paper.claims import PARTS
 from symosc.paper.coverage import NAMES, coverage
 from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, UNDECIDED
 from symosc.paper.rendering import render
@@ -155,6 +156,7 @@ def files(results: Results) -> dict[str, str]:
         "words": NUMBER_MEANINGS,
     }
     context |= {"severities": SEVERITIES, "kinds": NAMES}
+    context["erratum_numbers"] = {erratum.id: erratum.number for erratum in results.errata}
     images = {key: _data_uri(each.svg) for key, each in drawn.items()}
     narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}
     proofs = {subject: Markup(each.html) for subject, each in chapters.items()}

@@ -24,8 +24,9 @@ from typing import Any
 from matplotlib.figure import Figure
 from pebble import ProcessExpired, ProcessPool
 
+from symosc.derive.errata import Erratum
 from symosc.errors import ParameterError
-from symosc.paper.claims import FAULTY, Claim, Erratum, Unjudged
+from symosc.paper.claims import FAULTY, Claim, Unjudged
 from symosc.paper.evidence import VERDICTS, Evidence
 from symosc.paper.pictures import Picture
 

@@ -25,6 +25,7 @@ PLAIN: list[tuple[str, Replacement]] = [
     (r" = (?=[\w.…−-]{1,16}(?![\w.…]))", "\u00a0=\u00a0"),  # a short equation stays on its line
     (r"(^|[\s(\[{=<>≤≥≠,;:|/·])-(?=[\w.(∞])", r"\1−"),
     (r"−(?=\()", "−\u2060"),  # no line ends with a sign
+    (r"\|(\w[^|\s]{0,6})\|", "|\u2060\\1\u2060|"),  # nor with the first bar of an absolute value
 ]
 MARKED: list[tuple[str, Replacement]] = [
     (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: _power_of_ten(*found.groups())),

@@ -24,6 +24,7 @@ from symosc.plot.crosscheck import figure as crosscheck_figure
 from symosc.plot.curve import figure_grazing_curve
 from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
+from symosc.plot.region import region_figure
 from symosc.plot.sweep import sweep_figure
 from symosc.plot.windows import window_figure
 from symosc.simulation.trajectory import Trajectory
@@ -38,6 +39,7 @@ __all__ = [
     "figure",
     "figure_grazing_curve",
     "orbit_figure",
+    "region_figure",
     "save",
     "simulated",
     "sweep_figure",
@@ -51,3 +53,4 @@ register(Branch, branch_figure)
 register(GrazingWindow, window_figure)
 register(GrazingCurve, figure_grazing_curve)
 register(CrossCheck, crosscheck_figure)
+register("symosc.symbolic.grazing_answers.ParameterRegion", region_figure)  # by name: it would load sympy

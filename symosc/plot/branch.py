@@ -53,10 +53,8 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     Parameters
     ----------
     branch : Branch
-    panels : str, optional
-        Letters of the panels: a positions, b multipliers. Default: both, with `ax` b.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel into; their figure is returned.
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a positions, b multipliers. Default: both, with `ax` b.
 
     Returns
     -------
@@ -65,7 +63,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     Raises
     ------
     ParameterError
-        If an argument is none of these.
+        If that is no Branch, or there is no such panel.
 
     Examples
     --------

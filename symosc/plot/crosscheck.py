@@ -29,10 +29,8 @@ def figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = No
     Parameters
     ----------
     check : CrossCheck
-    panels : str, optional
-        Letters of the panels: a global errors, b defects, c velocity. Default: all, with `ax` a.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel into; their figure is returned.
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default: all, with `ax` a.
 
     Returns
     -------
@@ -41,7 +39,7 @@ def figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = No
     Raises
     ------
     ParameterError
-        If an argument is none of these.
+        If that is no CrossCheck, or there is no such panel.
 
     Examples
     --------

@@ -31,10 +31,8 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     Parameters
     ----------
     curve : GrazingCurve
-    panels : str, optional
-        Letters of the panels: a switching plane, b flight. Default: both, with `ax` a.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel into; their figure is returned.
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with `ax` a.
 
     Returns
     -------
@@ -43,7 +41,7 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     Raises
     ------
     ParameterError
-        If an argument is none of these.
+        If that is no GrazingCurve, or there is no such panel.
 
     Examples
     --------

@@ -79,27 +79,32 @@ def figure(
     ['time $t$', 'displacement $x$']
     """
     scene = load_scene(subject) if isinstance(subject, str) else subject
-    if not isinstance(scene, (Scene, Trajectory)):
-        raise ParameterError("subject", subject, "give a Trajectory, a Scene or the name of one")
-    if isinstance(scene, Trajectory) and t_end is not None:
-        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
     if panels is None:
-        panels = default_panels(scene) if isinstance(scene, Scene) else "abcd"
-        panels = panels if ax is None else "a"
+        panels = "a" if ax is not None else default_panels(scene) if isinstance(scene, Scene) else "abcd"
     check_panels(panels, ax)
     boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
-    subject = simulated(scene, t_end) if isinstance(scene, Scene) else scene
-    if len(subject.events) > MOST_DRAWN_EVENTS:
-        allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
-        raise ParameterError("subject", subject, allowed)
-    view = view_of(subject, boundary)
+    view = view_of(_motion(scene, t_end), boundary)
     if ax is not None:
         PANELS[panels](ax, view)
         return figure_of(ax)
     drawn = [(PANELS[letter], view) for letter in panels]
     tall = panels.index("b") if "b" in panels and view.magnified else None
     return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
+
+
+def _motion(subject: object, t_end: Any) -> Trajectory:
+    """Return what is drawn: a trajectory, or the motion of a scene up to t_end, with not too many events."""
+    if isinstance(subject, Scene):
+        return simulated(subject, t_end)
+    if not isinstance(subject, Trajectory):
+        raise ParameterError("subject", subject, "give a Trajectory, a Scene or the name of one")
+    if t_end is not None:
+        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
+    if len(subject.events) > MOST_DRAWN_EVENTS:
+        allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
+        raise ParameterError("subject", subject, allowed)
+    return subject
 
 
 def simulated(scene: Scene, t_end: Any = None) -> Trajectory:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing.sweep import WindowColumns, grazing_windows
-from symosc.grazing.window import grazing_window
+from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
@@ -78,32 +78,48 @@ def sweep_figure(
     """
     low, high = _sweep_range(check_parameters(p), mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
-    values = np.linspace(low, high, SWEEP_POINTS)
-    # The window changes its kind at equality and at 0: sample them, and next to them.
-    steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
-    values = np.unique(np.concatenate([values, [edge for edge in edges if low <= edge <= high]]))
+    values = _values(low, high, equalities)
     found = grazing_windows(p, mapping, order, **{name: values})
     with style_for(ax):
         drawing, axes = one_axes(ax, (4.6, 3.4))
         _areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
         _borders(axes, values, found)
         for q in equalities:
-            for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
-                draw_dot(axes, float(q), theta, belongs, label="belongs to it" if belongs else "does not belong to it")
+            _dots(axes, float(q), grazing_window(p.replace(**{name: q}), mapping, order))
         axes.set(
             xlabel=f"${NAMES[name]}$", ylabel=r"$\mathrm{mod}(\Omega t_m, 2\pi)$", xlim=(low, high), ylim=(0, TURN)
         )
         _mark_value(axes, float(getattr(p, name)))
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
-        handles, labels = axes.get_legend_handles_labels()
-        if handles:
-            style: dict[str, Any] = {"loc": "outside lower center", "ncols": 3, "frameon": False}
-            once = dict(zip(labels, handles, strict=True))
-            target, options = (drawing, style) if ax is None else (axes, {})
-            target.legend(list(once.values()), list(once), **options)
+        _legend(axes, drawing if ax is None else None)
     return drawing
+
+
+def _dots(axes: Axes, value: float, window: GrazingWindow) -> None:
+    """Draw the critical phases of a window above a value, with what they are to the window."""
+    for theta, belongs in critical_phases(window):
+        draw_dot(axes, value, theta, belongs, label="belongs to it" if belongs else "does not belong to it")
+
+
+def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
+    """Return values to sample: even ones, and equality and 0, where the window changes its kind, and beside these."""
+    steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
+    even = np.linspace(low, high, SWEEP_POINTS)
+    return np.unique(np.concatenate([even, [edge for edge in edges if low <= edge <= high]]))
+
+
+def _legend(axes: Axes, drawing: Figure | None) -> None:
+    """Add a legend with one entry for each label: below the figure, or inside the axes if they are a user's own."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not handles:
+        return
+    once = dict(zip(labels, handles, strict=True))
+    if drawing is None:
+        axes.legend(list(once.values()), list(once))
+    else:
+        drawing.legend(list(once.values()), list(once), loc="outside lower center", ncols=3, frameon=False)
 
 
 def _mark_value(axes: Axes, value: float) -> None:

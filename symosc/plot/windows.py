@@ -58,7 +58,7 @@ def window_figure(
     Raises
     ------
     ParameterError
-        If an argument is none of these.
+        If there is no window, or no such panel, or more than one window with `ax`.
 
     Examples
     --------
@@ -68,26 +68,35 @@ def window_figure(
     >>> len(drawing.axes)
     4
     """
+    chosen = _read_windows(windows)
+    draw = {"a": _circle, "b": _contacts}
+    panels = read_panels(panels, tuple(draw), ax)
+    if ax is None:
+        return _rows(chosen, [draw[letter] for letter in panels] + ([] if plane is None else [plane]))
+    drawing = figure_of(ax)
+    if len(chosen) > 1:
+        raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
+    draw[panels](ax, chosen[0])
+    return drawing
+
+
+def _read_windows(windows: object) -> list[GrazingWindow]:
+    """Return one window, or all of a sequence, as a list."""
     given = [windows] if isinstance(windows, GrazingWindow) else windows
     chosen = list(given) if isinstance(given, Iterable) else []
     if not chosen or not all(isinstance(window, GrazingWindow) for window in chosen):
         raise ParameterError("windows", "...", "must be a GrazingWindow or a sequence of them, at least one")
-    draw = {"a": _circle, "b": _contacts}
-    panels = read_panels(panels, tuple(draw), ax)
-    if ax is not None:
-        drawing = figure_of(ax)
-        if len(chosen) > 1:
-            raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
-        draw[panels](ax, chosen[0])
-        return drawing
-    columns: list[Callable[[Axes, GrazingWindow], None]] = [draw[letter] for letter in panels]
-    columns += [] if plane is None else [plane]
-    with style_for(ax):
-        size = 1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2
+    return chosen
+
+
+def _rows(windows: list[GrazingWindow], columns: list[Callable[[Axes, GrazingWindow], None]]) -> Figure:
+    """Return a figure with a row for each window, and in each row what the columns draw of it."""
+    with style_for(None):
+        size = 1.2 + 2.9 * len(columns), 2.5 * len(windows) + 0.2
         drawing = Drawing(figsize=size, layout="constrained")
         widths = [1.0 if column is _circle else 1.5 for column in columns]
-        grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
-        for row, window in zip(grid, chosen, strict=True):
+        grid = drawing.subplots(len(windows), len(columns), squeeze=False, width_ratios=widths)
+        for row, window in zip(grid, windows, strict=True):
             for axes, column in zip(row, columns, strict=True):
                 column(axes, window)
     return drawing

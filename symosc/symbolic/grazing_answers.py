@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.aliases import Expr
+from symosc.drawable import Drawable
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.mappings.latex import table
@@ -222,8 +223,8 @@ class ParameterValues:
         return repr(self.values)
 
 
-class ParameterRegion:
-    """The region of two parameters that has a property.
+class ParameterRegion(Drawable):
+    """The region of two parameters that has a property; `plot` draws it.
 
     Attributes
     ----------

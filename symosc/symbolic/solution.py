@@ -302,7 +302,7 @@ def collect_modes(expr: Expr) -> Expr:
 _h, _w, _i = c / (2 * m), sp.sqrt(k / m), sp.I
 _table = (
     Regime("underdamped", (c > 0) & (c**2 < 4 * k * m), -h, _i * omega_d, {h: _h, omega_d: sp.sqrt(_w**2 - _h**2)}),
-    Regime("critical", (c > 0) & sp.Eq(c**2, 4 * k * m), -h, sp.Integer(0), {h: _h}),
+    Regime("critical", (c > 0) & (k > 0) & sp.Eq(c**2, 4 * k * m), -h, sp.Integer(0), {h: _h}),
     Regime("overdamped", (k > 0) & (c**2 > 4 * k * m), -h, eta, {h: _h, eta: sp.sqrt(_h**2 - _w**2)}),
     Regime("undamped", sp.Eq(c, 0) & (k > 0) & sp.Ne(k, m * Omega**2), sp.Integer(0), _i * omega_0, {omega_0: _w}),
     Regime("resonance", sp.Eq(c, 0) & sp.Eq(k, m * Omega**2), sp.Integer(0), _i * Omega, {}),

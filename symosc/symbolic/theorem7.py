@@ -18,7 +18,7 @@ import sympy as sp
 
 from symosc.aliases import Expr, NumberLike
 from symosc.errors import ParameterError
-from symosc.exact import read_exact
+from symosc.exact import NUMBER_FORMS, read_exact
 from symosc.mappings.latex import table
 from symosc.mappings.phase import has_pi, read_text
 from symosc.mappings.theorem7_cases import (
@@ -296,7 +296,14 @@ def real(name: str, value: NumberLike) -> Expr:
             if not value.is_comparable:
                 raise ParameterError(name, value, "must be a real number")
         return value
-    return read_text(name, value).symbolic() if has_pi(value) else rational(read_exact(name, value))
+    if has_pi(value):
+        return read_text(name, value).symbolic()
+    try:
+        return rational(read_exact(name, value))
+    except ParameterError as error:
+        if error.allowed.startswith(("must be", "has ")):  # a number, but too large or not finite
+            raise
+        raise ParameterError(name, value, f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'") from None
 
 
 def rational(value: Fraction) -> Expr:

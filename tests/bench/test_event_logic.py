@@ -86,6 +86,7 @@ LOGIC = {
 }
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("case", LOGIC)
 def test_event_logic_on_the_exact_flow_gives_the_events_of_simulate(case: str) -> None:
     start, tolerance = LOGIC[case]

@@ -30,6 +30,7 @@ ONE_OF_EACH = {case.group: case for case in hard_cases() if case.quick}
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("pairs")
 @pytest.mark.parametrize("group", GROUPS)
 def test_ours_keep_the_bound_in_every_group(group: str) -> None:
     case = ONE_OF_EACH[group]

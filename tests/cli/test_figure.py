@@ -18,6 +18,7 @@ def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
     assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
 
 
+@pytest.mark.slow
 def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
     path = tmp_path / "fig6.svg"
     good("figure", "fig6", "-o", str(path), "--panels", "a")

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
+import cli_runs
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from sympy.parsing.sympy_parser import parse_expr
 
-from symosc.cli import app
-from symosc.cli.grazing import grazing
 from symosc.errors import ParameterError
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EVERYTHING
@@ -26,22 +24,7 @@ FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
 
 
-@click.group(cls=app.CommandLine)
-def program() -> None:
-    """Stands for symosc, whose error handling it has."""
-
-
-program.add_command(grazing)
-
-
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(program, ["grazing", *arguments], prog_name="symosc")
-
-
-def good(*arguments: str) -> str:
-    result = run(*arguments)
-    assert (result.exit_code, result.stderr) == (0, ""), result.output
-    return result.stdout
+run, good = partial(cli_runs.run, "grazing"), partial(cli_runs.good, "grazing")
 
 
 def test_the_table() -> None:
@@ -151,6 +134,7 @@ def test_help_has_an_example() -> None:
     assert "symosc grazing fig9" in good("--help")
 
 
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
 def test_plot_files(suffix: str, tmp_path: Path) -> None:
@@ -218,7 +202,7 @@ def shaded(axes: Any, x: float, y: float) -> bool:
 
 
 @pytest.mark.full(3)
-@pytest.mark.quick(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mapping", "name"),
     [("P2", "Omega"), ("P2", "B0"), ("P2", "k"), ("P3", "v1"), ("P5", "v2"), ("P6", "B0"), ("P6", "v2"), ("P3", "k")],

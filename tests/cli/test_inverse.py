@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import cli_runs
 import pytest
-from click.testing import CliRunner, Result
 
 from symosc import load_scene, values_containing, values_empty, values_everything
-from symosc.cli.app import main
 
 FIG9 = load_scene("fig9").parameters
 
 
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(main, ["grazing", *arguments], prog_name="symosc")
-
-
-def good(*arguments: str) -> str:
-    result = run(*arguments)
-    assert (result.exit_code, result.stderr) == (0, ""), result.output
-    return result.stdout
+run, good = partial(cli_runs.run, "grazing"), partial(cli_runs.good, "grazing")
 
 
 def test_one_parameter_and_a_phase() -> None:
@@ -89,9 +82,9 @@ def test_latex_and_json() -> None:
         (["fig9", "--solve", "Omega", "--phase", "pi:"], "is not PHASE or LOW:HIGH"),
         (["fig9", "--solve", "Omega", "--phase", "pi:0"], "from a lower to a higher phase"),
         (["fig9", "--solve", "Omega", "--phase", "0:9"], "longer than a turn"),
-        (["fig9", "--solve", "Omega", "--plot", "a.png"], "--solve prints only"),
-        (["fig9", "--solve", "Omega", "--check", "5"], "--solve prints only"),
-        (["--solve", "Omega,k", "--phase", "1"], "must be Parameters"),
+        (["fig9", "--solve", "Omega", "--plot", "a.png"], "draws one region"),
+        (["fig9", "--solve", "Omega", "--check", "5"], "goes without --check and --against"),
+        (["--solve", "Omega,k", "--phase", "1"], "needs numbers: give a SCENE"),
         (["--solve", "Omega", "--phase", "1:2"], "where the parameters are letters"),
         (["fig9", "--map", "P1", "--solve", "Omega"], "sticks on belt 1"),
         (["fig9", "--map", "P5", "--solve", "v1"], "depends on Omega, B0, k and v2"),

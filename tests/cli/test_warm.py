@@ -43,6 +43,7 @@ def test_without_numba_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("pairs")
 def test_what_was_compiled_is_there() -> None:
     pytest.importorskip("numba")
     warm.warm()

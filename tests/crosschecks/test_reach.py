@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.reach import Reach
-from symosc.crosschecks.steps import follow_steps
+from symosc.crosschecks.steps import StepEvents, follow_steps
 
 SIZE = 1e-6
 
@@ -30,6 +31,7 @@ def test_an_event_of_the_motion_and_of_the_steps_reach_equally_far(name: str, t_
         assert reach.of_row(row) == pytest.approx(reach.of(event), rel=1e-6), event
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
 @pytest.mark.parametrize("changed", ["x0", "v0"])
 def test_what_an_error_does_is_within_reach_and_not_far_below_it(name: str, changed: str) -> None:
@@ -121,3 +123,24 @@ def test_an_event_without_slope_reaches_as_far_as_its_bend_allows(belt: int) -> 
             slope = -(K.w0sq * v + K.fB * np.sin(theta))
             found = reach._width(1.0, float(x), theta, belt, domain)
             assert found == pytest.approx(2 * np.sqrt(2 * 2 * SIZE / abs(slope)), rel=1e-2)
+
+
+def test_the_mode_before_an_event_of_a_step_is_that_of_the_event_before() -> None:
+    """In a step with several events; at the first one it is where the step begins. A slip comes from its belt."""
+    reach, asked = reach_of("fig10", 10.0), []
+    rng = np.random.default_rng(4)
+    rows, width = 40, lambda *given: asked.append(given) or 0.0
+    step = np.sort(rng.integers(0, 12, rows))
+    numbers = [rng.uniform(0, 9, rows) for _ in range(3)]
+    kind, boundary, target = rng.integers(1, 5, rows), rng.integers(1, 3, rows), rng.integers(1, 6, rows)
+    first = rng.integers(1, 6, 12)
+    events = StepEvents(step, *numbers, kind, boundary, target)
+    object.__setattr__(reach, "steps", SimpleNamespace(events=events, first=first))
+    object.__setattr__(reach, "_width", width)
+    for row in range(rows):
+        asked.clear()
+        reach.of_row(row)
+        before = [j for j in range(row) if step[j] == step[row]]
+        source = int(target[before[-1]] if before else first[step[row]])
+        source = 3 + int(boundary[row]) if kind[row] == 3 else min(source, 3)
+        assert asked == [(numbers[0][row], numbers[1][row], numbers[2][row], boundary[row], source)]

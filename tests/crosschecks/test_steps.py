@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from symosc import load_scene
+import numpy as np
+import pytest
+
+from symosc import load_scene, simulate
+from symosc.crosschecks import steps
+from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.steps import phases
+from symosc.engine import compiled_loop
+from symosc.simulation import batch_loop
 
 
 def test_phases_at_large_times() -> None:
@@ -29,3 +36,24 @@ def test_periods_and_phase_are_the_time() -> None:
     assert np.all((theta >= 0) & (theta < 2 * np.pi))
     assert (periods[0], theta[0]) == (1, 0.0)  # the double 2 pi is 2.4e-16 too small
     np.testing.assert_allclose(2 * np.pi * periods + theta, times, rtol=4e-16, atol=4e-16)
+
+
+def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To compile takes twenty seconds, to interpret some thousand steps a part of one."""
+    interpreted, loop = [], compiled_loop.follow_all
+
+    def noted(begin: int, *rest: Any) -> Any:
+        interpreted.append(begin)
+        return loop(begin, *rest)
+
+    monkeypatch.setattr(compiled_loop, "follow_all", noted)
+    monkeypatch.setattr(batch_loop, "is_compiled", lambda _: False)
+    monkeypatch.setattr(batch_loop, "DOUBLES", batch_loop.Patience(15.0))
+    monkeypatch.setattr(steps, "COMPILE_FROM", 300)
+    scene = load_scene("fig9")
+    t = np.linspace(float(scene.t0), 8, 301)
+    exact = simulate(scene, t_end=8)
+    result = crosscheck(scene, t, *exact(t))
+    assert result.ok
+    assert [match.event for match in result.matched] == list(exact.events)
+    assert set(range(300)) <= set(interpreted)

@@ -43,6 +43,22 @@ def test_an_unknown_citation_is_refused() -> None:
 def test_one_entry_as_a_line() -> None:
     assert bibliography.line("luo2008") == (
         r"A.~C.~J.~Luo, \emph{A theory for flow switchability in discontinuous dynamical systems}, "
-        r"Nonlinear Analysis: Hybrid Systems 2 (2008), 1030--1061."
+        r"Nonlinear Analysis: Hybrid Systems 2 (2008), 1030--1061 (not checked: title, journal, volume, pages)."
     )
+    assert bibliography.line("hongliu2000").startswith("H.-K.~Hong and C.-S.~Liu,")
+    assert bibliography.line("dibernardo2008").startswith("M.~di Bernardo, C.~J.~Budd,")
+    assert bibliography.line("denhartog1930").startswith("J.~P.~Den Hartog,")
     assert "Pólya" in bibliography.plain_line("polya1922")
+
+
+def test_what_is_from_memory_is_marked_and_printed() -> None:
+    """Every entry of others says what it was compared with, or that something of it was not."""
+    for key, reference in bibliography.entries().items():
+        if key in ("symosc", "chen2016"):
+            continue
+        fields = dict(reference.fields)
+        doubts = [word.strip() for word in fields.pop("unchecked", "").split(",") if word.strip()]
+        assert fields.pop("checked", None) or "title" in doubts, key
+        assert set(doubts) <= set(fields), key
+        line = bibliography.plain_line(key)
+        assert line.endswith(f" (not checked: {', '.join(doubts)}).") if doubts else "not checked" not in line

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 import sympy as sp
-from chapters import chapter
+from chapters import chapter, unchecked_items
 from click.testing import CliRunner
 from latex_reader import Reader
 from sympy.core.function import AppliedUndef
@@ -28,7 +28,7 @@ from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 #: The checks of the other chapters take a second each and more, those of the domains half a minute.
-QUICK = ("switching", "events")
+QUICK = ("switching",)
 KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in CHAPTERS]
 SCENES = ("fig5", "fig8", "fig9", "fig10")
 ACCEPT = "accept it with: symosc derive all -o derivations"
@@ -48,25 +48,18 @@ def test_every_step_has_evidence(key: str) -> None:
     assert set(kinds) <= {"exact", "sign", "numeric"}
 
 
-#: Every eighth step of the chapter of the domains; the others are a campaign.
-PIECES = {"domains": 8}
-PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES.get(key, 1))]
+#: Of each chapter every so-manieth step; the others are a campaign. Chapters of few steps are there as a whole.
+PIECES = dict.fromkeys(CHAPTERS, 3) | {"domains": 8, "switching": 1, "sticks": 1}
+PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES[key])]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("key", "part"),
-    [
-        pytest.param(
-            *each,
-            marks=[pytest.mark.slow] * (each[0] not in {*QUICK} - {"events"}) + [pytest.mark.campaign] * (each[1] > 0),
-        )
-        for each in PARTS
-    ],
+    ("key", "part"), [pytest.param(*each, marks=[pytest.mark.campaign] * (each[1] > 0)) for each in PARTS]
 )
 def test_a_changed_sign_fails(key: str, part: int) -> None:
-    _, items = document.chapter_items(key, Scope())
-    steps = [step for item in items for step in steps_of(item)][part :: PIECES.get(key, 1)]
+    _, items = unchecked_items(key)
+    steps = [step for item in items for step in steps_of(item)][part :: PIECES[key]]
     untouched = []
     for step in steps:
         changed = list(mutations(step))
@@ -76,7 +69,7 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
             with pytest.raises(StepError):
                 wrong.verify()
     # What has no sign, such as E_0 = 1 or x' = E_1 of bare letters: a quarter of a chapter, more of a part.
-    assert len(untouched) <= (0.25 if PIECES.get(key, 1) == 1 else 0.4) * len(steps), untouched
+    assert len(untouched) <= (0.25 if PIECES[key] == 1 else 0.4) * len(steps), untouched
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -114,6 +107,7 @@ def test_each_chapter_has_one_name() -> None:
         assert f'run("{key}")' in (COMMITTED / f"{key}.py").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_script_runs(capsys: pytest.CaptureFixture[str]) -> None:
     runpy.run_path(str(COMMITTED / "switching.py"), run_name="__main__")
     assert capsys.readouterr().out.startswith("4. What happens at a boundary")
@@ -127,6 +121,7 @@ def test_every_step_of_a_scene_has_evidence(scene: str, key: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(2)
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_shows_only_what_it_needs(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Step, "verify", lambda step: StepEvidence("exact", "0"))  # only what is printed counts here

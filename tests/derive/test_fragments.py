@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 import sympy as sp
 from click.testing import CliRunner
+from samples import few
 
 from symosc.cli.app import main
 from symosc.derive import fragment_pages, notation, pdf
@@ -31,6 +32,7 @@ NUMBERS |= {"v1": "1", "v2": "5", "mu1": "0.8", "mu2": "0.6"}
 KINDS = [(name, *kind) for name in FRAGMENTS for kind in (("entire", False), ("paper", True))]
 #: Their checks take more than a moment.
 HEAVY = {"flow", *(f"P{n}" for n in (2, 3, 5, 6, 7, 8))}
+LONG = HEAVY | {"friction", "theorem7"}
 
 
 @cache
@@ -49,13 +51,27 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(main, ["derive", *arguments])
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in HEAVY)) for n in FRAGMENTS])
-@pytest.mark.parametrize("form", ["entire", "paper"])
+#: The form of the motion is nothing to the others. Of the flights each is in the full run in one form.
+FORMS = [(name, form) for name in FRAGMENTS for form in ("entire", "paper") if form == "entire" or name in HEAVY]
+IN_THE_OTHER = {(f"P{n}", form) for form, numbers in (("entire", (3, 6, 8)), ("paper", (2, 5, 7))) for n in numbers}
+
+
+@pytest.mark.quick(4)
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        pytest.param(
+            *each,
+            marks=[pytest.mark.slow] * (each[0] in LONG) + [pytest.mark.campaign] * (each in IN_THE_OTHER),
+        )
+        for each in FORMS
+    ],
+)
 def test_every_step_has_evidence(name: str, form: str) -> None:
-    if form == "entire" or name in HEAVY:  # the form of the motion is nothing to the others
-        assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
+    assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
 
 
+@pytest.mark.quick(6)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
@@ -70,6 +86,7 @@ def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
     assert not re.findall(r"\\(?:ref|eqref|cite|checkedby|markit)\b", text)  # nothing that is elsewhere
 
 
+@pytest.mark.quick(6)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_every_letter_of_a_fragment_is_defined_in_it(name: str) -> None:
@@ -117,7 +134,7 @@ def test_the_form_of_papers_is_the_motion(regime: str) -> None:
         assert float(sp.N(value, 20)) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["stick", "theorem6", "theorem7", "P1", "saltation"])
+@pytest.mark.parametrize("name", few(["stick", "theorem6", "theorem7", "P1", "saltation"], "theorem6", "theorem7"))
 def test_a_changed_sign_fails(name: str) -> None:
     scope = fragment_scope({})
     for item in FRAGMENTS[name].items(scope):
@@ -135,6 +152,7 @@ def test_numbers_are_exact_or_rounded() -> None:
     assert "- 17.962" in run("P1", "--scene", "fig5").stdout  # A_0 - c v_1 - (mu_1 - mu_2) F_N
 
 
+@pytest.mark.slow
 def test_theorem_7_in_numbers_names_the_windows() -> None:
     text = run("theorem7", "--set", "m=1", "--set", "k=1", "--set", "B0=2", "--set", "Omega=1", "--set", "v1=1").stdout
     window = next(row for row in text.splitlines() if "window-P3" in row)
@@ -142,6 +160,7 @@ def test_theorem_7_in_numbers_names_the_windows() -> None:
     assert "window-P5" not in text  # v2 is open
 
 
+@pytest.mark.slow
 def test_without_a_spring_theorem_7_has_no_position() -> None:
     assert "x_m" not in run("theorem7", "--set", "k=0").stdout
 
@@ -161,6 +180,7 @@ def test_a_fragment_goes_into_a_file(tmp_path: Path) -> None:
     assert path.read_text(encoding="utf-8") == run("P1").stdout
 
 
+@pytest.mark.slow
 def test_text_has_words_apart() -> None:
     text = run("theorem7", "--format", "text").stdout + run("stick", "--format", "text").stdout
     assert not re.findall(r"cost|sint|\)Omega|\)theta|\\|[a-z]_\d[a-z]", text)
@@ -210,6 +230,7 @@ def compiled(folder: Path, name: str) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.full(5)  # all of them are compiled in the article below
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
 @pytest.mark.parametrize("name", FRAGMENTS)

@@ -6,6 +6,8 @@ import re
 from functools import cache
 
 import pytest
+from chapters import unchecked_items
+from samples import few
 
 from symosc.derive import blocks, document
 from symosc.derive.chapters import CHAPTERS
@@ -13,16 +15,19 @@ from symosc.derive.document import Checked, Part
 from symosc.derive.scope import Scope
 from symosc.derive.steps import StepEvidence
 
+#: Some of these take a second to build, one that runs motions ten.
+KEYS = few(CHAPTERS, "motion", "domains", "grazing", "events", "orbits", "errata", "literature")
+
 
 @cache
 def unchecked(key: str) -> Checked:
     """Return a chapter with evidence that is made up: only what is printed counts here."""
-    title, items = document.chapter_items(key, Scope())
+    title, items = unchecked_items(key)
     evidence = StepEvidence("exact", "0")
     return Checked(key, title, [Part(item, tuple(evidence for _ in blocks.steps_of(item))) for item in items])
 
 
-@pytest.mark.parametrize("key", CHAPTERS)
+@pytest.mark.parametrize("key", KEYS)
 def test_html_has_no_rest_of_latex(key: str) -> None:
     html = document.as_html(unchecked(key), Scope())
     shown = re.sub(r"<[^>]*>", "", html)
@@ -38,6 +43,7 @@ def test_html_has_no_rest_of_latex(key: str) -> None:
     assert targets <= set(re.findall(r'id="([^"]*)"', html))
 
 
+@pytest.mark.slow
 def test_the_page_needs_no_other_file() -> None:
     html = document.as_page([unchecked(key) for key in CHAPTERS], Scope())
     assert html.startswith("<!DOCTYPE html>")
@@ -47,14 +53,14 @@ def test_the_page_needs_no_other_file() -> None:
     assert html.count("<figure") == 4
 
 
-@pytest.mark.parametrize("key", CHAPTERS)
+@pytest.mark.parametrize("key", KEYS)
 def test_text_is_readable(key: str) -> None:
     text = document.as_text(unchecked(key), Scope())
     assert not re.findall(r"\\|\$|costheta|sintheta|\)Omega|\{\{|eqref|emph", text)
     assert not re.findall(r"\b(?:cos|sin)(?:theta|tau|omega|Omega)", text)
 
 
-@pytest.mark.parametrize("key", CHAPTERS)
+@pytest.mark.parametrize("key", KEYS)
 def test_markdown_is_complete(key: str) -> None:
     text = document.as_markdown(unchecked(key), Scope())
     assert text.startswith(f"# {list(CHAPTERS).index(key) + 1}. ")

@@ -8,11 +8,12 @@ from symosc.derive import bibliography, literature_page
 from symosc.derive.comparisons import BORDER, CLOSED, TABLES, Value, table
 from symosc.derive.published import MP
 
-#: The others bisect, for seconds each.
-QUICK = ("amplitude", "stability", "resonance", "decay", "continuum", "rests")
+#: The others bisect, or expand long expressions, for seconds each.
+QUICK = ("amplitude", "resonance", "decay", "continuum", "rests")
 KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in TABLES]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("key", KEYS)
 def test_formula_and_package_agree(key: str) -> None:
     values = table(key)
@@ -44,6 +45,7 @@ def test_a_difference_is_relative() -> None:
     assert abs(Value("x", "", 0, 0.5).difference + MP.mpf("0.5")) < 1e-15
 
 
+@pytest.mark.slow
 def test_the_figure_has_points_on_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     """The amplitudes drawn for P32 lie on the curves; borders by running are left out here, they take long."""
     monkeypatch.setattr(literature_page, "_border_near", lambda r, c: 0.5)

@@ -46,6 +46,7 @@ def test_amplitudes_known_from_elsewhere(c: str, F: str, Omega: str, x_0: float)
     assert max(x for _, x in find_orbit(p, "P32").points) == pytest.approx(x_0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
     """Random systems of all regimes of damping: in doubles to 1e-12, and some with 30 digits to 1e-27."""
     for i, (c, Omega, F) in enumerate(random_walls(8, 20, (0.05, 0.9))):
@@ -63,6 +64,7 @@ def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
         assert abs(MP.mpf((one * other).real) - determinant) < tolerance
 
 
+@pytest.mark.slow
 def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
     for c, Omega, F in random_walls(4, 21, (1, 1)):
         border = Formulas(wall(1, Omega, c)).border()
@@ -76,6 +78,7 @@ def test_borders_known_from_elsewhere(Omega: str, border: float) -> None:
     assert float(Formulas(wall(1, Omega)).border()) == pytest.approx(border, abs=6e-9)
 
 
+@pytest.mark.slow
 def test_the_largest_bound_is_the_largest() -> None:
     """Against a dense grid, also where the maximum is next to the turning point (c = 0.2, r = 0.4429)."""
     dice = random.Random(22)

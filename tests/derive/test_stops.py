@@ -13,6 +13,7 @@ from symosc.orbits.continuation import continue_orbit
 from symosc.orbits.find import find_orbit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("low", "high", "counts", "kind"),
     [("0.12", "0.125", (2, 4), "touch"), ("0.5", "0.51", (6, 4), "birth")],

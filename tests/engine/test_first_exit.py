@@ -142,3 +142,43 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
         over = -(F + (G1 / 2 + (G2 / 6 + G3 / 24 * root) * root) * root) * root
         found = first_exit_module.local_root(over, F, G1, G2, G3, resolution)
         assert abs(found - root) <= resolution + 1e-15
+
+
+def test_a_polynomial_without_a_slope_is_left_where_it_is() -> None:
+    """Newton's method has no step where the slope is 0: at the guess 0, however large the other coefficients are."""
+    rng = random.Random(32)
+    for _ in range(200):
+        over, G1, G2, G3 = (rng.choice([0.0, 10 ** rng.uniform(-9, 3) * rng.choice([-1, 1])]) for _ in range(4))
+        assert first_exit_module.local_root(over, 0.0, G1, G2, G3, 1e-12) == 0.0
+
+
+@pytest.mark.parametrize("part", [0.05, 0.3])
+def test_what_a_step_goes_past_is_found_behind_it(part: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps that no bound has made: whatever wall a step ends behind, the contact on it is the answer, on that side."""
+    rng, sides = random.Random(33), []
+
+    def stride(cap: float, now: Any, M4: float, margin: float, walls: Walls) -> tuple[int, float, float, Any]:
+        step = min(cap, part / K.rate)
+        side = rng.choice([-1, 1])
+        return side, step, cap, gap_bounds.gap_bound(side, now, M4, margin, walls)
+
+    monkeypatch.setattr(first_exit_module, "nearest_root", stride)
+    monkeypatch.setattr(first_exit_module, "may_touch", lambda *_: False)
+    for _ in range(60):
+        K = constants_of(rng)._replace(apart=False)  # nothing marches ahead
+        v0, a0, theta = rng.uniform(-0.95, 0.95), rng.uniform(-9, 9), rng.uniform(0, 6.28)
+        start = Launch(v0, a0, math.sin(theta), math.cos(theta))
+        walls = Walls(v0 + 1, 1 - v0, True, True, False, False)
+        code, side, now = first_exit(min(K.chunk, 40 / K.rate), start, walls, Covariance(0.0, 0.0, 0.0), K)
+        grid = np.linspace(0, now.tau, 400)[:-1]
+        gaps = [1 - abs(v0 + state_at(time, start, K).dv) for time in grid]
+        if code != HIT:
+            assert code == NOTHING
+            assert now.tau == min(K.chunk, 40 / K.rate)
+            continue
+        sides.append(side)
+        assert v0 + state_at(now.tau, start, K).dv == pytest.approx(side, abs=1e-12 * (1 + abs(a0) + K.V0))
+        missed = [time for time, gap in zip(grid, gaps, strict=True) if gap < -1e-9]
+        assert all(time > now.tau - 2 * part / K.rate for time in missed)  # in the stride of the contact at most
+    assert sides.count(-1) > 5
+    assert sides.count(1) > 5

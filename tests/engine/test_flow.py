@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 from agreement import BASE
+from random_constants import constants_of
 from touches import tenths
 
 from symosc import Parameters
@@ -141,3 +142,22 @@ def test_what_the_rounding_of_omega_and_of_its_period_took_is_kept() -> None:
             rest = 2 * mpmath.pi / mpmath.mpf(K.Om) - mpmath.mpf(K.period)
             assert abs(K.period_low - rest) < 1e-30 * K.period
             assert mpmath.mpf(1) / mpmath.mpf(K.Om) == pytest.approx(K.Om_inverse, rel=3e-16)
+
+
+def test_the_size_of_a_gain_in_velocity_is_that_of_its_terms() -> None:
+    """No gain is larger; the drive's part is at most twice its amplitude, where a steady motion is told apart."""
+    rng, regimes = random.Random(9), set()
+    for _ in range(200):
+        K = constants_of(rng, k=rng.choice([0, 2, 0.01]), c=rng.choice([0, 0.3, 4]))
+        tau, v0, F0 = 10 ** rng.uniform(-3, 2), rng.uniform(-3, 3), rng.uniform(-9, 9)
+        found = flow.velocity_scale(tau, v0, F0, K)
+        drive = abs(K.fB) * tau * tau / 2
+        capped = min(drive, 2 * K.V0) if K.steady else drive
+        short = K.w0 * tau < 1
+        own = abs(F0) * tau + K.w0sq * abs(v0) * tau * tau / 2 if short else abs(F0) / K.w0 + 2 * abs(v0)
+        assert found == pytest.approx(own + capped, rel=1e-12)
+        regimes.add((K.steady, capped < drive, short))
+        theta = rng.uniform(0, 6)
+        now = flow.state_at(tau, Launch(v0, F0, math.sin(theta), math.cos(theta)), K)
+        assert abs(now.dv) <= 2.5 * found + 1e-12
+    assert len(regimes) >= 4

@@ -185,6 +185,7 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
         assert found.now.tau == 0.25
 
 
+@pytest.mark.slow
 @given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
 @settings(derandomize=True, deadline=None, max_examples=300)
 def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:
@@ -196,6 +197,7 @@ def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[flo
         assert positive_on(min(0.1 * reach, s), *p)
 
 
+@pytest.mark.slow
 @given(st.floats(1e-6, 5), st.tuples(*[COEFFICIENTS] * 3), st.floats(0.01, 5))
 @settings(derandomize=True, deadline=None, max_examples=500)
 def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float, ...], p4: float) -> None:

@@ -256,3 +256,26 @@ def test_a_triple_contact_leaves_no_acceleration(mode: int, side: int, monkeypat
     found = next_event.advance(state._replace(S=Covariance(0.0, 0.0, 1e-18)), 9.0, 0.0, K)
     assert found[:3] == (next_event.STICK, boundary, False)
     assert (found.state.Fb if side > 0 else found.state.Fa) == 0.0
+
+
+@pytest.mark.parametrize("mode", [1, 2, 3])
+def test_a_crossing_that_is_none_is_moved_to_the_touch_behind(mode: int) -> None:
+    """By Newton's step to where the acceleration is 0, but not past the end: position, phase and time go with it."""
+    rng, K = random.Random(15), Arithmetic(BASE).K
+    for _ in range(60):
+        F, G1 = 10 ** rng.uniform(-6, -2) * rng.choice([-1, 1]), rng.choice([-1, 1]) * rng.uniform(0.3, 3)
+        x, v, theta, t = rng.uniform(-3, 3), rng.uniform(-2, 2), rng.uniform(0, 6), rng.uniform(0, 50)
+        S, tau = Covariance(1e-20, 0.0, 4e-20), rng.uniform(0.1, 2)
+        left = tau + rng.choice([1.0, 0.25 * abs(F / G1)])
+        there = State(mode, 2, 3, theta, x, v, F, F, S, t, 1e-18)
+        found = next_event.touch_belt(there, G1, 0.5, 0.25, 1e-12, tau, left, K)
+        shift = min(-F / G1, left - tau) if F * G1 < 0 else 0.0
+        now = found.state
+        assert (found.code, found.boundary, found.decided) == (next_event.GRAZE, 2, False)
+        assert (now.mode, now.at, now.Fb, now.Fa, now.v, now.S) == (mode, 2, 0.0, 0.0, v, S)
+        assert now.t + now.t_low == pytest.approx(t + shift, rel=1e-15)
+        assert 2 * np.pi * (now.n - 3) + now.theta == pytest.approx(theta + K.Om * shift, rel=1e-14)
+        assert now.x == pytest.approx(x + v * shift + F * shift**2 / 2 + G1 * shift**3 / 6, rel=1e-14)
+        assert found.t_error == passing_time(K.rate * (2e-10 + 1e-12), G1, 0.5, 0.25, K)
+    vague = next_event.touch_belt(there, 1e-300, 0.0, 0.0, 1e-12, 1e-3, 1.0, K)
+    assert vague.code == next_event.FAILED  # it may be anywhere in the flight

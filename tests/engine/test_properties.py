@@ -140,9 +140,12 @@ def test_words_name_the_mappings_between_events() -> None:
     assert set(seen) == set(LABELS.values())
 
 
-@settings(COMMON, max_examples=150)
-@given(starts())
-def test_invariants(start: Start) -> None:
+@pytest.mark.parametrize("count", [30, pytest.param(150, marks=pytest.mark.slow)])
+def test_invariants(count: int) -> None:
+    for_all(count, invariants, starts())
+
+
+def invariants(start: Start) -> None:
     p, trajectory = start.p, run(start)
     events = list(trajectory.events)
     times = [event.t for event in events]

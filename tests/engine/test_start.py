@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -19,6 +20,7 @@ from touches import tenths
 from symosc import ParameterError, load_scene, simulate, simulate_many
 from symosc.engine import compiled_loop, start
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.rests import creeps_for_ever
 from symosc.engine.start import Start, first_state
 from symosc.engine.state import State
 
@@ -292,3 +294,54 @@ def test_a_motion_that_creeps_to_its_rest_settles() -> None:
     driven = Start(p.replace(B0=1), Fraction(0), rest, Fraction(0), Fraction(50))
     assert start.settles(driven) is False
     assert start.settles(Start(p.replace(c=1), Fraction(0), rest, Fraction(0), Fraction(50))) is False
+
+
+@pytest.mark.parametrize("spring", [True, False])
+def test_steady_starts_are_told_exactly(spring: bool) -> None:
+    """On the steady motion of any of the three domains; not a hair beside it, and not with another time or an error."""
+    rng, hair = random.Random(12), Fraction(1, 10**40)
+    for _ in range(40):
+        k = tenths(rng, 1, 60) if spring else Fraction(0)
+        p = NEAR.replace(
+            m=tenths(rng, 2, 30), c=tenths(rng, 1, 60), k=k, Omega=tenths(rng, 3, 40), A0=tenths(rng, -40, 40)
+        )
+        pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
+        # x = X cos t + Y sin t with (k - m Omega^2) X + c Omega Y = B0 and (k - m Omega^2) Y - c Omega X = 0, at t = 0
+        X, Y = p.B0 * pull / (pull**2 + drag**2), p.B0 * drag / (pull**2 + drag**2)
+        assert pull * X + drag * Y == p.B0
+        assert pull * Y == drag * X
+        for domain in (1, 2, 3):
+            mean = p.A(domain) / (p.k or p.c)
+            x0, v0 = (X + mean, Y * p.Omega) if spring else (tenths(rng, -9, 9), Y * p.Omega + mean)
+            problem = Start(p, Fraction(0), x0, v0, Fraction(9))
+            assert start.is_steady(problem)
+            assert not start.is_steady(replace(problem, v0=v0 + hair))
+            assert start.is_steady(replace(problem, x0=x0 + hair)) is not spring
+            assert not start.is_steady(replace(problem, t0=hair))
+            assert not start.is_steady(replace(problem, start_error=(Fraction(0), hair, Fraction(0))))
+            assert start.is_steady(replace(problem, start_error=(Fraction(0),) * 3))
+    undamped = NEAR.replace(c=0, k=NEAR.m * NEAR.Omega**2)
+    assert not start.is_steady(Start(undamped, Fraction(0), Fraction(0), Fraction(0), Fraction(9)))
+    free = NEAR.replace(c=0, k=0)
+    assert not start.is_steady(Start(free, Fraction(0), Fraction(0), Fraction(0), Fraction(9)))
+
+
+def test_what_settles_creeps_for_ever_and_meets_no_belt() -> None:
+    """Random starts of random systems without a drive: what rational numbers tell doubles see, and the oracle."""
+    rng, answers = random.Random(13), {True: 0, False: 0}
+    for _ in range(60):
+        m, h, v1, v2 = tenths(rng, 5, 20), tenths(rng, 5, 30), -tenths(rng, 0, 9), tenths(rng, 1, 20)
+        k = m * h * h * rng.choice([1, Fraction(1, 2), Fraction(9, 10)])
+        p = NEAR.replace(m=m, c=2 * m * h, k=k, B0=0, A0=tenths(rng, -40, 40), v1=v1, v2=v2)
+        x0, v0 = p.A(2) / p.k + tenths(rng, -9, 9) * rng.choice([Fraction(1, 10), 4]), tenths(rng, -9, 20)
+        if v0 in (p.v1, p.v2):
+            continue
+        problem = Start(p, Fraction(0), x0, v0, Fraction(40))
+        settled = start.settles(problem)
+        answers[settled] += 1
+        arithmetic = Arithmetic(p)
+        assert creeps_for_ever(first_state(problem, arithmetic), arithmetic.K) == settled
+        if settled:
+            assert simulate_oracle(p, 0, x0, v0, 40, 25, max_events=1).events == []
+        assert not start.settles(replace(problem, start_error=(Fraction(1, 10**9),) * 3))
+    assert min(answers.values()) > 10

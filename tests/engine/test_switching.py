@@ -25,6 +25,7 @@ def rational_start(p: Parameters, alpha: int, boundary: int, force: Fraction) ->
     return (p.A(alpha) + p.B0 - p.c * p.belt(boundary) - p.m * force) / p.k
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("boundary", [1, 2])
 @pytest.mark.parametrize(
     ("side", "force", "mode"),
@@ -42,6 +43,7 @@ def test_starts_on_a_boundary(boundary: int, side: str, force: str, mode: str) -
     check_start(NEAR, boundary, x0, mode)
 
 
+@pytest.mark.quick(5)
 # On the belt at t = 0, G^(1) = -(k/m) v_lambda: the sign of the belt's speed decides where F = 0.
 @pytest.mark.parametrize("boundary", [1, 2])
 @pytest.mark.parametrize(
@@ -100,6 +102,7 @@ HELD = {  # parameters beside mu1 = mu2 = 1/2, x0, v0, the belt: a force is >= 0
 }
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("digits", [None, 30])
 @pytest.mark.parametrize("name", HELD)
 def test_a_force_that_is_only_just_enough_on_a_belt(name: str, digits: int | None) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
 from oracle import flow_oracle
 
 from symosc import Parameters, load_scene
-from symosc.grazing.deciders import DOP853_ERROR, DOP853_TIMES, NO, NOT_DECIDED, YES, Ways
+from symosc.grazing import deciders
+from symosc.grazing.deciders import DOP853_ERROR, DOP853_TIMES, FLOW_DIGITS, NO, NOT_DECIDED, YES, Ways
 from symosc.grazing.window import grazing_window
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -65,3 +67,38 @@ def test_double_precision_leaves_open_what_it_cannot_tell() -> None:
     exact = ways.fine.context.pi + ways.fine.context.asin(ways.fine.context.mpf(1) / 12)
     assert ways.fine_signs(exact, False)[0] == NOT_DECIDED  # without being told that it is 0, intervals cannot know
     assert ways.fine_signs(exact, True) == (NO, 2)
+
+
+def test_the_exact_flow_decides_only_if_both_times_say_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before and after the contact, at two times: in the domain both times is a graze, and too small a gap is open."""
+    ways = Ways(grazing_window(BASE, "P2"))
+    theta = ways.fine.context.mpf(1)
+    least = [ways.size * ways.fine.context.mpf(10) ** (20 - FLOW_DIGITS) * abs(basis[2]) for basis in ways._fine_bases]
+    for signs in product((1, -1), repeat=4):
+        for small in (None, 0, 3):
+            gaps = iter([(0.9 if i == small else 1.1) * sign * least[i] for i, sign in enumerate(signs)])
+            monkeypatch.setattr(ways, "_gap", lambda *_, gaps=gaps: next(gaps))
+            first, second = (YES if signs[i] == signs[i + 1] == 1 else NO for i in (0, 2))
+            right = NOT_DECIDED if small is not None or first != second else first
+            assert ways.fine_flow(theta) == right
+
+
+def test_double_precision_decides_if_both_gaps_are_clear() -> None:
+    """Beyond what is open: in the domain before and after is a graze, outside on one side is none."""
+    for signs in product((1, -1), repeat=2):
+        for sizes in product((0.99, 1.01), repeat=2):
+            gaps = [np.array([sign * size * 1e-3]) for sign, size in zip(signs, sizes, strict=True)]
+            clear = sizes == (1.01, 1.01)
+            right = NOT_DECIDED if not clear else YES if signs == (1, 1) else NO
+            assert deciders._verdicts(gaps, 1e-3).tolist() == [right]
+
+
+def test_decimals_around_a_number_hold_it() -> None:
+    """Just below and above, 5 digits finer than the intervals are, and relative for large numbers."""
+    context = Ways(grazing_window(BASE, "P2")).fine.context
+    for value in (context.mpf(1) / 3, -context.mpf(10) / 7, 1000 * context.pi, context.mpf(0)):
+        low, high = (context.mpf(each) for each in deciders.bounds(value, context))
+        shift = context.mpf(10) ** -55 * max(1, abs(value))
+        assert low < value < high
+        assert abs(high - value - shift) < shift / 100
+        assert abs(value - low - shift) < shift / 100

@@ -18,6 +18,7 @@ from symosc.grazing.origin import Origins
 FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("part", ["0.2", "0.5", "0.9"])
 @pytest.mark.parametrize("mapping", sorted(BELT))
 def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -> None:

@@ -13,8 +13,11 @@ from grazing_starts import BELT, DOMAIN
 from oracle import flow_oracle
 from samples import sample_of
 
-from symosc import Parameters, load_scene
+from symosc import ParameterError, Parameters, load_scene
+from symosc.engine.arithmetic import mp_context
+from symosc.grazing import state
 from symosc.grazing.state import is_grazing
+from symosc.mappings.theorem7_cases import place
 
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
@@ -75,3 +78,58 @@ def test_theorem_6_is_what_the_flow_does(count: int) -> None:
             gaps = [float(v - mpmath.mpf(belt.numerator) / belt.denominator) for v in flows]
             inward = 1 if domain > BELT[mapping] else -1
             assert grazes == all(inward * gap > 0 for gap in gaps), (mapping, theta, gaps)
+
+
+def test_the_reason_is_that_of_the_first_order_that_does_not_vanish(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Odd orders graze by the sign that leads back, even ones pass; in words, and on both sides of the belt."""
+    told: list[tuple[float, float]] = []
+    monkeypatch.setattr(state, "_g_functions", lambda *_: iter(told))
+    for order in range(6):
+        for sign in (1, -1):
+            for mapping, side in (("P2", 1), ("P3", -1), ("P5", 1), ("P6", -1)):
+                told[:] = [*[(1e-13, 1.0)] * order, (sign * 0.5, 2.0), (9.0, 9.0)]
+                verdict = is_grazing(BASE, mapping, 0, 0)
+                grazes = order % 2 == 1 and side * sign < 0
+                assert (verdict.grazing, verdict.order) == (grazes, order)
+                assert verdict.values == (*[1e-13] * order, sign * 0.5)
+                assert verdict.margins == (*[1e-13] * order, 0.25)
+                if order == 0:
+                    words = "F does not vanish: the flow is transversal"
+                elif order % 2 == 0:
+                    words = f"the first G-function that does not vanish has even order {order}: the flow passes"
+                else:
+                    words = f"F = 0 and G^({order}) leads back" if grazes else f"G^({order}) leads out of the domain"
+                assert verdict.reason.startswith(words)
+    told[:] = [(0.0, 0.0)] * 6
+    verdict = is_grazing(BASE, "P2", 0, 0)
+    assert (verdict.grazing, verdict.order) == (False, 6)
+    assert verdict.reason.startswith("F and all its derivatives vanish")
+
+
+def test_g_functions_are_the_derivatives_of_the_force_along_the_flow() -> None:
+    """At random states on the belt, each if those before it vanish, with the size of its terms."""
+    rng = random.Random(8)
+    for _ in range(40):
+        mapping = rng.choice(list(DOMAIN))
+        p, where = BASE.replace(B0=f"{rng.uniform(-5, 5):.4g}", c=f"{rng.uniform(0, 2):.4g}"), place(mapping)
+        x, theta = mpmath.mpf(rng.uniform(-3, 3)), mpmath.mpf(rng.uniform(0, 6))
+        found = list(state._g_functions(p, where, x, theta, mp_context(30)))
+        m, c, k, B0, Om, A = (float(each) for each in (p.m, p.c, p.k, p.B0, p.Omega, p.A(where.domain)))
+        v = float(p.belt(where.boundary))
+        terms = [A / m, B0 / m * mpmath.cos(theta), -k / m * x, -c / m * v]
+        assert float(found[0][0]) == pytest.approx(float(sum(terms)), rel=1e-9, abs=1e-12)
+        assert float(found[0][1]) == pytest.approx(float(sum(map(abs, terms))), rel=1e-9)
+        for order in range(1, 6):  # G^(n) = d^n/dt^n (B0 cos theta)/m - (k/m) v for n = 1, the rest of the terms vanish
+            drive = B0 / m * Om**order * mpmath.cos(theta + order * mpmath.pi / 2)
+            pull = -k / m * v if order == 1 else 0.0
+            assert float(found[order][0]) == pytest.approx(float(drive + pull), rel=1e-9, abs=1e-12)
+            size = abs(drive) + abs(pull) + abs(B0 / m) * Om**order
+            assert float(found[order][1]) == pytest.approx(float(size), rel=1e-9)
+
+
+def test_the_tolerance_is_a_part() -> None:
+    for bad in (1, "1", -1e-9, 2.5):
+        with pytest.raises(ParameterError, match="tolerance"):
+            is_grazing(BASE, "P2", 0, 0, tolerance=bad)  # type: ignore[arg-type]
+    assert is_grazing(BASE, "P2", 0, 0, tolerance=0).order == 0
+    assert is_grazing(BASE, "P2", 0, 0, tolerance="0.999999").tolerance == 0.999999  # type: ignore[arg-type]

@@ -109,3 +109,19 @@ def test_columns_are_equal_by_their_values() -> None:
     assert (one == two, one != two) == (True, False)
     assert (one == other, one != other) == (False, True)
     assert (one == tuple(one), one != tuple(one)) == (False, True)
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_at_equality_the_order_decides(mapping: str) -> None:
+    """In a sweep as for one window: the tangency of fourth order belongs to the window in full order only."""
+    kinds: dict[str, set[int]] = {order: set() for order in ORDERS}
+    for B0 in (-6.0, 6.0):
+        for v in (-3, 3):
+            speeds = {"v1": v, "v2": v + 1} if mapping in ("P2", "P3") else {"v1": v - 1, "v2": v}
+            p = FIG9.replace(k=2, Omega=1, **speeds)
+            for order in ORDERS:
+                found = grazing_windows(p, mapping, order, B0=[B0])
+                assert found.kind.tolist() == [grazing_window(p.replace(B0=B0), mapping, order).kind]
+                kinds[order] |= set(found.kind.tolist())
+    assert ALL_BUT_ONE in kinds["paper"]
+    assert ALL_BUT_ONE not in kinds["full"]

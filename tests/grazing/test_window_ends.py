@@ -15,7 +15,7 @@ from symosc.grazing import window_ends
 from symosc.grazing.sweep import grazing_windows
 from symosc.grazing.window import grazing_window
 from symosc.kernels import double_double
-from symosc.mappings.theorem7_cases import EVERYTHING, WRAPPED_ARC
+from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EQUALITY_IN_DOUBT, EVERYTHING, WRAPPED_ARC, window_kind
 from symosc.scenes import load_scene
 
 FIG9 = load_scene("fig9").parameters
@@ -56,3 +56,55 @@ def test_compiled_and_interpreted_sources_agree_to_the_bit() -> None:
     for i in range(300):
         row = window_ends.window((k[i], 0.0), one, (B0[i], 0.0), third, 1, True)
         assert tuple(float(column[i]) for column in found) == pytest.approx(row, abs=0, rel=0, nan_ok=True)
+
+
+def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> None:
+    """|k v| = |B0 Omega|: four doubles say so exactly; if one of them has more digits rational numbers must decide."""
+    rng = random.Random(5)
+    for _ in range(60):
+        k, v, B, Omega = (float(rng.choice([-1, 1]) * rng.randint(1, 99)) for _ in range(4))
+        k, Omega = abs(k), abs(Omega)
+        v, B = v * B * Omega, B * abs(v) * k  # both products are k |v| |B| Omega
+        side, full = rng.choice([-1, 1]), rng.random() < 0.5
+        numbers = [k, v, B, Omega]
+        kind, low, high, theta_cr = window_ends.window(*((each, 0.0) for each in numbers), side, full)
+        p, q = (v > 0) - (v < 0), (B > 0) - (B < 0)
+        assert kind == window_kind(side, p, q, 0, full)
+        assert theta_cr == pytest.approx(-p * q * math.pi / 2)
+        point = math.pi / 2 if p * q < 0 else 3 * math.pi / 2
+        assert (low, high) == pytest.approx((point, point)) if kind == ALL_BUT_ONE else np.isnan([low, high]).all()
+        for i, each in enumerate(numbers):
+            rest = rng.choice([-1, 1]) * abs(each) * 2.0**-110
+            pairs = [(other, rest if j == i else 0.0) for j, other in enumerate(numbers)]
+            assert window_ends.window(*pairs, side, full)[0] == EQUALITY_IN_DOUBT
+            rest = rng.choice([-1, 1]) * abs(each) * 2.0**-70  # clear enough for pairs
+            pairs = [(other, rest if j == i else 0.0) for j, other in enumerate(numbers)]
+            more = (1 if rest * each > 0 else -1) * (1 if i < 2 else -1)
+            found = window_ends.window(*pairs, side, full)
+            assert found[0] == window_kind(side, p, q, more, full)
+            assert np.isnan(found[3]) == (more > 0)
+
+
+def test_windows_of_random_magnitudes_are_those_of_many_digits() -> None:
+    """Products of numbers from 1e-200 to 1e200, with all signs: the kind, and every end within an ulp."""
+    rng = random.Random(6)
+    for _ in range(150):
+        k, Omega = 10 ** rng.uniform(-200, 200), 10 ** rng.uniform(-100, 100)
+        v, ratio = rng.choice([-1, 1]) * 10 ** rng.uniform(-60, 60), 10 ** rng.uniform(-6, 2) * rng.choice([-1, 1])
+        B = k / Omega * v / ratio
+        if not 1e-300 < abs(B) < 1e300:
+            continue
+        side, full = rng.choice([-1, 1]), rng.random() < 0.5
+        kind, low, high, theta_cr = window_ends.window((k, 0.0), (v, 0.0), (B, 0.0), (Omega, 0.0), side, full)
+        level, swing = Fraction(k) * Fraction(v), Fraction(B) * Fraction(Omega)
+        signs = [(each > 0) - (each < 0) for each in (level, swing, abs(level) - abs(swing))]
+        assert kind == window_kind(side, *signs, full)
+        if signs[2] > 0:
+            assert np.isnan([low, high, theta_cr]).all()
+            continue
+        cut = mp.asin(-mp.mpf(level.numerator) / level.denominator * swing.denominator / mp.mpf(swing.numerator))
+        ends = [mp.pi - cut, cut if cut > 0 else cut + 2 * mp.pi]
+        right = ends if side * signs[1] < 0 else ends[::-1]
+        assert abs(theta_cr - cut) <= math.ulp(float(cut))
+        assert all(abs(a - b) <= math.ulp(float(b)) for a, b in zip((low, high), right, strict=True))
+        assert kind == (ARC if right[0] < right[1] else WRAPPED_ARC)

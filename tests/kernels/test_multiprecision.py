@@ -57,6 +57,7 @@ def content(result: Any) -> Any:
     return (result.events, result.segments, result.status) if isinstance(result, Trajectory) else result
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_stay_equal(name: str) -> None:
     result = RESULTS[name]()

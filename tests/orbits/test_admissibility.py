@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import random
+from fractions import Fraction
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
-from paper_orbits import FIG9, FIG10
+from paper_orbits import BOTH_BELTS, FIG9, FIG10
+from scipy.integrate import solve_ivp
 
+from symosc import Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import conditions
+from symosc.orbits.admissibility import Condition, conditions
+from symosc.orbits.between import of_function
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
@@ -66,3 +72,170 @@ def test_the_nearest_graze_counts_all_flights(monkeypatch: pytest.MonkeyPatch) -
         said = [SimpleNamespace(text="P3 stays in Omega2", value=value) for value in values]
         monkeypatch.setattr(admissibility, "conditions", lambda equations, points, said=said: said)
         assert admissibility.grazing_distance(equations, points) == 1e-9
+
+
+# --- the margins against the equation of motion, integrated by other people's code ---
+
+#: Words with flights from belt to belt, back to their own belt, after sticks and between crossings.
+WORDS = ["P32", "P12", "P312", "P4645", "P1748", "P7482", "P174648"]
+
+
+def integrated(p: Parameters, v: float, a: float, theta: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return v and v' along a flight, from m v'' + c v' + k v = -B0 Omega sin(theta + Omega t) alone."""
+    m, c, k, B0, Om = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
+
+    def rhs(t: float, state: np.ndarray) -> list[float]:
+        return [state[1], -(c * state[1] + k * state[0] + B0 * Om * np.sin(theta + Om * t)) / m]
+
+    done = solve_ivp(rhs, (0, times[-1]), [v, a], method="DOP853", rtol=1e-11, atol=1e-11, t_eval=times)
+    return done.y[0], done.y[1]
+
+
+def acceleration(p: Parameters, domain: int, x: float, v: float, theta: float) -> float:
+    return float(p.A(domain) + p.B0 * Fraction(np.cos(theta)) - p.k * Fraction(x) - p.c * Fraction(v)) / float(p.m)
+
+
+def drawn(rng: random.Random, word: str) -> tuple[Parameters, ClosingEquations, list[tuple[float, float]]]:
+    """Return random parameters and points; the inequalities are asked for any points, not only for roots."""
+    p = Parameters(
+        m=f"{rng.uniform(0.5, 2):.3f}", c=f"{rng.uniform(0, 1):.3f}", k=f"{rng.uniform(0.5, 4):.3f}",
+        A0=f"{rng.uniform(-3, 3):.3f}", B0=f"{rng.choice([-1, 1]) * rng.uniform(1, 6):.3f}",
+        Omega=f"{rng.uniform(0.3, 2):.3f}", v1=f"{rng.uniform(-2, 0.5):.3f}", v2=f"{rng.uniform(0.6, 3):.3f}",
+        mu1="0.5", mu2="0.4", FN=f"{rng.uniform(2, 8):.3f}",
+    )  # fmt: skip
+    equations = ClosingEquations(p, read_word(word), rng.choice([1, 1, 3]))
+    n, begin = len(equations.pieces), rng.uniform(-3, 9)
+    cuts = sorted(float(equations.turn) * rng.random() ** rng.choice([1, 3]) for _ in range(n - 1))
+    return p, equations, [(rng.uniform(-3, 3), begin + cut) for cut in (0.0, *cuts)]
+
+
+def flight_margins(p: Parameters, equations: ClosingEquations, i: int, points: Any) -> tuple[list[float], float]:
+    """Return duration, arrival, gap and what lies beyond, of a flight; and when the gap is least."""
+    piece, (x, theta), (x_end, theta_end) = equations.pieces[i], points[i], equations.ends(points)[i]
+    v, v_end, tau = float(p.belt(piece.start)), float(p.belt(piece.end)), (theta_end - theta) / float(p.Omega)
+    times = np.linspace(0, tau, 6000)
+    speed, slope = integrated(
+        p, v, 0.0 if piece.after_stick else acceleration(p, piece.mode, x, v, theta), theta, times
+    )
+    gap, nearest = np.inf, theta_end / float(p.Omega)
+    first = 1 if piece.after_stick else 0
+    for j in np.flatnonzero((slope[first:-1] > 0) != (slope[first + 1 :] > 0)) + first:
+        part = slope[j] / (slope[j] - slope[j + 1])
+        turn = speed[j] + 0.5 * part * (times[j + 1] - times[j]) * slope[j]
+        belt = (piece.mode - 1) if slope[j] < 0 else piece.mode  # a minimum is turned to the belt below
+        away = (
+            abs(turn - float(p.belt(belt))) * np.sign((turn - float(p.belt(belt))) * -np.sign(slope[j]))
+            if (belt in (1, 2))
+            else np.inf
+        )
+        if away < gap:
+            gap, nearest = away, theta / float(p.Omega) + times[j] + part * (times[1] - times[0])
+    arrival = slope[-1] if piece.zeros == 2 else acceleration(p, piece.mode, x_end, v_end, theta_end)
+    beyond = piece.side * acceleration(p, piece.mode + piece.side, x_end, v_end, theta_end)
+    following = equations.pieces[(i + 1) % len(points)]
+    return [tau, piece.side * arrival, gap, -beyond if following.sticks else beyond], nearest
+
+
+def stick_margins(p: Parameters, equations: ClosingEquations, i: int, points: Any) -> tuple[list[float], float]:
+    """Return duration, the least force where the forces turn, and the slope of the one that ends a stick."""
+    piece, (x, theta), (_, theta_end) = equations.pieces[i], points[i], equations.ends(points)[i]
+    v, tau = float(p.belt(piece.start)), (theta_end - theta) / float(p.Omega)
+    times = np.linspace(0, tau, 20001)
+    m, c, k, B0 = (float(getattr(p, name)) for name in ("m", "c", "k", "B0"))
+    drive = B0 * np.cos(theta + float(p.Omega) * times) - k * (x + v * times) - c * v
+    below, above = ((float(p.A(domain)) + drive) / m for domain in (piece.start, piece.start + 1))
+    turns = 1 + np.flatnonzero((np.diff(below)[:-1] > 0) != (np.diff(below)[1:] > 0))
+    least = np.minimum(below, -above)[turns]
+    slope = -piece.side * (k * v + B0 * float(p.Omega) * np.sin(theta_end)) / m
+    if not len(turns):
+        return [tau, np.inf, slope], theta_end / float(p.Omega)
+    return [tau, float(least.min()), slope], theta / float(p.Omega) + times[turns[int(least.argmin())]]
+
+
+def said(equations: ClosingEquations, i: int) -> list[tuple[str, str, int]]:
+    """Return what the inequalities of a piece are called, what their failing means, and what explains what."""
+    piece, following = equations.pieces[i], equations.pieces[(i + 1) % len(equations.pieces)]
+    name, low, high = piece.label, piece.start, piece.start + 1
+    if piece.sticks:
+        ends = f"F^({high}) rises" if piece.side > 0 else f"F^({low}) falls"
+        return [
+            (f"{name} lasts", "vanishing of a stick", 1),
+            (f"F^({low}) > 0 > F^({high}) during {name} (Theorem 4)", "birth of a slip", 4),
+            (f"{ends} where {name} ends", "vanishing of a slip", 2),
+        ]
+    sign, other, far = ("><" if piece.side > 0 else "<>") + str(piece.mode + piece.side)
+    behind = (f"F^({far}) {sign} 0 where {name} crosses v{piece.end} (Theorem 5)", "birth of a stick", 3)
+    if following.sticks:
+        behind = (f"F^({far}) {other} 0 at the onset of {following.label} (Theorem 4)", "birth of a slip", 4)
+    short = piece.after_stick and piece.start == piece.end
+    return [
+        (f"{name} lasts", "vanishing of a flight", 6),
+        (f"{name} meets v{piece.end} with F^({piece.mode}) {sign} 0", "grazing", 5 if short else 0),
+        (f"{name} stays in Omega{piece.mode}", "grazing", 5),
+        behind,
+    ]
+
+
+def sizes(equations: ClosingEquations, i: int, points: Any, tau: float) -> list[float]:
+    """Return the sizes that the margins of a piece are measured by: of short flights they are smaller."""
+    piece, K, whole = equations.pieces[i], equations.K, admissibility.scales(equations, points)
+    if piece.sticks:
+        return [whole.t, whole.a, abs(equations.belt(piece.start).drift) + abs(K.fB)]
+    part = min(1.0, tau * K.rate)
+    return [whole.t, whole.a * (part if piece.zeros == 2 else 1), whole.v * part, whole.a]
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
+    """Of random points of random systems: every inequality of every piece, and when it is closest to failing."""
+    rng, turned = random.Random(f"margins {word}"), 0
+    for _ in range(6):
+        p, equations, points = drawn(rng, word)
+        found = conditions(equations, points)
+        for i, piece in enumerate(equations.pieces):
+            mine = [c for c in found if c.piece == i]
+            values, nearest = (stick_margins if piece.sticks else flight_margins)(p, equations, i, points)
+            assert len(mine) == len(values)
+            size = 1 + max(abs(value) for value in values if abs(value) < np.inf)
+            for c, value in zip(mine, values, strict=True):
+                assert c.value == pytest.approx(value, abs=2e-5 * size), (p, c)
+            (gap,) = (c for c in mine if of_function(c))
+            assert gap.t == pytest.approx(nearest, abs=1e-2) or gap.value == np.inf
+            turned += gap.value < np.inf
+            tau = values[0]
+            assert [(c.text, c.event, c.rank) for c in mine] == said(equations, i)
+            assert [c.scale for c in mine] == pytest.approx(sizes(equations, i, points, tau), rel=1e-12)
+            end = equations.ends(points)[i][1] / float(p.Omega)
+            assert all(c.t == pytest.approx(end, rel=1e-12) for c in mine if c is not gap)
+    assert turned > 3
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+def test_the_distance_from_grazing_is_that_of_the_nearest_turn(p: Parameters, word: str) -> None:
+    """The turns before the end of each flight, and the first one that the flight would have behind its end."""
+    orbit = find_orbit(p, word)
+    equations, points = orbit.equations(), [tuple(point) for point in orbit.phases().tolist()]
+    nearest = min(
+        flight_margins(p, equations, i, points)[0][2] for i in range(len(points)) if not equations.pieces[i].sticks
+    )
+    for i, (piece, (x, theta)) in enumerate(zip(equations.pieces, points, strict=True)):
+        if piece.sticks:
+            continue
+        tau = (equations.ends(points)[i][1] - theta) / float(p.Omega)
+        times = np.linspace(0, tau + orbit.period, 12000)
+        v = float(p.belt(piece.start))
+        a = 0.0 if piece.after_stick else acceleration(p, piece.mode, x, v, theta)
+        speed, slope = integrated(p, v, a, theta, times)
+        turns = [j for j in np.flatnonzero((slope[:-1] > 0) != (slope[1:] > 0)) if times[j] > tau]
+        nearest = min(nearest, *(abs(speed[j] - float(p.belt(piece.end))) for j in turns[:1]), np.inf)
+    assert orbit.grazing_distance == pytest.approx(nearest, rel=1e-3)
+
+
+def test_what_fails_first_is_what_explains_the_rest() -> None:
+    """Failing is a value that is not positive, 0 and nan too; the lowest rank comes first, equals in their order."""
+    rng = random.Random(5)
+    for _ in range(20):
+        values = [rng.choice([-1.0, 0.0, 1e-300, 2.0, np.nan]) for _ in range(9)]
+        rows = [Condition(i, "", value, 0.0, "", rng.randrange(4), 1.0) for i, value in enumerate(values)]
+        right = [c for rank in range(4) for c in rows if c.rank == rank and (c.value <= 0 or np.isnan(c.value))]
+        assert [c.piece for c in admissibility.failing(rows)] == [c.piece for c in right]

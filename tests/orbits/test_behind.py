@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from symosc import ParameterError, find_orbit, load_scene
+from symosc.engine.state import END, FAILED, REST
 from symosc.orbits import behind
 from symosc.orbits.behind import look_behind
 from symosc.orbits.closing_equations import ClosingEquations
@@ -13,6 +16,7 @@ from symosc.orbits.guesses import follow
 from symosc.words import read_word
 
 FIG9 = load_scene("fig9").parameters
+ORBIT = find_orbit(FIG9, "P32")
 
 
 def test_nothing_is_behind_the_last_system_that_there_is() -> None:
@@ -35,3 +39,44 @@ def test_so_many_words_of_a_motion_are_tried_and_no_more(most: int, monkeypatch:
     monkeypatch.setattr(behind, "MOST_WORDS", most)
     found = [str(word) for word in behind._words_of_a_period(equations, run.passages)]
     assert found == ["P12", "P1312", "P312"][:most]
+
+
+@pytest.mark.parametrize(("width", "tried"), [(2.0, 5), (1e-4, 4), (1e-8, 0), (1e-10, 0)])
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_only_values_beyond_the_end_are_looked_at(
+    width: float, tried: int, direction: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The nearest first. In a range so narrow that doubles do not tell one from the end, that one is left out."""
+    along = Curve(ORBIT, "Omega", 4.0 - width / 2, 4.0 + width / 2)
+    asked: list[float] = []
+    end = along.first(direction)
+    monkeypatch.setattr(behind, "follow", lambda equations, *_: asked.append(equations.K.Om) or SimpleNamespace(code=0))
+    monkeypatch.setattr(behind, "_orbit_of", lambda *_: None)
+    assert look_behind(along, end, direction) == (None, "")
+    distances = [10.0**-n for n in (9, 8, 7, 6, 5)]
+    right = [value for each in distances if (value := 4.0 + direction * each * (along.high - along.low)) != 4.0]
+    assert asked == right
+    assert tried == 0 or len(asked) == 5
+    assert all(direction * (value - 4.0) > 0 for value in asked)
+
+
+def test_the_first_word_that_is_found_beyond_counts_and_else_where_it_rests(monkeypatch: pytest.MonkeyPatch) -> None:
+    along = Curve(ORBIT, "Omega", 3.0, 5.0)
+    end, number = along.first(1.0), [0]
+    for found_at, codes, right in (
+        (0, [END] * 5, ("P32", "")), (3, [REST] * 5, ("P32", "")), (9, [REST] * 5, (None, "rest 1")),
+        (9, [END, FAILED, REST, REST, END], (None, "rest 3")), (9, [END] * 5, (None, "")),
+    ):  # fmt: skip
+        number[0] = 0
+
+        def follow_it(*_: object, codes: list[int] = codes) -> SimpleNamespace:
+            number[0] += 1
+            return SimpleNamespace(code=codes[number[0] - 1])
+
+        def orbit(*_: object, found_at: int = found_at) -> object:
+            return read_word("P32") if number[0] > found_at else None
+
+        monkeypatch.setattr(behind, "follow", follow_it)
+        monkeypatch.setattr(behind, "_orbit_of", orbit)
+        monkeypatch.setattr(behind, "without_word", lambda *_: f"rest {number[0]}")
+        assert look_behind(along, end, 1.0) == right

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from branches import branch_of
 
-from symosc import Parameters, continue_orbit, load_scene
+from symosc import ParameterError, Parameters, continue_orbit, find_orbit, load_scene
+from symosc.orbits.branch import Branch, BranchEnd, BranchPoint
 
 FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
@@ -41,3 +43,35 @@ def test_branches_are_equal_by_what_they_say() -> None:
     assert one != other
     assert one != one.as_dict()
     assert one != "P32"
+
+
+def hand_made(rng: np.random.Generator, value: float, n: int = 2) -> BranchPoint:
+    """Return a point with random switchings and multipliers."""
+    both = tuple(complex(*rng.uniform(-1.2, 1.2, 2)) for _ in range(2))
+    return BranchPoint(value, rng.uniform(-5, 5, (n, 2)), np.zeros(2 * n + 1), 0.0, 0.0, both, (), ())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("parameter", ["Omega", "c"])
+@pytest.mark.parametrize("c", ["0", "1/5"])
+def test_columns_of_a_branch_are_those_of_its_points(parameter: str, c: str) -> None:
+    """Times are phases over the drive's frequency there; stable is what damping proves, or both multipliers show."""
+    rng = np.random.default_rng(3)
+    orbit = replace(find_orbit(FIG9, "P32"), parameters=FIG9.replace(c=c))
+    values = sorted([0.0 if parameter == "c" else 0.5, *rng.uniform(0.5, 6, 7)])
+    path = [hand_made(rng, value) for value in values]
+    for i, size in ((2, 0.5), (3, 1 - 1e-7), (4, 1 - 1e-10), (5, 1.0)):  # on both sides of the border
+        path[i] = replace(path[i], multipliers=(0.1 + 0j, size * 1j) if i % 2 else (complex(size), -0.1 + 0j))
+    ends = tuple(BranchEnd("x", 0.0, "", (), ()) for _ in range(2))
+    branch = Branch(orbit, parameter, path, ends)  # type: ignore[arg-type]
+    assert branch.values.tolist() == values
+    for i, point in enumerate(path):
+        Omega = point.value if parameter == "Omega" else 4.0
+        assert branch.points[i] == pytest.approx(np.column_stack([point.points[:, 1] / Omega, point.points[:, 0]]))
+        inside = all(abs(each) < 1 - 1e-9 for each in point.multipliers)
+        assert branch.parameters(i) == orbit.parameters.replace(**{parameter: values[i]})
+        assert branch.stable[i] == (branch.parameters(i).c > 0 or inside)
+        assert branch.multipliers[i].tolist() == list(point.multipliers)
+    assert branch.parameters(-1) == branch.parameters(7)
+    for i in (8, -9):
+        with pytest.raises(ParameterError, match=r"^i = "):
+            branch.parameters(i)

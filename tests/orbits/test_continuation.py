@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -35,10 +36,10 @@ NEIGHBOURS = {
     ),
     "graze of v2": (
         (FIG9, "P32", "Omega", (4, 6), 1, "grazing", "P3 stays in Omega2", "P7482"),
-        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, 6), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
+        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, "5.15"), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
     ),
     "graze of v1": (
-        (FIG10, "P4645", "Omega", (1, 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
+        (FIG10, "P4645", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
         (FIG10.replace(Omega="2.7"), "P481746", "Omega", (2, 3), 0, "grazing", "P7 meets v1 with F^(2) < 0", "P4546"),
     ),
     "slip": (
@@ -279,3 +280,70 @@ def test_command_line(tmp_path):
     orbit_figure = tmp_path / "orbit.png"
     assert run(command, ["fig10", "-o", str(orbit_figure)], standalone_mode=False).return_value == 0
     assert orbit_figure.stat().st_size > 10_000
+
+
+def test_steps_along_a_branch_grow_to_the_longest_and_no_further():
+    """... on a branch that nothing bends: the first step, then half as long again each time, then the longest."""
+    orbit = find_orbit(FIG9, "P32")
+    curve = Curve(orbit, "Omega", 3.9, 4.4)
+    path, end = continuation._follow(curve, 1.0, 200)
+    assert end.kind == "end of the range"
+    lengths = [curve.distance(a, b) for a, b in pairwise(path)]
+    steps = [a + b for a, b in zip(lengths[::2], lengths[1::2], strict=True)]  # each step has a point in its middle
+    right = [min(0.04, 0.02 * 1.5**i) for i in range(len(steps))]
+    assert steps[:-1] == pytest.approx(right[:-1], rel=0.05)
+    assert len(steps) > 4
+    assert steps[-1] <= 0.042
+
+
+@pytest.mark.parametrize("small", [1e-5, 1e-8])
+def test_a_start_where_a_margin_is_rounding_is_left_a_little(small, monkeypatch):
+    """By the shortest way on which nothing changes and the engine follows; else it is where the branch begins."""
+    curve = Curve(find_orbit(FIG9, "P32"), "Omega", 3.0, 5.0)
+    first = curve.first(1.0)
+    thin = tuple(c._replace(value=small * c.scale) if i == 2 else c for i, c in enumerate(first.conditions))
+    begin, asked = replace(first, conditions=thin), []
+    monkeypatch.setattr(curve, "first", lambda direction: begin)
+    real = curve.step
+
+    def step(current, length):
+        asked.append(length)
+        return real(current, length)
+
+    monkeypatch.setattr(curve, "step", step)
+    for good, lengths in ((0, [1e-6]), (1, [1e-6, 1e-5]), (2, [1e-6, 1e-5, 1e-4]), (9, [1e-6, 1e-5, 1e-4])):
+        for way in ("change", "engine"):
+            asked.clear()
+            number = iter(range(9))
+            bad = replace(first, failures=(first.conditions[0],))
+
+            def changes(*_, way=way, good=good, number=number):
+                return ["fold"] if way == "change" and next(number) < good else []
+
+            def verified(_, point, way=way, good=good, number=number, bad=bad):
+                return bad if way == "engine" and next(number) < good else point
+
+            monkeypatch.setattr(continuation, "_changes", changes)
+            monkeypatch.setattr(continuation, "_verified", verified)
+            found = continuation._begun(curve, 1.0)
+            if small > 1e-6:
+                assert found == [begin]
+                assert asked == []
+                continue
+            assert asked == lengths
+            assert found[0] is begin
+            assert len(found) == (2 if good < 3 else 1)
+            if good < 3:
+                assert curve.distance(begin, found[1]) == pytest.approx(lengths[-1], rel=1e-3)
+
+
+def test_the_smooth_tests_are_those_of_the_characteristic_polynomial():
+    """det(M - z) at z = 1 and z = -1, and what is 0 where two complex multipliers have the modulus 1."""
+    rng = np.random.default_rng(9)
+    for _ in range(50):
+        M = rng.uniform(-1.5, 1.5, (2, 2))
+        at = point(float(np.trace(M)), float(np.linalg.det(M)))
+        plus, minus, one = continuation._multiplier_tests(at)
+        assert plus == pytest.approx(np.linalg.det(M - np.eye(2)))
+        assert minus == pytest.approx(np.linalg.det(M + np.eye(2)))
+        assert one == pytest.approx(1 - np.prod(np.linalg.eigvals(M)).real)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from fractions import Fraction
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -15,8 +16,10 @@ from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
 from symosc.orbits import find
+from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
+from symosc.orbits.guesses import Guess
 from symosc.orbits.newton import Solution, newton
 from symosc.words import WordError, read_word
 
@@ -189,3 +192,114 @@ def test_roots_are_one_but_for_whole_turns():
         assert not same(np.array([0, 2 * np.pi * turns + np.pi]))
         assert not same(np.array([1e-5, 2 * np.pi * turns]))
     assert not same(0.0, ClosingEquations(FIG9, read_word("P32"), 2))
+
+
+# --- which of several roots is taken ---
+
+
+class Roots:
+    """Guesses whose roots are told: by the number that stands for the points."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, told: dict[float, dict[str, Any]]) -> None:
+        self.told, self.asked = told, []
+        monkeypatch.setattr(find, "solve", self.solve)
+        monkeypatch.setattr(find, "failures", lambda _, points: self.of(points).get("failed", []))
+        monkeypatch.setattr(find, "repetitions", lambda _, points: self.of(points).get("repeats", 1))
+        monkeypatch.setattr(find, "_instead", lambda *_: "; and so on")
+
+    def of(self, points: np.ndarray) -> dict[str, Any]:
+        return self.told[float(points[0, 0])]
+
+    def solve(self, equations: ClosingEquations, points: np.ndarray) -> Solution:
+        self.asked.append(float(points[0, 0]))
+        known = self.of(points)
+        return Solution(points, known.get("residual", 0.0), 1, known.get("converged", True), "why")
+
+    def best(self, equations: ClosingEquations, batches: list[list[float]]) -> float:
+        guesses = [[Guess(np.full((2, 2), float(name)), 1, 0.0) for name in batch] for batch in batches]
+        tried, root = find._best_root(equations, iter(guesses))
+        assert tried.word == equations.word
+        return float(root.points[0, 0])
+
+
+def fails(*values: float) -> list[Condition]:
+    return [Condition(0, "", value, 0.0, "", 0, 1.0) for value in values]
+
+
+def test_the_first_orbit_is_taken_and_else_the_root_that_fails_least(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: dict[float, dict[str, Any]] = {
+        1: {"converged": False, "residual": 0.5},
+        2: {"failed": fails(-0.3, -5.0)},
+        3: {"failed": fails(-0.4)},
+        4: {"failed": fails(-0.1), "repeats": 2},
+        5: {},
+        6: {"repeats": 3},
+        7: {"converged": False, "residual": 0.2},
+    }
+    damped, free = (ClosingEquations(FIG9.replace(c=c), read_word("P32"), 1) for c in ("1/10", 0))
+    for equations, batches, taken, asked in (
+        (damped, [[1, 2, 5], [3]], 5, [1, 2, 5]),
+        (damped, [[2, 6], [5]], 6, [2, 6]),  # with damping a repeated orbit is the only one
+        (free, [[2, 6, 3], [5]], 5, [2, 6, 3, 5]),  # without, a shorter one may be meant
+        (free, [[2, 6, 3]], 6, [2, 6, 3]),
+        (free, [[2], [4, 3]], 3, [2, 4, 3]),  # -5 is worse than -0.4
+        (damped, [[4, 3, 2]], 3, [4, 3, 2]),
+        (damped, [[4]], 4, [4]),
+        (damped, [[2, 2, 3, 3]], 3, [2, 2, 3, 3]),
+    ):
+        roots = Roots(monkeypatch, told)
+        assert roots.best(equations, batches) == taken
+        assert roots.asked == asked
+    with pytest.raises(ConvergenceError, match="why; and so on") as caught:
+        Roots(monkeypatch, told).best(damped, [[1], [7, 1]])
+    assert (caught.value.residual, caught.value.periods) == (0.2, 1)
+    assert [x for _, x in caught.value.best] == [7.0, 7.0]
+    with pytest.raises(ConvergenceError, match="no guess was found; and so on") as caught:
+        Roots(monkeypatch, told).best(damped, [])
+    assert (caught.value.best, caught.value.periods, caught.value.residual) == ((), 0, np.inf)
+
+
+@pytest.mark.parametrize("periods", [None, 3])
+def test_what_is_said_of_an_orbit(periods: int | None) -> None:
+    """Every part of the message: the kind, the periods, the multiplier, the graze, repetitions."""
+    equations = ClosingEquations(FIG9, read_word("P32"), periods or 1)
+    span = "3 forcing periods" if periods else "1 forcing period"
+    for stable, kind in ((True, "a stable"), (False, "an unstable"), (None, "a marginal")):
+        for gap, size in ((0.25, "0.75"), (-0.5, "1.5"), (1e-7, "1 - 1e-07"), (-2e-9, "1 + 2e-09"), (None, "1")):
+            far = " (no neighbour need come nearer)" if stable is None else ""
+            for near, graze in ((0.12345, ", 0.123 in velocity away from grazing"), (np.inf, "")):
+                for repeated, shorter in ((1, ""), (2, "; it runs 2 times through a shorter orbit")):
+                    text = f"{kind} orbit of {span}, largest |multiplier| {size}{far}{graze}{shorter}"
+                    assert find._message(equations, stable, gap, (), near, repeated) == text
+
+
+def test_what_is_said_of_a_root_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    equations = ClosingEquations(FIG9, read_word("P32"), 1)
+    monkeypatch.setattr(find, "_instead", lambda _, resting: f"; resting: {resting}")
+    for rank, value, what, resting in (
+        (0, -0.5, "fails by 0.5", False), (0, 0.0, "just fails", False), (3, 0.0, "just fails", False),
+        (1, 0.0, "it has no length", True), (6, 0.0, "it has no length", True), (1, -2.0, "fails by 2", False),
+    ):  # fmt: skip
+        failed = (Condition(0, "F > 0", value, 1.25, "", rank, 1.0),)
+        text = f"a root that is not an orbit (F > 0: {what} at t = 1.25); resting: {resting}"
+        assert find._message(equations, None, None, failed, 1.0, 1) == text
+
+
+def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
+    """A word that repeats with its points, moved on by the parts of the whole period; else it is one orbit."""
+    rng = np.random.default_rng(6)
+    for times in (1, 2, 3, 6):
+        for pieces in (2, 4):
+            word = "P" + ("32" if pieces == 2 else "3232") * times
+            part = np.column_stack([rng.uniform(-3, 3, pieces), np.sort(rng.uniform(0, 2 * np.pi, pieces))])
+            points = np.vstack([part + np.array([0, 2 * np.pi * i]) for i in range(times)])
+            equations = ClosingEquations(FIG9, read_word(word), times)
+            assert find.repetitions(equations, points) == times
+            if times > 1:
+                row = int(rng.integers(len(points)))
+                for column in (0, 1):
+                    moved = points.copy()
+                    moved[row, column] += 1e-5
+                    assert find.repetitions(equations, moved) == 1
+                other = ClosingEquations(FIG9, read_word(word), times + 1)
+                assert find.repetitions(other, points) == 1

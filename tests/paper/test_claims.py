@@ -9,8 +9,9 @@ import pytest
 from stand_in_claims import CLAIM
 
 from symosc.derive.chapters import CHAPTERS
-from symosc.paper.claims import CLAIMS_FOLDER, ERRATA, PARTS, UNJUDGED, ClaimsError, read_claims
+from symosc.paper.claims import CLAIMS_FOLDER, PARTS, UNJUDGED, read_claims
 from symosc.paper.pictures import PICTURES
+from symosc.records import RecordsError
 
 CLAIMS = read_claims(PICTURES)
 
@@ -22,7 +23,7 @@ def test_every_figure_of_the_paper_is_shown_by_a_claim() -> None:
 
 
 def test_parts_are_the_files() -> None:
-    assert {path.stem for path in CLAIMS_FOLDER.glob("*.toml")} == {*PARTS, ERRATA, UNJUDGED}
+    assert {path.stem for path in CLAIMS_FOLDER.glob("*.toml")} == {*PARTS, UNJUDGED}
 
 
 def test_derivations_that_claims_name_are_chapters() -> None:
@@ -58,14 +59,14 @@ def test_derivations_that_claims_name_are_chapters() -> None:
 def test_a_wrong_claim_is_refused(read: Any, change: tuple[str, str], complaint: str) -> None:
     text = CLAIM.format(id="one", check="right")
     assert read(text)
-    with pytest.raises(ClaimsError, match=complaint):
+    with pytest.raises(RecordsError, match=complaint):
         read(text.replace(*change))
 
 
 def test_claims_are_in_order_and_unique(read: Any) -> None:
     read(CLAIM.format(id="two", check="right"), "theorems")
     assert [claim.id for claim in read(CLAIM.format(id="one", check="right"))] == ["one", "two"]
-    with pytest.raises(ClaimsError, match=r"theorems.toml: id 'one' is there twice"):
+    with pytest.raises(RecordsError, match=r"theorems.toml: id 'one' is there twice"):
         read(CLAIM.format(id="one", check="right"), "theorems")
-    with pytest.raises(ClaimsError, match=r"extras.toml: is no part"):
+    with pytest.raises(RecordsError, match=r"extras.toml: is no part"):
         read(CLAIM.format(id="three", check="right"), "extras")

@@ -41,6 +41,7 @@ def check_of(claim: dict[str, Any]) -> Callable[[], Evidence]:
     return getattr(import_module(f"symosc.paper.checks.{module}"), function)
 
 
+@pytest.mark.full(6)  # the whole run judges all of them
 @pytest.mark.quick(6)
 @pytest.mark.parametrize("claim", QUICK, ids=[each["id"] for each in QUICK])
 def test_the_verdict_is_the_committed_one(claim: dict[str, Any]) -> None:

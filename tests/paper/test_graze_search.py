@@ -86,6 +86,7 @@ def test_both_explanations_of_fig7() -> None:
     assert said.startswith("A0 = 10 (at t = 3.14159) or x0 = -5.6049 (at t = 3.14159); also, ")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "printed", "true"), [("A0", "7", 10.0), ("FN", "9.18", 9.81), ("k", "3", 2.0)])
 def test_a_misprint_that_was_put_in_is_found(name: str, printed: str, true: float) -> None:
     right = load_scene("fig7-corrected")

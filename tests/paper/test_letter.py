@@ -8,13 +8,14 @@ from html import unescape
 
 import pytest
 
-from symosc.paper.claims import SEVERITIES, Claim, Erratum, read_claims, read_errata
+from symosc.derive.errata import SEVERITIES, Erratum, read_errata
+from symosc.paper.claims import Claim, read_claims
 from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED
 from symosc.paper.letter import texts
 from symosc.paper.pictures import PICTURES
 from symosc.paper.run import ERROR, Judged, Results
 
-CLAIMS, ERRATA = read_claims(PICTURES), read_errata()
+CLAIMS, ERRATA = read_claims(PICTURES), tuple(erratum.in_unicode() for erratum in read_errata())
 
 
 def judged(claim: Claim, verdict: str | None = None) -> Judged:
@@ -26,11 +27,12 @@ def results(*entries: Judged, errata: tuple[Erratum, ...] = ERRATA) -> Results:
 
 
 def listed(letter: dict[str, str]) -> list[str]:
-    """Return the ids of the errata in the HTML; the plain text has as many, numbered from 1."""
-    ids = re.findall(r'<li id="([^"]*)">', letter["letter.html"])
-    numbered = re.findall(r"^(\d+)\. ", letter["letter.txt"], re.MULTILINE)
-    assert numbered == [str(i) for i in range(1, len(ids) + 1)]
-    return ids
+    """Return the ids of the errata in the HTML; in both letters each has the number that it has in the list."""
+    found = re.findall(r'<li id="([^"]*)" value="(\d+)">', letter["letter.html"])
+    numbers = {erratum.id: str(erratum.number) for erratum in ERRATA}
+    assert all(numbers.get(key, number) == number for key, number in found)
+    assert re.findall(r"^(\d+)\. ", letter["letter.txt"], re.MULTILINE) == [number for _, number in found]
+    return [key for key, _ in found]
 
 
 def counts(text: str) -> list[int]:
@@ -79,7 +81,7 @@ def test_what_holds_is_counted_without_what_shows_an_error() -> None:
 
 def test_a_text_with_signs_is_the_same_in_both_letters() -> None:
     said = {"where": "Eq. (1)", "printed": "a < b & c", "holds": "a <= {b}", "proof": 'say "d", not <d>'}
-    erratum = Erratum("one", "typo", **said)
+    erratum = Erratum(1, "one", "typo", **said)
     claim = replace(CLAIMS[0], errata=("one",), verdict=NOT_AS_PRINTED)
     letter = texts(results(judged(claim), errata=(erratum,)))
     for text in said.values():

@@ -23,7 +23,7 @@ def printed(orbit_scene: Scene) -> Scene:
     return replace(orbit_scene, t0=f"{t:.4f}", x0=f"{x:.4f}")
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "true"), [("Omega", "3.9"), ("c", "0.3"), ("mu1", "0.25")])
 def test_a_misprinted_parameter_is_found(name: str, true: str) -> None:
     right = printed(replace(FIG9, parameters=FIG9.parameters.replace(**{name: true})))

@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from symosc.paper.claims import read_claims, read_errata
+from symosc.derive.errata import read_errata
+from symosc.paper.claims import read_claims
 from symosc.paper.coverage import PAPER
 from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED
 from symosc.paper.pictures import PICTURES
@@ -140,7 +141,7 @@ def test_the_letter_is_one_page_and_has_each_erratum_once(browser: Any, report: 
     page.close()
     assert listed == [erratum.id for erratum in read_errata()]
     text = " ".join((report / "letter.txt").read_text(encoding="utf-8").split())
-    for erratum in read_errata():
+    for erratum in (each.in_unicode() for each in read_errata()):
         assert text.count(f"Proof: {erratum.proof}") == 1
     assert max(map(len, (report / "letter.txt").read_text(encoding="utf-8").splitlines())) <= 80
 
@@ -232,3 +233,20 @@ def test_a_bad_page_is_noticed(browser: Any, tmp_path: Path) -> None:
         "scrolls without", "outside of the window", "letters of 5px", "letters of 6.0px", "oh", "ERR_FILE_NOT_FOUND",
     ):  # fmt: skip
         assert word in complaints, word
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "height"), [(1280, 17_000), (360, 43_000)])
+def test_what_a_reader_does_not_need_first_is_folded(browser: Any, report: Path, width: int, height: int) -> None:
+    """Statements and verdicts are there at once; how they were found, captions and derivations are a click away."""
+    page = browser.new_page(viewport={"width": width, "height": 800})
+    page.goto((report / "report.html").as_uri(), wait_until="load")
+    assert page.evaluate("document.scrollingElement.scrollHeight") < height
+    claims = page.locator(".claim")
+    assert page.locator(".claim summary").count() == claims.count()
+    first = claims.first
+    assert first.locator("summary .source").is_visible()
+    assert not first.locator("details > p").first.is_visible()
+    first.locator("summary").click()
+    assert first.locator("details > p").first.is_visible()
+    page.close()

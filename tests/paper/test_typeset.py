@@ -19,6 +19,7 @@ from symosc.paper.typeset import typeset
         ("F⁽ˡᵒ⁾ at ∂Ωᵢⱼ, μ FN", "F<sup>(lo)</sup> at ∂Ω<sub>ij</sub>, μ F<sub>N</sub>"),
         ("x0 = −3.1049009630…, −(c/m)", "x<sub>0</sub>\u00a0=\u00a0−3.1049009630…, −\u2060(c/m)"),
         ("fig7-corrected and fig10: belt2", "Fig.\u00a07 (corrected) and Fig.\u00a010: belt\u00a02"),
+        ("|γ| = a where |F(1)| > 0", "|\u2060γ\u2060|\u00a0=\u00a0a where |\u2060F<sup>(1)</sup>\u2060| &gt; 0"),
         ("DOP853, version v0.1, the mass's", "DOP853, version v0.1, the mass's"),
     ],
 )

@@ -24,10 +24,16 @@ def branch() -> Branch:
 
 
 @pytest.fixture(scope="module")
+def short() -> Branch:
+    return continue_orbit(FIG9, "P32", "Omega", ("3.9", "4.1"))
+
+
+@pytest.fixture(scope="module")
 def undamped() -> Branch:
     return continue_orbit(UNDAMPED, "P32", "Omega", (1.47, 1.55))
 
 
+@pytest.mark.slow
 def test_multipliers_between_the_orbits_are_those_of_orbits_there(branch: Branch) -> None:
     values, sizes = multiplier_curves(branch.values, branch.multipliers)
     assert len(values) > 8 * len(branch.values)
@@ -45,6 +51,7 @@ def styles(drawing: Figure, panel: int) -> set[str]:
     return {str(line.get_linestyle()) for line in drawing.axes[panel].lines if len(line.get_xdata()) > 2}  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch, undamped: Branch) -> None:
     assert [undamped.orbit(i).stable for i in (0, -1)] == [None, None]
     grown = copy(undamped)  # no such orbit exists: friction never makes a difference grow
@@ -65,19 +72,19 @@ def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch,
     assert names == ["$P_2$", "$P_3$"]
 
 
-def test_one_panel_into_given_axes(branch: Branch) -> None:
+def test_one_panel_into_given_axes(short: Branch) -> None:
     for letter, label in (("a", "position $x$ at the switching"), ("b", "moduli of the multipliers")):
         drawing = Figure()
         axes = drawing.add_subplot()
-        assert plot.branch_figure(branch, letter, ax=axes) is drawing
+        assert plot.branch_figure(short, letter, ax=axes) is drawing
         assert axes.get_ylabel() == label
         assert axes.get_legend() is not None
-        assert [each.get_ylabel() for each in plot.branch_figure(branch, letter).axes] == [label]
+        assert [each.get_ylabel() for each in plot.branch_figure(short, letter).axes] == [label]
 
 
 @pytest.mark.parametrize("value", [None, 5, "P32", []])
-def test_what_is_no_branch(value: Any, branch: Branch) -> None:
+def test_what_is_no_branch(value: Any, short: Branch) -> None:
     refused(lambda: plot.branch_figure(value), "branch")
-    refused(lambda: plot.branch_figure(branch, "c"), "panels")
-    refused(lambda: plot.branch_figure(branch, "a", ax=value or 3), "ax")
-    refused(lambda: plot.branch_figure(branch, "ab", ax=Figure().add_subplot()), "panels")
+    refused(lambda: plot.branch_figure(short, "c"), "panels")
+    refused(lambda: plot.branch_figure(short, "a", ax=value or 3), "ax")
+    refused(lambda: plot.branch_figure(short, "ab", ax=Figure().add_subplot()), "panels")

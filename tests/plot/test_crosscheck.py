@@ -19,6 +19,7 @@ def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
     return run, crosscheck(name, run.t, run.x, run.v)
 
 
+@pytest.mark.slow
 def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
     result = check("fig8", 3.6, **TIGHT)[1]
     drawing = figure(result)

@@ -46,6 +46,7 @@ def answers() -> dict[str, Drawable]:
 KINDS = ["trajectory", "orbit", "branch", "window", "curve", "check"]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_answer_draws_itself(kind: str) -> None:
     drawing = answers()[kind].plot()
@@ -53,6 +54,7 @@ def test_every_answer_draws_itself(kind: str) -> None:
     assert drawing._repr_png_().startswith(b"\x89PNG")
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_panel_goes_into_given_axes_and_nothing_else_changes(kind: str) -> None:
     before = dict(rcParams)
@@ -111,6 +113,7 @@ def test_a_root_that_is_no_orbit_is_not_drawn() -> None:
     assert "no motion" in refused(lambda: plot.orbit_figure(root), "orbit")
 
 
+@pytest.mark.slow
 def test_the_first_plot_loads_what_draws() -> None:
     code = (
         "import sys; from symosc import simulate; motion = simulate('fig5', t_end=3);"

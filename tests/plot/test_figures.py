@@ -170,6 +170,7 @@ def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:
     assert saved.read_bytes().startswith(MAGIC[".svg"])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("suffix", drawing.FIGURE_SUFFIXES)
 def test_files_by_suffix_the_same_each_time(suffix: str, tmp_path: Path) -> None:
     paths = [plot.save(plot.figure("fig7", panels="c"), tmp_path / f"{n}{suffix}") for n in "ab"]

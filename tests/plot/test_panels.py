@@ -34,6 +34,7 @@ def marks(ax: Axes) -> dict[str, np.ndarray]:
     return {label: places for label, places in found.items() if label in SHAPES}
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("number", range(4))
 @pytest.mark.parametrize("boundary", [1, 2])
 def test_forces_have_marks_of_their_own_belt_only(number: int, boundary: int) -> None:
@@ -66,6 +67,7 @@ def test_no_two_marks_of_one_motion_have_one_shape() -> None:
     assert faces["onset of stick"] != "white"
 
 
+@pytest.mark.slow
 def test_many_marks_leave_the_motion_visible() -> None:
     """The more marks, the smaller they are: their area grows no more once they are many."""
     motion = simulate("fig9", t_end=120)
@@ -81,6 +83,7 @@ def test_many_marks_leave_the_motion_visible() -> None:
     assert {handle.get_markersize() for handle in legend.legend_handles if handle.get_marker() == "^"} == {5.6}
 
 
+@pytest.mark.slow
 def test_ordinary_sticks_are_not_magnified() -> None:
     """In a long motion every stick is short on the axis; only one far below the others gets an inset."""
     rng, tried = random.Random(3), 0

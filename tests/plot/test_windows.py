@@ -27,6 +27,7 @@ def given_line(ax: Axes) -> float:
     return float(line.get_xdata()[0])  # type: ignore[index]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 def test_the_given_value_is_inside_the_frame(mapping: str) -> None:
     """By default, and where the range that is asked for ends at the value."""
@@ -58,6 +59,7 @@ def test_phases_at_equality_are_named_in_the_legend() -> None:
         assert label in [text.get_text() for text in drawing.legends[0].get_texts()]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["fig8", "fig9"])
 def test_where_nothing_is_drawn_there_is_no_scale(name: str) -> None:
     p = load_scene(name).parameters

@@ -23,8 +23,9 @@ def one(name: str, use_numba: bool | None) -> EventTable:
     return simulate_many(scene.parameters, start, scene.t_end, start_error=scene.start_error, use_numba=use_numba)
 
 
+@pytest.mark.slow
+@pytest.mark.compiled("doubles")
 @pytest.mark.full(4)
-@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", scene_names())
 def test_compiled_and_interpreted_agree_to_two_ulp(name: str) -> None:
     pytest.importorskip("numba", reason="numba is the extra `fast`; without it there is nothing to compare")

@@ -28,7 +28,7 @@ PARTS = {"graze": Fraction(1, 6), "long": Fraction(1, 12), "undriven": Fraction(
 
 
 @pytest.mark.quick(4)
-@pytest.mark.parametrize("number", few(range(QUICK), 1))
+@pytest.mark.parametrize("number", few(range(QUICK), 0))  # of even number: compiled
 @pytest.mark.parametrize("family", fuzz.FAMILIES)
 def test_random_scenes_of_every_family(family: str, number: int) -> None:
     assert_no_faults(family, range(number, number + 1), PARTS.get(family, Fraction(1)))
@@ -50,6 +50,7 @@ def assert_no_faults(family: str, numbers: range, part: Fraction = Fraction(1), 
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("doubles")
 def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
     scenes = [
         plain.shortened(fuzz.scene_of(family, 1001, number), Fraction(1, 8))
@@ -69,6 +70,7 @@ def test_a_batch_of_all_families_is_what_single_runs_are() -> None:
 # -- the truth of the constructed families ----------------------------------------------------------------------------
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("number", range(6))
 def test_exact_grazes_solve_the_equation(number: int) -> None:
     """The matrix exponential of the equation, from the scene's start, touches where the closed form says."""

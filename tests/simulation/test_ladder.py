@@ -44,6 +44,7 @@ def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
     return p, [(t, x, dice.choice((p.v1, p.v2, Fraction(dice.randint(-300, 300), 100)))) for t, x in starts]
 
 
+@pytest.mark.compiled("pairs")
 @pytest.mark.slow
 @sample_of(6, 200)
 def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -69,6 +70,7 @@ def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytes
     assert sum(climbed) == len(looked) < len(climbed) / 2
 
 
+@pytest.mark.compiled("pairs")
 @pytest.mark.slow
 def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     """A swing that just touches a belt, and starts that are known to so much only."""
@@ -83,6 +85,7 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     assert "graze" in table.kind.tolist()
 
 
+@pytest.mark.compiled("pairs")
 @pytest.mark.slow
 def test_many_sets_and_any_order() -> None:
     """The place of a motion in the batch does not matter, nor what is beside it."""

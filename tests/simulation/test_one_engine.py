@@ -81,7 +81,8 @@ def assert_one_engine(problem: Problem, use_numba: bool, **options: Any) -> Any:
     return trajectory
 
 
-ENGINES = pytest.mark.parametrize("use_numba", [False, True], ids=["interpreted", "compiled"])
+COMPILED = pytest.param(True, marks=[pytest.mark.slow, pytest.mark.compiled("doubles")])
+ENGINES = pytest.mark.parametrize("use_numba", [False, COMPILED], ids=["interpreted", "compiled"])
 
 
 def available(use_numba: bool) -> None:

@@ -58,6 +58,7 @@ MATRIX_CASES = {
 }
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("case", MATRIX_CASES)
 def test_the_series_agrees_with_the_matrix_exponential(case: str) -> None:
     changes, tau = MATRIX_CASES[case]
@@ -86,6 +87,7 @@ def test_the_matrix_exponential_runs_backwards() -> None:
         assert abs(forth[1] - mpmath.mpf("1.5")) < 1e-55
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_scipy_finds_the_same_events(seed: int) -> None:
     """DOP853 between events, restarted in the domain or on the belt that the oracle names."""

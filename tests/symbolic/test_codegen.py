@@ -207,6 +207,7 @@ def test_basis_apart_is_the_closed_form(seed: int) -> None:
         assert abs(cheap - closed) < mpmath.mpf("1e-50")
 
 
+@pytest.mark.quick(8)
 @pytest.mark.parametrize("seed", range(20))
 def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
     regimes = list(s.REGIMES.values())

@@ -80,6 +80,7 @@ def changed(p: Parameters, **values: Any) -> Parameters | None:
         return None
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
 def test_intervals_of_phases(mapping: str, order: str) -> None:
@@ -101,6 +102,7 @@ def test_intervals_of_phases(mapping: str, order: str) -> None:
     assert min(yes, no) > 8
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
 def test_regions_of_two_parameters(mapping: str, order: str) -> None:
@@ -151,6 +153,7 @@ def test_points_on_the_border_of_a_region() -> None:
     assert full.condition == (sp.Symbol("k", nonnegative=True) >= 9 * sp.Symbol("Omega", positive=True))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("mapping", MAPS)
 def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
     """The flow with 130 digits turns back, just inside an answer, and does not just outside."""

@@ -81,6 +81,7 @@ def test_answers_agree_with_the_windows(mapping: str, order: str, count: int) ->
     assert ends_that_belong > count
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("mapping", MAPS)
 def test_answers_stay_in_what_parameters_allow(mapping: str) -> None:
     rng = random.Random(mapping)

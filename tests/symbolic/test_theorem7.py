@@ -105,6 +105,7 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
         assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
 
 
+@pytest.mark.full(30)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("amplitude", [5, -5, 0])

@@ -11,7 +11,7 @@ from symosc.derive.blocks import Table, block, proof
 from symosc.derive.latex import latex, named
 from symosc.derive.paper_form import C1, C2, paper_form
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Exact, Heading, Near, Prose, Solves, equation, fact
+from symosc.derive.steps import Exact, Heading, Near, Prose, Solves, equation, fact, modes
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
 
@@ -30,7 +30,7 @@ RESPONSES = {
 
 #: Name and condition of each regime.
 REGIME_WORDS = {
-    "underdamped": ("underdamped", "$c^2 < 4km$"),
+    "underdamped": ("underdamped", "$0 < c^2 < 4km$"),
     "critical": ("critically damped", "$c^2 = 4km > 0$"),
     "overdamped": ("overdamped", "$c^2 > 4km > 0$"),
     "undamped": ("undamped", r"$c = 0$, $k \ne m\Omega^2$"),
@@ -131,11 +131,6 @@ def generic_basis() -> dict[Any, Any]:
     return dict(zip(BASIS, closed, strict=True)) | {cm: 2 * mean, w0sq: mean**2 - half**2}
 
 
-def modes(expr: Any) -> Any:
-    """Bring an expression in modes to 0 if it vanishes."""
-    return solution.collect_modes(sp.expand_trig(expr))
-
-
 def _flow() -> Iterator[Any]:
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
@@ -178,7 +173,7 @@ def _paper_form(scope: Scope) -> Iterator[Any]:
     yield Heading("The same motion as papers print it")
     first, second = REGIME_WORDS[name]
     reason = (
-        rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}) with $h = c/(2m)$ and "
+        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
         r"$\omega_d = \sqrt{k/m - h^2}$, is"
         if name == "underdamped"
         else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is"
@@ -246,8 +241,7 @@ def _table(scope: Scope) -> Iterator[Any]:
         ("regime", "condition", "roots", "$E_1$", "$E_0$"),
         tuple(rows),
     )
-    yield Prose(r"Three functions are left over, where the corollary divides by 0.")
-    reason = r"Without a spring, damped and undamped,"
+    reason = r"Three functions are left over, where the corollary divides by 0. Without a spring,"
     for name, symbol, words in (
         ("no spring", E2, r"for $c > 0$,"),
         ("free", E2, r"for $c = 0$."),
@@ -326,7 +320,7 @@ def _joins() -> Iterator[Any]:
     rows = []
     for join in solution.JOINS:
         source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
-        path = ", ".join(rf"${latex(name)} = {latex(value)}$" for name, value in join.path.items())
+        path = ", ".join(_path(name, value) for name, value in join.path.items())
         names = named(r"c/m"), named(r"k/m")
         cells = []
         for name, letter in zip(names, (cm, w0sq), strict=True):
@@ -341,6 +335,11 @@ def _joins() -> Iterator[Any]:
         tuple(rows),
         tuple(_sampled(join) for join in solution.JOINS),
     )
+
+
+def _path(letter: Any, value: Any) -> str:
+    """Return what a letter becomes on the way to a border, as LaTeX: an arrow where its old value is in the new one."""
+    return rf"${latex(letter)} {chr(92) + 'mapsto' if letter in value.free_symbols else '='} {latex(value)}$"
 
 
 def _sampled(join: solution.Join) -> Any:

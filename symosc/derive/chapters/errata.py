@@ -11,6 +11,7 @@ import sympy as sp
 
 from symosc.derive.blocks import Table
 from symosc.derive.chapters.motion import MU, newton
+from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
@@ -37,126 +38,10 @@ from symosc.symbolic.solution import B0, FN, Omega, c, k, m, t, v, x
 
 TITLE = "Errata"
 
-#: Where, how bad, what is right, what shows it.
-ERRATA = (
-    (
-        "(1), (5)",
-        "gap",
-        "(1) is the resistance; it stands with a minus on the right of (5)",
-        r"Table~\ref{tab:motion-constants}",
-    ),
-    (
-        "(1)",
-        "typo",
-        r"single values hold for $\dot{x} \ne v_1, v_2$ only",
-        r"Definition~\ref{thm:motion-coulomb}",
-    ),
-    (
-        "(14)",
-        "typo",
-        r"a boundary is a subset of $\mathbb{R}^n$, of the dimension $n - 1$",
-        "",
-    ),
-    (
-        "after (19)",
-        "typo",
-        "$t_{m-}$ is before the contact, $t_{m+}$ after it",
-        "",
-    ),
-    (
-        "Lemma 3",
-        "gap",
-        r"the first G-function that does not vanish decides, not $G^{(1,\alpha)}$ alone",
-        r"Lemma~\ref{thm:switching-side}",
-    ),
-    (
-        "(47)",
-        "typo",
-        "the derivative is along the flow of the domain, not of the boundary",
-        r"\eqref{eq:errata-flows}",
-    ),
-    (
-        "(49)",
-        "typo",
-        "the three planes are one set as printed; the side is meant",
-        r"Definition~\ref{thm:maps-planes}",
-    ),
-    (
-        "(52), (53)",
-        "wrong",
-        "a stick has two ends; one is missing on each belt",
-        r"Theorem~\ref{thm:sticks-exits}",
-    ),
-    (
-        "(55), (57)",
-        "gap",
-        r"no case for $\gamma = -a$: the empty set",
-        r"Table~\ref{tab:grazing-windows}",
-    ),
-    (
-        "(55)--(58)",
-        "wrong",
-        r"for $|\gamma| = a$ the phase that is taken out grazes too",
-        r"Theorem~\ref{thm:grazing-equality}",
-    ),
-    (
-        "(55)--(58)",
-        "gap",
-        r"$B_0 \le 0$ and $k = 0$ are not treated",
-        r"Theorem~\ref{thm:grazing-theorem7}",
-    ),
-    (
-        "(55), (56)",
-        "typo",
-        r"$\mathrm{mod}(\Omega t_m, 2\pi)$ is never $2\pi$",
-        r"Theorem~\ref{thm:grazing-theorem7}",
-    ),
-    (
-        "after (62), (66)",
-        "gap",
-        r"$\gamma$ is no free unknown: the parameters fix it",
-        r"Lemma~\ref{thm:grazing-contact}",
-    ),
-    (
-        "section 6",
-        "typo",
-        r"the ``forces'' $F^{(\alpha)}$ are accelerations",
-        r"\eqref{eq:motion-acceleration}",
-    ),
-    (
-        "section 7",
-        "gap",
-        "conditions of periodic motions are announced, none is derived",
-        r"Chapter~\ref{sec:orbits}",
-    ),
-    (
-        "Fig. 7",
-        "wrong",
-        "no graze with the printed numbers; one of them is misprinted",
-        r"\eqref{eq:errata-V0}",
-    ),
-    (
-        "Figs. 9, 10",
-        "gap",
-        "the printed starts are near the periodic motions, not on them",
-        r"Table~\ref{tab:errata-starts}",
-    ),
-)
-
 
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
-    yield Prose(
-        r"Table~\ref{tab:errata-errata} has each distinct error or gap of the paper once. \emph{Wrong}: a statement "
-        r"that does not hold; \emph{gap}: a case or an assumption that is missing; \emph{typo}: what is meant is clear."
-    )
-    yield Table(
-        "tab:errata-errata",
-        r"Errors and gaps of the paper.",
-        ("where", "", "what is right", "shown by"),
-        ERRATA,
-        columns=r"llp{74mm}l",
-    )
+    yield from _list()
     yield from _flows()
     yield from _exits()
     figures = {"fig7": _figure7, "fig8": _figure8}
@@ -164,6 +49,27 @@ def items(scope: Scope) -> Iterator[Any]:
         if scope.scene is None or scope.scene.name.partition("-")[0] == name:
             yield from chapter()
     yield from _starts()
+
+
+def _list() -> Iterator[Any]:
+    errata = read_errata()
+    yield Heading("The list")
+    counts = ", ".join(
+        rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
+        for severity, meaning in SEVERITIES.items()
+    )
+    yield Prose(
+        rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and each once: {counts}. "
+        r"Numbers of equations, theorems and figures in this list are the paper's, but for those behind \emph{See}. "
+        r"Its letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of domain and belt, "
+        r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation."
+    )
+    for erratum in errata:
+        see = f" See {erratum.shown}." if erratum.shown else ""
+        yield Prose(
+            rf"\textbf{{{erratum.number}.}}~{erratum.where} ({erratum.severity}). \emph{{Printed:}} {erratum.printed} "
+            rf"\emph{{Right:}} {erratum.holds} \emph{{Proof.}} {erratum.proof}{see}"
+        )
 
 
 def _flows() -> Iterator[Any]:

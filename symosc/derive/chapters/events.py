@@ -11,7 +11,7 @@ from symosc.derive.blocks import block, proof
 from symosc.derive.chapters.domains import DELTA, NORMS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation, fact, modes
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
@@ -26,7 +26,9 @@ def items(scope: Scope) -> Iterator[Any]:
     del scope  # the statements are the same for every scene
     yield from _gap()
     yield from _two_zeros()
-    yield from _bounds()
+    yield Heading("Two bounds for later times")
+    yield from _bound_for_ever()
+    yield from _bound_for_a_while()
     yield from _search()
 
 
@@ -70,7 +72,7 @@ def _two_zeros() -> Iterator[Any]:
     letter, rate, slope, curve = named(r"\varphi"), named(r"\dot{\varphi}"), named(r"\dot{q}"), named(r"\ddot{q}")
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
-    unforced = tuple(fact(_operator(regime), "=", 0, Exact(tidy=_modes)) for regime in solution.REGIMES.values())
+    unforced = tuple(fact(_operator(regime), "=", 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
     yield from block(
         "theorem",
         r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
@@ -97,9 +99,10 @@ def _two_zeros() -> Iterator[Any]:
             r"\frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
             (fact(true, "=", inner, Exact(tidy=sp.simplify, independent=False)),),
         ),
-        r"By \eqref{eq:events-gap} $L g$ keeps its sign, so $\varphi^2 e^{c\tau/m}\dot{q}$ is monotone, $\dot{q}$ "
-        r"vanishes at one point or on one interval, and $q$ falls and rises at most once each; with it $g$ has at most "
-        r"two zeros.",
+        r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
+        r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
+        r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "
+        r"monotone and has at most one zero, or it is constant, and then $g$ has none or vanishes identically.",
     )
     yield from block(
         "corollary",
@@ -126,12 +129,7 @@ def _operator(regime: solution.Regime) -> Any:
     return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi
 
 
-def _modes(expr: Any) -> Any:
-    return solution.collect_modes(sp.expand_trig(expr))
-
-
-def _bounds() -> Iterator[Any]:
-    yield Heading("Two bounds for later times")
+def _bound_for_ever() -> Iterator[Any]:
     third, fourth = named("u^{(3)}"), named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
@@ -167,6 +165,10 @@ def _bounds() -> Iterator[Any]:
         Step(Relation(energy, "<=", sp.Integer(0)), r"which is never positive:", Sign({energy: rate})),
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.",
     )
+
+
+def _bound_for_a_while() -> Iterator[Any]:
+    z = sp.Function("z")(tau)
     w, w_rate = named("w"), named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
     drive = LETTER_A * Omega**3 * sp.cos(theta)
@@ -181,14 +183,17 @@ def _bounds() -> Iterator[Any]:
         label="thm:events-while",
     )
     yield from proof(
-        Prose(
-            r"By \eqref{eq:events-gap}, $L w = a\Omega^3\cos\theta$.",
-            (fact(source, "=", LETTER_A * Omega**3 * sp.cos(Omega * t), Exact()),),
+        equation(
+            named("L w"),
+            drive,
+            r"The third derivative of \eqref{eq:events-gap} is",
+            Exact({named("L w"): source.subs(Omega * t, theta)}),
+            label="events-Lw",
         ),
         equation(
             second,
             2 * w_rate * (drive - cm * w_rate),
-            r"So",
+            r"so that",
             Exact({second: pushed}, sp.expand),
             label="events-pushed",
         ),
@@ -236,10 +241,9 @@ def _search() -> Iterator[Any]:
         label="thm:events-search",
     )
     yield from proof(
-        r"$g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay "
-        r"bounded and do not "
-        r"come to a zero, they converge to some $\tau^*$ with $g \ge \delta > 0$ on the way, and the steps "
-        r"shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the way, so "
+        r"$g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay bounded, they "
+        r"converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ on the way for some $\delta$, while "
+        r"the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the way, so "
         r"$p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does not "
         r"depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with $p(s) = 0$."
     )

@@ -38,6 +38,7 @@ CASES_WITHOUT_DRIVE = ((p, r"$a = 0 < \gamma$"), (-p, r"$\gamma < 0 = a$"), (sp.
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _contact()
+    yield from _what_it_fixes()
     yield from _theorem()
     if scope.scene is not None:
         for mapping, place in PLACES.items():
@@ -81,6 +82,9 @@ def _contact() -> Iterator[Any]:
         ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
         tuple(rows),
     )
+
+
+def _what_it_fixes() -> Iterator[Any]:
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     general = (c * acceleration + k * rate) / m
     at_contact = general.subs({acceleration: 0, rate: v_lambda})
@@ -140,7 +144,8 @@ def _theorem() -> Iterator[Any]:
         r"$(\alpha, \lambda, \sigma)$ from Table~\ref{tab:grazing-places}, and let the flow of $\Omega_\alpha$ have "
         r"$\dot{x} = v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and $\Theta^{\mathrm{cr}}$ as in "
         r"Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to first order iff $\theta_m \in [0, 2\pi)$ is in "
-        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$.",
+        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$ modulo "
+        r"$2\pi$.",
         title="the paper's Theorem 7, (55) to (58), completed",
         label="thm:grazing-theorem7",
     )
@@ -155,7 +160,8 @@ def _theorem() -> Iterator[Any]:
         r"$\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle $\Theta^{\mathrm{cr}}$ is negative: "
         r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and $\pi - \Theta^{\mathrm{cr}} = "
         r"\pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where the paper writes a closed end "
-        r"$2\pi]$, it is the phase 0. For the last sentence,",
+        r"$2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, at every phase or at none. For "
+        r"$a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
         equation(
             turned,
             -sp.sin(THETA_M),
@@ -247,8 +253,6 @@ def _equality() -> Iterator[Any]:
     letter = sp.Symbol("a", real=True)
     amplitude = {letter: B0 * Omega / m}
     true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
-    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     yield from block(
         "theorem",
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
@@ -278,6 +282,15 @@ def _equality() -> Iterator[Any]:
         title="the case of equality",
         label="thm:grazing-equality",
     )
+    yield from _equality_proof(true3)
+    yield _equality_in_figures()
+
+
+def _equality_proof(true3: Any) -> Iterator[Any]:
+    """Yield the proof; `true3` is the third G-function at an end of a window."""
+    third, letter = G(3), sp.Symbol("a", real=True)
+    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
+    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
     other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
     yield from proof(
@@ -303,8 +316,11 @@ def _equality() -> Iterator[Any]:
         ),
         r"is never positive.",
     )
+
+
+def _equality_in_figures() -> Prose:
     at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
-    yield Prose(
+    return Prose(
         r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
         r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded "
         r"phase in either of them.",
@@ -335,8 +351,9 @@ def _no_spring() -> Iterator[Any]:
         Prose(
             r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
             r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ "
-            r"and $P_6$. If it is $\pm 1$, then $G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and "
-            r"nothing grazes; beyond that no contact has $F^{(\alpha)} = 0$.",
+            r"and $P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
+            r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no "
+            r"contact has $F^{(\alpha)} = 0$.",
             (fact(curve, "=", -B0 * Omega**2 * sp.cos(THETA_M) / m, Exact(tidy=sp.simplify)),),
         ),
         title="no spring",

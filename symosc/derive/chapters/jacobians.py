@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.blocks import block, proof
-from symosc.derive.chapters.domains import generic_basis, modes
+from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
@@ -24,6 +24,7 @@ from symosc.derive.steps import (
     Step,
     equation,
     fact,
+    modes,
 )
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
@@ -177,7 +178,7 @@ def saltation() -> Iterator[Any]:
             entries,
         ),
         Step(Relation(ratio, ">", sp.Integer(0)), "", Sign(upward), label="jacobians-ratio"),
-        Step(Relation(ratio, "<=", sp.Integer(1)), "", Sign(upward)),
+        Step(Relation(ratio, "<=", sp.Integer(1)), "", Sign(upward), label="jacobians-bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the identity.",
         title="saltation",
         label="thm:jacobians-saltation",
@@ -237,7 +238,7 @@ def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
 
 def _monodromy() -> Iterator[Any]:
     yield Heading("The monodromy matrix")
-    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-cT/m}\prod_j F^{+}_j/F^{-}_j")
+    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
         found, said = _orbit("fig9-orbit", "P32")
@@ -245,17 +246,17 @@ def _monodromy() -> Iterator[Any]:
 
     yield from block(
         "theorem",
-        r"Let a periodic motion that grazes nowhere and has the period $T$ consist of flights and sticks "
+        r"Let a periodic motion that grazes nowhere and has the period $\mathcal{T}$ consist of flights and sticks "
         r"with the durations "
-        r"$\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $T$ multiplied by the "
+        r"$\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ multiplied by the "
         r"\emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where $\Psi_j = \Phi(\tau_j)$ for a "
         r"flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end of the piece $j$. Its "
         r"eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
         r"\begin{enumerate}"
-        r"\item[(i)] $|\rho_{1,2}| \le 1$; for $c > 0$ and $k > 0$ an eigenvalue of a motion with at least one flight "
-        r"has $|\rho| < 1$."
+        r"\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are below 1 in size if there is at least "
+        r"one flight."
         r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
-        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-cT/m}\prod_j F^{+}_j/F^{-}_j > 0$."
+        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > 0$."
         r"\end{enumerate}",
         title="monodromy and multipliers",
         label="thm:jacobians-monodromy",
@@ -267,9 +268,9 @@ def _monodromy() -> Iterator[Any]:
         r"The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced equation, and",
         equation(energy, -solution.c * rate**2, "", Exact(meaning, sp.expand), label="jacobians-energy"),
         r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
-        r"by \eqref{eq:jacobians-ratio}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
+        r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
         r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
-        r"then $k y = 0$; so an eigenvector with $|\rho| = 1$ does not exist. (ii) One factor "
+        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor "
         r"$\operatorname{diag}(1, 0)$ makes $\det M = 0$. (iii) The determinant of a product is the product of the "
         r"determinants, \eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.",
     )

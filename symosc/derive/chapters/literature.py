@@ -21,7 +21,7 @@ TITLE = "Published results that the model contains"
 # Names of what is derived: trace and determinant of the free motion over half a period, and of what it does to a
 # perturbation; accelerations before and after a turning point.
 T, D, T_h, D_h = (named(name) for name in ("T", "D", "T_h", "D_h"))
-RHO = named(r"\rho")
+RHO = named(r"\chi")
 A_MINUS, A_PLUS = named(r"\ddot{x}_-"), named(r"\ddot{x}_+")
 B, B_0, LARGEST = named(r"B(\varphi)"), named("B(0)"), named(r"B_*", positive=True)
 UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
@@ -116,7 +116,7 @@ def _closed_forms() -> Iterator[Any]:
     def tidy(expr: Any) -> Any:
         return sp.simplify(sp.expand(sp.numer(sp.together(expr.rewrite(sp.exp)))))
 
-    reason = r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/2m$ and $\omega_d^2 = k/m - h^2$:"
+    reason = r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:"
     for letter, shown, derived in zip((G, H), printed, solved, strict=True):
         yield equation(letter, shown, reason, Exact({letter: coulomb.closed(derived, regimes["underdamped"])}, tidy))
         reason = ""
@@ -156,15 +156,15 @@ def _stability() -> Iterator[Any]:
     delta, dt, later = named(r"\delta"), named(r"\mathrm{d}t"), named(r"\delta_+")
     turned = {later: -A_PLUS * dt, dt: -delta / A_MINUS, RHO: A_PLUS / A_MINUS}
     reason = r"With $\delta + \ddot{x}_- \mathrm{d}t = 0$ the velocity behind the turn is, to first order,"
-    yield equation(later, RHO * delta, reason, Exact(turned), r"with $\rho = \ddot{x}_+/\ddot{x}_-$.")
+    yield equation(later, RHO * delta, reason, Exact(turned), r"with $\chi = \ddot{x}_+/\ddot{x}_-$.")
     root, half = named("R"), coulomb.half_period_matrix(RHO)
     meaning = {T_h: half.trace(), D_h: half.det(), T: coulomb.transition().trace(), D: coulomb.transition().det()}
     yield equation(
         T_h,
         1 - w0sq * E2 + RHO * E0,
         r"So half a period takes a perturbation $(x, \dot{x})$ through the free motion and then multiplies its "
-        r"velocity by $\rho$. The other half does the same, so the multipliers are the squares of the eigenvalues of "
-        r"that matrix, whose trace and determinant are",
+        r"velocity by $\chi$. The other half does the same, so the multipliers $\rho_1$, $\rho_2$ are the squares of "
+        r"the eigenvalues of that matrix, whose trace and determinant are",
         Exact(meaning),
     )
     yield equation(D_h, RHO * D, "", Exact(meaning))
@@ -179,8 +179,9 @@ def _stability() -> Iterator[Any]:
     yield equation(1 - T_h + D_h, (1 + RHO) * (1 - sp.cos(sp.pi / r)), "", Exact(turn, sp.expand))
     yield equation(1 + T_h + D_h, (1 + RHO) * (1 + sp.cos(sp.pi / r)), "", Exact(turn, sp.expand))
     yield Prose(
-        r"On an orbit $0 \le \rho < 1$. So both multipliers lie inside the unit circle, except at $r = 1/n$: for odd "
-        r"$n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1."
+        r"On an orbit $0 \le \chi < 1$, so that $D_h < 1$ too. If both sides above are positive, the eigenvalues lie "
+        r"inside the unit circle by the conditions of Jury, and so do the multipliers. They vanish at $r = 1/n$ only: "
+        r"for odd $n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1."
     )
     yield numbers("stability", "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$.")
 

@@ -47,6 +47,7 @@ DECIMALS = 20
 def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _uniqueness()
+    yield from _what_uniqueness_needs()
     if scope.scene is None:
         yield from _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
         yield from _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
@@ -70,7 +71,8 @@ def _uniqueness() -> Iterator[Any]:
         r"\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one of the belts, it is the only "
         r"periodic motion, and every other motion tends to it."
         r"\item[(iii)] If $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$, the periodic motions are the rests on belt "
-        r"$\lambda$ at the positions of an interval, and every motion tends to one of them. Each has the multiplier 1."
+        r"$\lambda$ at the positions of an interval, and every motion tends to one of them. Inside the interval each "
+        r"has the multiplier 1."
         r"\end{enumerate}",
         equation(
             length,
@@ -89,7 +91,7 @@ def _uniqueness() -> Iterator[Any]:
         r"motions decay exponentially. So the map over one period takes a large ball, in a norm in which this linear "
         r"oscillator contracts, into itself; it is continuous because $W$ does not grow, and has a fixed point by "
         r"Brouwer's theorem.",
-        r"(ii) Let $x^*$ be periodic and $x$ any motion; $W$ falls to some $W_\infty \ge 0$. The motions "
+        r"(ii) Let $x^*$ be the motion of (i) and $x$ any other one; $W$ falls to some $W_\infty \ge 0$. The motions "
         r"$x(t + 2\pi n/\Omega)$, $n = 1, 2, \ldots$, are bounded with their first two derivatives, so some of them "
         r"converge, with the velocities, to a function $\tilde{x}$, which is a motion too because the right side of "
         r"\eqref{eq:motion-newton} is closed and convex. Its difference to $x^*$ has the constant energy $W_\infty$. "
@@ -104,18 +106,21 @@ def _uniqueness() -> Iterator[Any]:
         r"$d \ne 0$ needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: every motion tends to "
         r"$x^*$, and no other one is periodic.",
         r"(iii) The rests are motions by (ii), at the positions between $(H_\lambda \pm (\mu_\lambda F_N - |B_0|))/k$. "
-        r"If a motion $x^*$ is periodic, its difference to a rest has constant energy, so it is a rest by the argument "
-        r"of (ii), on the same belt because $\dot{x}^* = 0$. Every motion $x$ has a limit $\tilde{x}$ as "
+        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest by the argument "
+        r"of (ii), on the same belt because its velocity is 0. Every motion $x$ has a limit $\tilde{x}$ as "
         r"in (ii) that is "
         r"a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes nothing "
         r"else: the multiplier is 1.",
     )
+
+
+def _what_uniqueness_needs() -> Iterator[Any]:
     yield from block(
         "example",
         Prose(
             r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
             r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
-            r"$-\frac{8}{10}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.",
+            r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.",
             tuple(_rests(sp.Rational(place)) for place in ("0", "1/2", "-3/5", "-4/5", "1")),
         ),
         label="thm:orbits-example",
@@ -125,7 +130,7 @@ def _uniqueness() -> Iterator[Any]:
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
         r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are "
         r"known in the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
-        r"\cite{denhartog1931,shaw1986,hongliu2000,luogegg2006}.",
+        r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.",
         title="no damping",
         label="thm:orbits-undamped",
     )

@@ -30,6 +30,8 @@ def items(scope: Scope) -> Iterator[Any]:
     """Yield the chapter."""
     yield from _on_belt()
     yield from _exits(scope)
+    yield from _which_exit(scope)
+    yield from _every_stick_ends()
 
 
 def _on_belt() -> Iterator[Any]:
@@ -79,11 +81,11 @@ def _on_belt() -> Iterator[Any]:
         r"differentiate."
     )
     yield Prose(
-        r"The right side of \eqref{eq:sticks-rate} vanishes where $\sin\theta = -k v_\lambda/(B_0\Omega)$: at the "
-        r"phase $\Theta^{\mathrm{cr}} = \arcsin(-k v_\lambda/(B_0\Omega))$ and at $\pi - \Theta^{\mathrm{cr}}$, if "
-        r"these exist. They are the critical phases of Theorem~\ref{thm:grazing-theorem7}. Between two of them both "
-        r"accelerations are monotone, so the end of a stick is found without a search: on each such piece each of them "
-        r"has at most one zero."
+        r"The right side of \eqref{eq:sticks-rate} vanishes where $\sin\theta = -k v_\lambda/(B_0\Omega)$. If there "
+        r"are such phases, one is $\Theta^{\mathrm{cr}} = \arcsin(-k v_\lambda/(B_0\Omega))$ and the other "
+        r"$\pi - \Theta^{\mathrm{cr}}$: the critical phases of Theorem~\ref{thm:grazing-theorem7}. Between two of them "
+        r"both accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda = 0$), so the end of a "
+        r"stick is found without a search: on each such piece each of them has at most one zero, or never changes."
     )
 
 
@@ -116,10 +118,16 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is a motion by "
         r"Proposition~\ref{thm:motion-held}, and by Theorem~\ref{thm:motion-unique} the only one; a zero that is only "
         r"touched does not end it. Where $F^{(\lambda)}$ becomes negative, no friction of the belt balances the other "
-        r"forces, and the motion of $\Omega_\lambda$ starts with $\ddot{x} = 0$ and a negative first derivative that "
-        r"does not vanish (Lemma~\ref{thm:switching-side}), so it goes below $v_\lambda$. The other end is the mirror "
-        r"image. \eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
+        r"forces. Let $F^{(\lambda)} = 0$ there, and take the first derivative of $F^{(\lambda)}$ along the belt that "
+        r"does not vanish: it is negative. The flow of $\Omega_\lambda$ has the same first derivative, because by "
+        r"\eqref{eq:switching-g1} and \eqref{eq:sticks-rate} the rates of $F^{(\lambda)}$ along both differ only by "
+        r"multiples of $F^{(\lambda)}$ and of $\dot{x} - v_\lambda$, which vanish to higher order. So by "
+        r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror image. "
+        r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
     )
+
+
+def _which_exit(scope: Scope) -> Iterator[Any]:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -149,6 +157,9 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"rises to 0.",
         0.85,
     )
+
+
+def _every_stick_ends() -> Iterator[Any]:
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i

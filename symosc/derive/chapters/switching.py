@@ -221,8 +221,8 @@ def _theorems() -> Iterator[Any]:
     yield equation(
         G(1),
         -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
-        r"For (iii), once for all four domains and boundaries, at the boundary $\dot{x} = v_\lambda$",
+        r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
         Exact(stays, sp.expand),
         label="switching-decides",
     )
-    yield Prose(r"where the first term vanishes at a graze.")
+    yield Prose(r"where the term with $F^{(\alpha)}$ vanishes at a graze.")

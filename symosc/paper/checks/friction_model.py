@@ -132,7 +132,7 @@ def equations_of_motion() -> Evidence:
             worst[alpha] = max(worst.get(alpha, 0.0), float(error))
             flights[alpha] = flights.get(alpha, 0) + 1
     numbers = {f"flights in Ω{alpha}": str(flights[alpha]) for alpha in sorted(flights)}
-    numbers |= {f"largest relative difference in Ω{alpha}": f"{worst[alpha]:.2g}" for alpha in sorted(worst)}
+    numbers |= {f"largest relative difference to DOP853 in Ω{alpha}": f"{worst[alpha]:.2g}" for alpha in sorted(worst)}
     right = set(worst) == {1, 2, 3} and max(worst.values()) < dop853.DOP853_AGREEMENT
     finding = f"Flights by (5) as printed differ from the exact motion by {max(worst.values()):.1g} at most"
     return Evidence(CONFIRMED if right else NOT_AS_PRINTED, f"{finding}, in all three domains.", numbers)

@@ -1,0 +1,69 @@
+"""The event loops are compiled once: by a process beside the tests that do not need them, for those that do.
+
+Compiling takes twenty seconds for doubles and a minute for double-double numbers. Without this each worker would do
+it for itself. Nobody holds a lock: whoever needs a loop looks whether it is on disk. If the other process comes to its
+end without one, or takes too long, the loop is compiled where it is needed.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+from once import SHARED
+
+#: Seconds after which nobody waits for the other process any longer.
+LONGEST_WAIT = 600
+_wait_until: list[float] = []
+
+
+#: What the marker `compiled` asks for -> a program that compiles it.
+LOOPS = {
+    "doubles": "from symosc import load_scene, simulate_many\n"
+    "simulate_many(load_scene('fig5').parameters, [0, 0, 0], 1, use_numba=True)",
+    "pairs": "from symosc.simulation.warm import warm\nwarm()",  # and doubles
+}
+
+
+def is_there(loops: str) -> bool:
+    """Return whether loops are on disk, or nothing can be compiled."""
+    if find_spec("numba") is None:
+        return True
+    from symosc.engine import arithmetic, binding, pairs
+
+    doubles = binding.is_compiled(arithmetic.compiled()["follow_all"])
+    return doubles and (loops == "doubles" or pairs.is_compiled())
+
+
+def ended() -> Path:
+    """Return the path of a file that is there when the other process has come to its end, whatever it was."""
+    return Path(os.environ[SHARED]) / "compiling-has-ended"
+
+
+def begin(loops: str) -> subprocess.Popen[bytes] | None:
+    """Compile what is not on disk, in a process of its own."""
+    if is_there(loops):
+        return None
+    code = f"import pathlib, sys\ntry: exec({LOOPS[loops]!r})\nfinally: pathlib.Path(sys.argv[1]).touch()"
+    nowhere = subprocess.DEVNULL
+    return subprocess.Popen([sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere)
+
+
+def end(process: subprocess.Popen[bytes], others_wait: bool) -> None:
+    """End the other process, or let it come to its end if another worker may still wait for what it makes."""
+    try:
+        process.wait(LONGEST_WAIT if others_wait else 0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def wait(loops: str) -> None:
+    """Wait until loops are there, all tests of this process together not longer than LONGEST_WAIT."""
+    _wait_until[:] = _wait_until or [time.monotonic() + LONGEST_WAIT]
+    while not is_there(loops) and not ended().exists() and time.monotonic() < _wait_until[0]:
+        time.sleep(0.2)
