@@ -120,6 +120,7 @@ def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("pairs")
 def test_compiled_or_not_and_in_any_parts_it_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
@@ -137,6 +138,7 @@ def test_compiled_or_not_and_in_any_parts_it_is_the_same(monkeypatch: pytest.Mon
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("pairs")
 def test_pairs_count_as_many_digits_do(monkeypatch: pytest.MonkeyPatch) -> None:
     """Double-double numbers, compiled, against motions that are followed one by one."""
     pytest.importorskip("numba")

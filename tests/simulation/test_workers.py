@@ -76,6 +76,7 @@ def test_an_interrupt_of_the_caller_ends_the_threads() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.compiled("pairs")
 def test_any_number_of_workers_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
