@@ -80,6 +80,7 @@ from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
 from .simulation.ensemble import EventTable as EventTable
+from .simulation.ensemble import Summary as Summary
 from .simulation.ensemble import simulate_many as simulate_many
 from .simulation.simulate import simulate as simulate
 from .simulation.trajectory import Event as Event

@@ -40,7 +40,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
 
     motion = Motion(scene.parameters, scene.t0)
     stiffness, damping = motion.k / motion.m, motion.c / motion.m
-    A, pars, starts = _tables(motion)
+    A, pars, starts = tables(motion)
     t0 = float(scene.t0)
     # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
     now: int
@@ -98,7 +98,7 @@ def at_its_best(scene: Scene, tolerance: float) -> Callable[[], Late]:
     return run
 
 
-def _tables(motion: Motion) -> tuple[dict[int, float], dict[int, np.ndarray], dict[tuple[int, int], float]]:
+def tables(motion: Motion) -> tuple[dict[int, float], dict[int, np.ndarray], dict[tuple[int, int], float]]:
     """Return A_alpha/m, the integrator's parameters by mode, and where flights start by boundary and domain."""
     A = {alpha: force / motion.m for alpha, force in motion.A.items()}
     v1, v2 = motion.belts.values()
@@ -111,14 +111,21 @@ def _tables(motion: Motion) -> tuple[dict[int, float], dict[int, np.ndarray], di
     return A, pars, starts
 
 
-def _integrator(motion: Motion, callback: Callable[[int], Callable[[Any, int], bool]], tolerance: float) -> Any:
-    """Return the integrator of `at_its_best`, whose two events call what `callback` returns for them."""
+def equations(motion: Motion) -> tuple[list[Any], tuple[Any, Any]]:
+    """Return the differential equations and the two event functions of `at_its_best`."""
     import heyoka as hy
 
     x, v, C, S = hy.make_vars("x", "v", "C", "S")
     p, a = hy.par, C - motion.k / motion.m * x - motion.c / motion.m * v
     rates = [(x, v), (v, p[0] * (a + p[1])), (C, -motion.Omega * S), (S, motion.Omega * C)]
-    functions = p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7]
+    return rates, (p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7])
+
+
+def _integrator(motion: Motion, callback: Callable[[int], Callable[[Any, int], bool]], tolerance: float) -> Any:
+    """Return the integrator of `at_its_best`, whose two events call what `callback` returns for them."""
+    import heyoka as hy
+
+    rates, functions = equations(motion)
     events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
     return hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
 

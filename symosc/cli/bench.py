@@ -73,11 +73,12 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
 
 
 def _speed(quick: bool) -> Record:
-    from symosc.bench import digits, speed, work_precision
+    from symosc.bench import digits, ensembles, speed, work_precision
 
     return {
         "speed": speed.run(quick=quick),
         "digits": digits.run(quick=quick),
+        "ensembles": ensembles.run(quick=quick),
         "work_precision": work_precision.run(quick=quick, progress=partial(_bar, "solvers")),
     }
 
@@ -106,10 +107,10 @@ def _picture(result: Record) -> Any:
 
 
 def _tables(result: Record) -> str:
-    from symosc.bench import digits, hard, speed, work_table
+    from symosc.bench import digits, ensembles, hard, speed, work_table
 
     if "hard" not in result:
-        shown = {"speed": speed, "digits": digits, "work_precision": work_table}
+        shown = {"speed": speed, "digits": digits, "ensembles": ensembles, "work_precision": work_table}
         return "\n\n".join(module.table(result[name]) for name, module in shown.items())
     parts = [hard.table(result["hard"])]
     if any(solver["raw"] for solver in result["hard"]["solvers"]):

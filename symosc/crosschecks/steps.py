@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.compiled_loop import Batch, batch_of, keep_state, state_of
+from symosc.engine.compiled_loop import Batch, batch_of, keep_state, room_for, state_of
+from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import belt_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
+from symosc.engine.tally import no_tally
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import chosen_loop, followed, joined
+from symosc.simulation.batch_loop import Course, chosen_loops, followed, joined
 
 # Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`.
 COMPILE_FROM = 4000
@@ -173,8 +175,9 @@ def _upper_half(value: Any) -> Any:
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
-    loop = chosen_loop(False if len(rows) < COMPILE_FROM else None)
-    numbers, table = joined(followed(loop, batch, MOST_STEP_EVENTS, inf, K))
+    loops = chosen_loops(False if len(rows) < COMPILE_FROM else None)
+    course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
+    numbers, table = joined(followed(loops.follow, batch, course))
     t, x, theta = numbers[:, [0, 1, 3]].T
     found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
     doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))

@@ -15,7 +15,9 @@ from symosc.aliases import Number
 from symosc.engine import (
     binding,
     compiled_loop,
+    extremes,
     first_exit,
+    first_rows,
     flow,
     gap_bounds,
     march,
@@ -24,6 +26,7 @@ from symosc.engine import (
     state,
     stick_exit,
     switching,
+    tally,
     touches,
 )
 from symosc.engine.flow import Constants, constants, with_march
@@ -44,8 +47,11 @@ SOURCES = (
     rests,
     stick_exit,
     next_event,
+    first_rows,
     compiled_loop,
 )
+# What is done with motions in doubles only.
+IN_DOUBLES_ONLY = (extremes, tally)
 
 
 # What decisions must exceed with mpmath, instead of `touches.ROUNDING` and `flow.SIGMAS`.
@@ -63,6 +69,21 @@ OUTLINED = {
     "parts_again",
     "hidden",
     "follow_all",
+    "first_rows",
+    "march_rows",
+    "tally_step",
+    "tally_stretch",
+    "tally_sections",
+    "flight_extremes",
+    "covered",
+    "within",
+    "cut_at",
+    "stationary",
+    "end_tally",
+    "rest_tally",
+    "keep_section",
+    "close_word",
+    "flown",
 }
 
 
@@ -193,4 +214,4 @@ def compiled() -> dict[str, Any]:
     MissingExtraError
         If numba is not installed.
     """
-    return binding.compiled(SOURCES, OUTLINED)
+    return binding.compiled((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED)

@@ -135,7 +135,7 @@ def compiled(
         # says all three: one that did not would take forceinline from the function that calls it first.
         inline = function.__name__ in inlined
         options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
-        return numba.njit(cache=True, error_model="numpy", **options)(function)
+        return numba.njit(cache=True, error_model="numpy", nogil=True, **options)(function)
 
     return bind(modules, called | (replaced or {}), wrap, literal)
 

@@ -10,16 +10,20 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.next_event import advance
 from symosc.engine.state import (
+    DOUBTFUL,
+    END,
     FAILED,
     FULL,
     GRAZE,
     IN_DOUBT,
     INEXACT,
     MOVED,
+    REST,
     RUNNING,
     Covariance,
     State,
 )
+from symosc.engine.tally import end_tally, rest_tally, tally_step
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0.
@@ -30,9 +34,10 @@ INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_cod
 
 
 class Batch(NamedTuple):
-    """Trajectories: where they are (rows as `row_of` makes them), their events so far, what each ended with."""
+    """Trajectories: where they are, their parameter sets, their events so far, and what each ended with."""
 
-    states: np.ndarray  # (n, STATE_WIDTH)
+    states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
+    sets: np.ndarray  # (n,)
     counts: np.ndarray  # (n,)
     codes: np.ndarray  # (n,)
 
@@ -44,9 +49,11 @@ class EventRows(NamedTuple):
     ints: np.ndarray
 
 
-def batch_of(states: np.ndarray) -> Batch:
-    """Return trajectories that are about to begin."""
-    return Batch(states, np.zeros(len(states), np.int64), np.zeros(len(states), np.int64))
+def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
+    """Return trajectories that are about to begin; all have the first parameter set unless `sets` says another."""
+    count = len(states)
+    sets = np.zeros(count, np.int64) if sets is None else sets
+    return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 def room_for(events: int) -> EventRows:
@@ -97,8 +104,8 @@ def handed_out(t, t_low, t0, x, v, t_error, S11, K):
     return out, t_error, x_error
 
 
-def follow_all(begin, batch, most, accuracy, out, K):
-    """Follow trajectories from number `begin` on, until all are done or the output is full.
+def follow_all(begin, batch, most, accuracy, out, tally, table):
+    """Follow trajectories from number `begin` on, until all are done or there were as many events as the output holds.
 
     Parameters
     ----------
@@ -107,28 +114,29 @@ def follow_all(begin, batch, most, accuracy, out, K):
     most : events after which a trajectory is FULL.
     accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
     out : EventRows
-    K : Constants
+    tally : Tally, updated; events are recorded where it is for no motion, else only counted.
+    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
 
     Returns
     -------
     (next, rows)
-        The trajectory to go on with, and the number of rows that were filled.
+        The trajectory to go on with, and the number of events.
     """
     rows = 0
-    states, counts, codes = batch
-    floats, ints = out
+    states, sets, counts, codes = batch
+    tallied = tally.floats.shape[0] > 0
     for i in range(begin, states.shape[0]):
-        state = state_of(states, i)
+        before, K = state_of(states, i), table[sets[i]]
         t_end, t_end_low, t0 = float(states[i, 13]), float(states[i, 14]), float(states[i, 15])
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
                 code = FULL
                 break
-            if rows >= floats.shape[0]:
+            if rows >= out.floats.shape[0]:
                 break
-            source = state.mode
-            step, boundary, decided, t_error, state = advance(state, t_end, t_end_low, K)
+            found = advance(before, t_end, t_end_low, K)
+            step, boundary, decided, t_error, state = found
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
@@ -136,16 +144,36 @@ def follow_all(begin, batch, most, accuracy, out, K):
                 t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
                 if t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x)):
                     code = INEXACT
-                floats[rows, 0], floats[rows, 1], floats[rows, 2], floats[rows, 3] = t, x, v, state.theta
-                floats[rows, 4], floats[rows, 5] = t_error, x_error
-                ints[rows, 0], ints[rows, 1], ints[rows, 2] = i, step, boundary
-                ints[rows, 3], ints[rows, 4] = source, state.mode
+                if not tallied:
+                    write_event(out, rows, t, state, t_error, x_error)
+                    write_kind(out, rows, i, step, boundary, before.mode)
                 rows += 1
                 counts[i] += 1
             elif step != MOVED:
                 code = step
-        keep_state(states, i, state)
+            if tallied and code not in DOUBTFUL and code != REST:
+                tally_step(i, before, found, t0, tally, K)
+            before = state
+        if tallied and code == END:
+            end_tally(i, before, tally)
+        elif tallied and code == REST:
+            rest_tally(i, before, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
+        keep_state(states, i, before)
         codes[i] = code
         if code == RUNNING:
             return i, rows
     return states.shape[0], rows
+
+
+def write_event(out, row, t, state, t_error, x_error):
+    """Write the numbers of an event into a row."""
+    floats = out.floats
+    floats[row, 0], floats[row, 1], floats[row, 2], floats[row, 3] = t, state.x, state.v, state.theta
+    floats[row, 4], floats[row, 5] = t_error, x_error
+    out.ints[row, 4] = state.mode
+
+
+def write_kind(out, row, i, code, boundary, source):
+    """Write into a row whose event it is, and what it is."""
+    ints = out.ints
+    ints[row, 0], ints[row, 1], ints[row, 2], ints[row, 3] = i, code, boundary, source

@@ -16,6 +16,7 @@ from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import basis
+from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters
 
 # Steady state and transient are told apart (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
@@ -114,7 +115,7 @@ class Constants(NamedTuple):
 
 def constants(
     parameters: Parameters,
-    number: Callable[[Fraction], Number] = float,
+    number: Callable[[Any], Number] = float,
     root: Callable[[Number], Number] = sqrt,
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
@@ -124,6 +125,7 @@ def constants(
     Parameters
     ----------
     parameters : Parameters
+        Or columns of exact numbers (`symosc.engine.constant_table`): then the constants are arrays.
     number : callable
         Rounds a Fraction: ``float``, or a conversion to mpmath.
     root, angle, pi :
@@ -131,34 +133,35 @@ def constants(
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
-    period = 2 * pi / number(Om)
+    period, omega = 2 * pi / number(Om), number(Om)
     free = _free_motion(h, w0sq, Om, number, root)
     under, rate, rate0, w0 = free["under"], free["rate"], free["rate0"], free["w0"]
-    steady = _steady_motion(f0 * Om, w0sq - Om * Om, 2 * h * Om, APART * max(w0sq, Om * Om), number, root)
+    steady = _steady_motion(f0 * Om, w0sq - Om * Om, 2 * h * Om, APART * larger(w0sq, Om * Om), number, root)
+    over, doubles = under ^ True, isinstance(pi, float)
     return Constants(
         **free,
         **steady,
         cm=number(2 * h),
         w0sq=number(w0sq),
         f0=number(f0),
-        Om=number(Om),
+        Om=omega,
         fB=number(f0 * Om),
         h=number(h),
         moment=1 / rate,
-        swing=1 / w0 if w0sq else LONGEST_SWING / rate,
-        apart=under and steady["steady"],
-        creeps=not under and parameters.B0 == 0,
-        lasting=LASTING * h * h < w0sq if under else w0sq == 0,
-        patient=SLOW_DRIVE * number(Om) < rate0,
-        stiff=steady["steady"] and not under and -free["l2"] > STIFF * max(-free["l1"], number(Om)),
+        swing=either(w0sq != 0, 1 / either(w0 > 0, w0, 1), LONGEST_SWING / rate),
+        apart=under & steady["steady"],
+        creeps=over & (parameters.B0 == 0),
+        lasting=either(under, w0sq > LASTING * h * h, w0sq == 0),
+        patient=rate0 > SLOW_DRIVE * omega,
+        stiff=steady["steady"] & over & (-free["l2"] > STIFF * larger(-free["l1"], omega)),
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
         A3=number(parameters.A(3) / m),
         period=period,
-        Om_inverse=1 / number(Om),
-        Om_gain=number(Fraction(float(Om)) / Om - 1 if number is float else Fraction(0)),
-        period_low=number(_period_rest(period, float(Om)) if number is float else Fraction(0)),
-        chunk=_chunk(parameters, period, number(h), w0, rate0),
+        Om_inverse=1 / omega,
+        Om_gain=number(exactly(omega) - Om) / omega if doubles else number(Fraction(0)),
+        period_low=number(_period_rest(period, omega)) if doubles else number(Fraction(0)),
+        chunk=_chunk(parameters.B0 == 0, period, number(h), free),
         sigmas=number(SIGMAS),
         belt1=_belt_constants(parameters, 1, number, root, angle),
         belt2=_belt_constants(parameters, 2, number, root, angle),
@@ -168,23 +171,22 @@ def constants(
 
 
 def _free_motion(
-    h: Fraction, w0sq: Fraction, Om: Fraction, number: Callable[[Fraction], Number], root: Callable[[Number], Number]
+    h: Fraction, w0sq: Fraction, Om: Fraction, number: Callable[[Any], Number], root: Callable[[Number], Number]
 ) -> dict[str, Any]:
     """Return the constants of the free motion: its roots, frequencies and rates."""
     square = w0sq - h * h
     under, omega_d, w0 = square > 0, root(number(abs(square))), root(number(w0sq))
-    slow, fast = number(Fraction(0)), -(number(h) + omega_d)
-    if fast != 0:
-        slow = number(w0sq) / fast
-    rate0 = w0 if under else -fast
+    fast = -(number(h) + omega_d)
+    slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
+    rate0 = either(under, w0, -fast)
     return {
         "omega_d": omega_d,
         "w0": w0,
-        "detuning": number(square - Om * Om) / (omega_d + number(Om)) if under else -number(Om),
+        "detuning": either(under, number(square - Om * Om) / (omega_d + number(Om)), -number(Om)),
         "l1": slow,
         "l2": fast,
         "rate0": rate0,
-        "rate": max(rate0, number(Om)),
+        "rate": larger(rate0, number(Om)),
         "under": under,
     }
 
@@ -194,49 +196,57 @@ def _steady_motion(
     p: Fraction,
     q: Fraction,
     apart: Fraction,
-    number: Callable[[Fraction], Number],
+    number: Callable[[Any], Number],
     root: Callable[[Number], Number],
 ) -> dict[str, Any]:
     """Return the constants of the steady motion, which is of use if p^2 + q^2 >= `apart`^2."""
-    steady = p * p + q * q >= apart**2
-    response = number(p * p + q * q) if steady else number(Fraction(1))
+    square = p * p + q * q
+    steady, zero = square >= apart**2, number(Fraction(0))
+    response = number(either(steady, square, Fraction(1)))
     return {
         "p": number(p),
         "q": number(q),
         "steady": steady,
-        "V0": abs(number(drive)) / root(response) if steady else number(Fraction(0)),
+        "V0": either(steady, abs(number(drive)) / root(response), zero),
         "Ss": number(-drive * p) / response,
         "Sc": number(drive * q) / response,
     }
 
 
-def _chunk(p: Parameters, period: Number, h: Number, w0: Number, rate0: Number) -> Number:
+def _chunk(still: bool, period: Number, h: Number, free: dict[str, Any]) -> Number:
     """Return the longest time to evaluate from one starting point: a forcing period, with two exceptions.
 
     The phase of a free oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation
-    is over long before. Without a drive its period means nothing.
+    is over long before. Without a drive (`still`) its period means nothing.
     """
-    if 4 * p.m * p.k > p.c * p.c:
-        over = HEAVY * h > w0 and h * period > LONGEST_PHASE
-        return period if over else min(period, LONGEST_PHASE / rate0)
-    return max(period, LONGEST_PHASE / rate0) if p.B0 == 0 and rate0 > 0 else period
+    over = (free["w0"] < HEAVY * h) & (h * period > LONGEST_PHASE)
+    moves = free["rate0"] > 0
+    longest = LONGEST_PHASE / either(moves, free["rate0"], 1)
+    swinging = either(over, period, either(longest < period, longest, period))
+    return either(free["under"], swinging, either(still & moves, larger(period, longest), period))
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
     """Return K with the constants for marching, from the entire functions at one step and at one stride."""
+    march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K))
+    return K._replace(march=march, stride=stride)
 
-    def constants_of(step: Number) -> MarchConstants:
-        E0, E1, E2, _, _, s, c = basis(step, K)
-        return MarchConstants(step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c)
 
-    stride = SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE
-    return K._replace(march=constants_of(MARCH_STEP / K.rate), stride=constants_of(stride / K.rate))
+def march_steps(K):
+    """Return a step of the march and a stride."""
+    return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
+
+
+def march_constants(step, functions, K):
+    """Return the entries of MarchConstants, from the entire functions at one step."""
+    E0, E1, E2, _, _, s, c = functions
+    return step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c
 
 
 def _period_rest(period: float, Om: float) -> Fraction:
     """Return 2 pi/Om - period for two doubles."""
     two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
-    return two_pi / Fraction(Om) - Fraction(period)
+    return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
 
 def _belt_constants(
@@ -250,7 +260,7 @@ def _belt_constants(
     limits = [number((parameters.A(domain) - parameters.c * v) / parameters.m) for domain in (boundary, boundary + 1)]
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
     turns = abs(pull) < abs(drive)  # with equality the slope touches 0 and keeps its sign
-    sine = pull / drive if turns else Fraction(0)
+    sine = either(turns, pull / either(turns, drive, Fraction(1)), Fraction(0))
     s_cr, c_cr = number(sine), root(number(1 - sine * sine))
     return BeltConstants(
         v=number(v),

@@ -6,14 +6,15 @@ What comes out is rounded to doubles by the rules for numbers with many digits (
 
 from __future__ import annotations
 
-from symosc.engine.compiled_loop import handed_out, keep_state, state_of
+from symosc.engine.compiled_loop import handed_out, keep_state, state_of, write_event, write_kind
 from symosc.engine.next_event import advance
 from symosc.engine.rounding import is_faint, rounded_covariance, rounding_error
-from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, REST, RUNNING, Covariance, State
+from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, REST, RUNNING, Covariance, NextEvent, State
+from symosc.engine.tally import end_tally, rest_tally, tally_step
 from symosc.kernels.pair_type import from_complex
 
 
-def follow_pairs(chosen, wanted, pairs, batch, out, K):
+def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
     """Follow trajectories to a number of events, or to their end; events and states come out in doubles.
 
     Parameters
@@ -26,6 +27,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K):
         doubles.
     out : EventRows, room for all events to come.
     K : Constants of complex numbers
+    tally, table : as `symosc.engine.compiled_loop.follow_all` takes them.
 
     Returns
     -------
@@ -33,16 +35,16 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K):
         The number of rows that were filled.
     """
     K = from_complex(K)
-    states, counts, codes = batch
-    floats, ints = out
-    rows = 0
+    states, sets, counts, codes = batch
+    rows, tallied = 0, tally.floats.shape[0] > 0
     for i in chosen:
-        state = state_of(pairs, i)
+        state, plain = state_of(pairs, i), table[sets[i]]
         t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
-        code = RUNNING
+        code, rounded = RUNNING, in_doubles(state)
         while code == RUNNING and counts[i] < wanted[i]:
-            source = state.mode
+            source, before = state.mode, rounded
             step, boundary, decided, t_error, state = advance(state, t_end, t_end_low, K)
+            rounded = in_doubles(state)
             if step == FAILED or not decided:
                 code = IN_DOUBT
             elif step <= GRAZE:
@@ -50,19 +52,24 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K):
                 t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
                 if not (is_faint(t_error.hi, t.hi) and is_faint(x_error.hi, x.hi)):
                     code = IN_DOUBT
-                floats[rows, 0], floats[rows, 1], floats[rows, 2] = t.hi, x.hi, v.hi
-                floats[rows, 3] = state.theta.hi
-                floats[rows, 4] = rounding_error(t_error.hi, t.hi)
-                floats[rows, 5] = rounding_error(x_error.hi, x.hi)
-                ints[rows, 0], ints[rows, 1], ints[rows, 2] = i, step, boundary
-                ints[rows, 3], ints[rows, 4] = source, state.mode
+                if not tallied:
+                    errors = rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
+                    write_event(out, rows, t.hi, rounded, errors[0], errors[1])
+                    write_kind(out, rows, i, step, boundary, source)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
+            if tallied and code != IN_DOUBT and code != REST:
+                found = NextEvent(step, boundary, True, t_error.hi, rounded)
+                tally_step(i, before, found, t0.hi, tally, plain)
+        if tallied and code == END:
+            end_tally(i, rounded, tally)
+        elif tallied and code == REST:
+            rest_tally(i, rounded, ((t_end - state.t) + (t_end_low - state.t_low)).hi, t0.hi, tally, plain)
         codes[i] = code
         keep_state(pairs, i, state)
-        keep_state(states, i, in_doubles(state))
+        keep_state(states, i, rounded)
     return rows
 
 

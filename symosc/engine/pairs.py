@@ -13,8 +13,9 @@ from typing import Any
 
 import numba
 
-from symosc.engine import binding, pair_loop, rounding
+from symosc.engine import binding, pair_loop, rounding, tally
 from symosc.engine.arithmetic import MP_ROUNDING, SOURCES, many_digits
+from symosc.engine.arithmetic import compiled as in_doubles
 from symosc.engine.flow import Constants
 from symosc.engine.paths import converted
 from symosc.kernels import _generated, pair_functions, pair_type
@@ -60,7 +61,9 @@ def follow_pairs() -> Any:
     }
     callees = binding.bind((rounding,), {}, numba.njit)
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(as_pair)}
-    beside = (pair_type, pair_functions)
+    plain = in_doubles()  # summaries are of doubles
+    callees |= {name: plain[name] for name in ("tally_step", "end_tally", "rest_tally")}
+    beside = (pair_type, pair_functions, tally)
     modules = (*SOURCES, pair_loop)
     outlined = binding.functions_of(modules).keys() - binding.functions_of((_generated,)).keys() - {"derivatives"}
     return binding.compiled(modules, outlined, callees, replaced, Pair, beside)["follow_pairs"]

@@ -17,6 +17,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.first_rows import CLEAR_FORCE, terms_of_forces
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.rounding import rounded_covariance
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
@@ -28,8 +29,6 @@ from symosc.model import PARAMETER_NAMES, Parameters
 #: Sine and cosine of a phase.
 Phase: TypeAlias = tuple[Number, Number]
 
-# A force on a belt at the start that is smaller than this part of its terms is looked at with more digits.
-CLEAR_FORCE = 1e-9
 # Digits beyond those of the numbers of a problem, for a force that is 0 or not.
 SPARE_DIGITS = 40
 
@@ -139,9 +138,7 @@ def belt_rows(
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
     """Return the size of the terms of the forces on a belt: what their rounding errors are measured by."""
-    v = (K.belt1 if boundary == 1 else K.belt2).v
-    A = max(abs(constant_force(boundary, K)), abs(constant_force(boundary + 1, K)))
-    return A + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
+    return terms_of_forces(boundary, x, (K.belt1 if boundary == 1 else K.belt2).v, K)
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
@@ -167,7 +164,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     else:
         mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    S = Covariance((eps * x) ** 2, 0 * x, 0 * v if at else (eps * v) ** 2)
+    S = Covariance((eps * x) * (eps * x), 0 * x, 0 * v if at else (eps * v) * (eps * v))
     if start.start_error:
         dt, dx, dv = (number(error) for error in start.start_error)
         # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).

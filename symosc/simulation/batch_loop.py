@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from time import process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine import compiled_loop
+from symosc.engine import compiled_loop, first_rows
 from symosc.engine.arithmetic import compiled
 from symosc.engine.binding import is_compiled
 from symosc.engine.compiled_loop import Batch, EventRows, room_for
-from symosc.engine.flow import Constants
+from symosc.engine.constant_table import ConstantRows
+from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
-CAPACITY = 1 << 18
+# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
+CAPACITY = 1 << 16
 # Events after which the interpreted loop looks at the clock.
 TURN = 2048
 
@@ -43,7 +45,35 @@ class Patience:
 
 DOUBLES, PAIRS = Patience(15.0), Patience(30.0)
 
-Follow = Callable[[int, Batch, int, float, EventRows, Constants], tuple[int, int]]
+Follow = Callable[[int, Batch, int, float, EventRows, Tally, np.ndarray], tuple[int, int]]
+
+
+class Loops(NamedTuple):
+    """What motions are begun and followed with, compiled or not; each takes constants as a table."""
+
+    follow: Follow
+    first_rows: Callable[..., None]
+    march_rows: Callable[..., None]
+
+    @property
+    def in_threads(self) -> bool:
+        """Whether several threads are faster than one."""
+        return self.follow is not interpreted
+
+
+def interpreted(
+    begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
+) -> tuple[int, int]:
+    """Do what `symosc.engine.compiled_loop.follow_all` does, in CPython."""
+    return compiled_loop.follow_all(begin, batch, most, accuracy, out, tally, ConstantRows(table))
+
+
+def _first_rows(table: np.ndarray, sets: np.ndarray, states: np.ndarray) -> None:
+    first_rows.first_rows(ConstantRows(table), sets, states)
+
+
+def _march_rows(table: np.ndarray, out: np.ndarray) -> None:
+    first_rows.march_rows(ConstantRows(table), out)
 
 
 class PatientLoop:
@@ -61,42 +91,57 @@ class PatientLoop:
         self._compiled = compiled_one
 
     def __call__(
-        self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, K: Constants
+        self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
     ) -> tuple[int, int]:
         """Do what `symosc.engine.compiled_loop.follow_all` does, perhaps in turns of fewer rows."""
         if DOUBLES.left <= 0 or is_compiled(self._compiled):
-            return self._compiled(begin, batch, most, accuracy, out, K)
+            return self._compiled(begin, batch, most, accuracy, out, tally, table)
         one, some = Batch(*(column[: begin + 1] for column in batch)), EventRows(*(rows[:TURN] for rows in out))
         with DOUBLES.used():
-            return compiled_loop.follow_all(begin, one, most, accuracy, some, K)
+            return interpreted(begin, one, most, accuracy, some, tally, table)
 
 
-def chosen_loop(use_numba: Any) -> Follow:
-    """Return the event loop that is asked for: compiled (True), interpreted (False), or what is there (None)."""
+def chosen_loops(use_numba: Any) -> Loops:
+    """Return the loops that are asked for: compiled (True), interpreted (False), or what is there (None)."""
     if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
         raise ParameterError("use_numba", use_numba, "must be True, False or None")
+    plain = Loops(interpreted, _first_rows, _march_rows)
     if use_numba is not None and not use_numba:
-        return compiled_loop.follow_all
+        return plain
     try:
-        compiled_one: Follow = compiled()["follow_all"]
+        functions = compiled()
     except MissingExtraError:
         if use_numba:
             raise
-        return compiled_loop.follow_all
-    return compiled_one if use_numba else PatientLoop(compiled_one)
+        return plain
+    ready = Loops(*(functions[name] for name in ("follow_all", "first_rows", "march_rows")))
+    if use_numba or all(is_compiled(function) for function in ready):
+        return ready
+    return plain._replace(follow=PatientLoop(ready.follow))
 
 
-def followed(follow: Follow, batch: Batch, most: int, accuracy: float, K: Constants) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield the rows of its events."""
+class Course(NamedTuple):
+    """What motions are followed into and how far: room, tally, events per motion, accuracy, and their constants."""
+
+    room: EventRows
+    tally: Tally
+    most: int
+    accuracy: float
+    table: np.ndarray
+
+
+def followed(follow: Follow, batch: Batch, into: Course) -> Iterator[EventRows]:
+    """Follow a batch to its end; yield the rows of its events, copied out of the room that is used again."""
     begin = 0
     while begin < len(batch.states):
-        room = room_for(CAPACITY)
-        begin, filled = follow(begin, batch, most, accuracy, room, K)
-        rows = EventRows(room.floats[:filled], room.ints[:filled])
-        yield rows if 2 * filled > CAPACITY else EventRows(*(column.copy() for column in rows))
+        begin, filled = follow(begin, batch, into.most, into.accuracy, into.room, into.tally, into.table)
+        filled = 0 if len(into.tally.floats) else filled
+        yield EventRows(*(column[:filled].copy() for column in into.room))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
     """Return rows in one piece."""
     rows = list(parts)
+    if not rows:
+        return room_for(0)
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each) for each in zip(*rows, strict=True)))

@@ -13,26 +13,34 @@ doubt (`symosc.engine.rounding`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
 from math import isinf
 from typing import NamedTuple
 
 import numpy as np
 
-from symosc.engine import compiled_loop
 from symosc.engine.arithmetic import Arithmetic, many_digits
-from symosc.engine.compiled_loop import STATE_WIDTH, Batch, EventRows, batch_of, room_for, row_of
+from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import DOUBTFUL, IN_DOUBT, RUNNING, Number
+from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import PAIRS, Follow, followed, joined
+from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
+from symosc.simulation.problems import Problems
 from symosc.simulation.run import last_time
 from symosc.simulation.simulate import attainable, in_doubles
 from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.workers import Patrol
 
 # Digits between a start and a belt, or of its error, that double-double numbers have to spare.
 PAIR_SPARE = 8
+
+
+class Limits(NamedTuple):
+    """How far motions are followed: events per motion, and the accuracy that is asked of each."""
+
+    most: int
+    accuracy: float
 
 
 class Climb(NamedTuple):
@@ -55,12 +63,18 @@ class Ladder:
 
     Parameters
     ----------
-    problems : sequence of Start
-    follow : callable
-        The event loop for doubles; without the compiled one there are no double-double numbers either.
-    most : int
-        Events per motion.
-    accuracy : float
+    problems : Problems
+    rows : slice
+        Which of them; here they are numbered from 0.
+    loops : Loops
+        Without the compiled ones there are no double-double numbers either.
+    limits : Limits
+    room : EventRows
+        Used while the motions are followed.
+    patrol : Patrol
+        Asked whether to go on whenever the room is full.
+    keep : callable, optional
+        Returns the tally of the motions, given their rows at the start: then no events are recorded.
 
     Attributes
     ----------
@@ -74,49 +88,64 @@ class Ladder:
         Motions that were followed alone, by number.
     """
 
-    def __init__(self, problems: Sequence[Start], follow: Follow, most: int, accuracy: float) -> None:
-        self._problems, self._follow, self._most, self._accuracy = problems, follow, most, accuracy
-        self.batch, self.rows = batch_of(np.zeros((len(problems), STATE_WIDTH))), list[EventRows]()
+    def __init__(
+        self,
+        problems: Problems,
+        rows: slice,
+        loops: Loops,
+        limits: Limits,
+        room: EventRows,
+        patrol: Patrol,
+        keep: Callable[[np.ndarray], Tally] | None = None,
+    ) -> None:
+        self._problems, self._first, self.limits = problems, rows.start, limits
+        self._follow, self._patrol = loops.follow, patrol
+        self.batch, table = problems.begin(rows, loops.first_rows, loops.march_rows)
+        if isinf(limits.accuracy):
+            table["sigmas"] = 0.0
+        self.table, self.tally = table, keep(self.batch.states) if keep else no_tally()
+        needed = attainable(limits.accuracy, problems.start_error)
+        self._into = Course(room, self.tally, limits.most, needed, table)
+        fresh = some_of(self.tally, slice(None))
+        self.rows = list(self._in_doubles(self.batch, self.tally))
         self.looks: dict[int, Trajectory] = {}
-        groups = self._groups(range(len(problems)))
-        for p, members in groups.items():
-            arithmetic = Arithmetic(p)
-            batch = batch_of(np.array([_row(problems[i], arithmetic) for i in members]))
-            self._add(Climb(batch, list(self._in_doubles(p, batch))), members)
         in_doubt = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
-        self.mixed = len(groups) > 1 or len(in_doubt) > 0
-        if in_doubt and follow is not compiled_loop.follow_all:
-            self.looks = looks_before_compiling(in_doubt, problems, most, accuracy)
-            self._climb([i for i in in_doubt if i not in self.looks and fits(problems[i])])
+        self.mixed = len(in_doubt) > 0
+        put_back(self.tally, in_doubt, some_of(fresh, in_doubt))
+        if in_doubt and loops.in_threads:
+            self.looks = looks_before_compiling(in_doubt, self.problem, limits)
+            self._climb([i for i in in_doubt if i not in self.looks and fits(self.problem(i))])
+        left = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
+        put_back(self.tally, left, some_of(fresh, left))
 
-    def _groups(self, members: Iterable[int]) -> dict[Parameters, list[int]]:
-        groups: dict[Parameters, list[int]] = {}
-        for i in members:
-            groups.setdefault(self._problems[i].parameters, []).append(i)
-        return groups
+    def problem(self, i: int) -> Start:
+        """Return a motion's problem by its number here."""
+        found: Start = self._problems[self._first + i]
+        return found
 
-    def _in_doubles(self, p: Parameters, batch: Batch) -> Iterator[EventRows]:
-        K, needed = Arithmetic(p).K, attainable(self._accuracy, self._problems[0])
-        K = K._replace(sigmas=0.0) if isinf(self._accuracy) else K
-        return followed(self._follow, batch, self._most, needed, K)
+    def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
+        for rows in followed(self._follow, batch, self._into._replace(tally=tally)):
+            self._patrol.check()
+            yield rows
 
     def _climb(self, members: list[int]) -> None:
-        self.rows = [_without(rows, members) for rows in self.rows]
-        for p, some in self._groups(members).items():
-            below = Batch(*(column[some] for column in self.batch))
-            self._add(climb([self._problems[i] for i in some], below, partial(self._in_doubles, p)), some)
-
-    def _add(self, found: Climb, members: list[int]) -> None:
-        """Put in what became of some motions, which were numbered from 0."""
-        if len(members) < len(self._problems):
+        self.rows = [without(rows, members) for rows in self.rows]
+        groups: dict[Parameters, list[int]] = {}
+        for i in members:
+            groups.setdefault(self.problem(i).parameters, []).append(i)
+        for some in groups.values():
+            below = Motions(Batch(*(column[some] for column in self.batch)), some_of(self.tally, some), self.table)
+            found = climb([self.problem(i) for i in some], below, self._in_doubles)
             for rows in found.rows:
-                rows.ints[:, 0] = np.asarray(members)[rows.ints[:, 0]]
-        self.rows += found.rows
-        for column, own in zip(self.batch, found.batch, strict=True):
-            column[members] = own
+                rows.ints[:, 0] = np.asarray(some)[rows.ints[:, 0]]
+            self.rows += found.rows
+            for column, own in zip(self.batch, found.batch, strict=True):
+                column[some] = own
+            put_back(self.tally, some, below.tally)
 
 
-def _without(rows: EventRows, members: list[int]) -> EventRows:
+def without(rows: EventRows, members: list[int]) -> EventRows:
+    """Return rows without those of some motions."""
     kept = ~np.isin(rows.ints[:, 0], members)
     return EventRows(rows.floats[kept], rows.ints[kept])
 
@@ -127,33 +156,42 @@ def fits(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not still
 
 
-def climb(problems: Sequence[Start], below: Batch, go_on: Callable[[Batch], Iterator[EventRows]]) -> Climb:
+class Motions(NamedTuple):
+    """Motions with what is kept of them, and the constants of their parameter sets."""
+
+    batch: Batch
+    tally: Tally
+    table: np.ndarray
+
+
+def climb(problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tally], Iterator[EventRows]]) -> Climb:
     """Follow motions of one parameter set that doubles left open.
 
     Parameters
     ----------
     problems : sequence of n Start
-    below : Batch
-        What doubles made of them.
+    below : Motions
+        What doubles made of them, with fresh tallies, which are filled.
     go_on : callable
-        Goes on in doubles with a batch, which it updates, and yields the rows of its events.
+        Goes on in doubles with a batch and its tallies, which it updates, and yields the rows of its events.
     """
     from symosc.engine.pairs import ROUNDED_FROM, as_complex, follow_pairs, pair_constants
 
-    parameters = problems[0].parameters
+    parameters, doubles, tally = problems[0].parameters, below.batch, below.tally
     follow, K, arithmetic = follow_pairs(), pair_constants(parameters), many_digits(parameters, ROUNDED_FROM)
     pairs = np.array([as_complex(tuple(_row(problem, arithmetic))) for problem in problems])
-    batch, rows = batch_of(below.states.copy()), list[EventRows]()
-    wanted = below.counts + (below.codes == IN_DOUBT)
+    batch, rows = batch_of(doubles.states.copy(), doubles.sets), list[EventRows]()
+    wanted = doubles.counts + (doubles.codes == IN_DOUBT)
     active = np.arange(len(problems))
     while len(active):
-        room = room_for(int((wanted - batch.counts)[active].sum()))
-        filled = follow(active, wanted, pairs, batch, room, K)
+        room = room_for(0 if len(tally.floats) else int((wanted - batch.counts)[active].sum()))
+        filled = follow(active, wanted, pairs, batch, room, K, tally, below.table)
+        filled = min(filled, len(room.floats))
         rows.append(EventRows(room.floats[:filled], room.ints[:filled]))
         active = active[batch.codes[active] == RUNNING]
         if len(active):
-            further = Batch(*(column[active] for column in batch))
-            events = joined(go_on(further))
+            further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
+            events = joined(go_on(further, counted))
             doubtful = np.isin(further.codes, DOUBTFUL)
             kept = ~doubtful[events.ints[:, 0]]
             events.ints[:, 0] = active[events.ints[:, 0]]
@@ -162,6 +200,7 @@ def climb(problems: Sequence[Start], below: Batch, go_on: Callable[[Batch], Iter
             done = active[~doubtful]
             for column, own in zip(batch, further, strict=True):
                 column[done] = own[~doubtful]
+            put_back(tally, done, some_of(counted, ~doubtful))
             active = active[doubtful]
     return Climb(batch, rows)
 
@@ -171,7 +210,7 @@ def _row(start: Start, arithmetic: Arithmetic) -> list[Number]:
 
 
 def looks_before_compiling(
-    open_ones: Sequence[int], problems: Sequence[Start], most: int, accuracy: float
+    open_ones: Sequence[int], problem: Callable[[int], Start], limits: Limits
 ) -> dict[int, Trajectory]:
     """Follow motions one by one for as long as it would take to compile, unless that was done before."""
     from symosc.engine.pairs import is_compiled
@@ -183,5 +222,5 @@ def looks_before_compiling(
         if PAIRS.left <= 0:
             break
         with PAIRS.used():
-            looks[i] = in_doubles(problems[i], most, accuracy)
+            looks[i] = in_doubles(problem(i), *limits)
     return looks

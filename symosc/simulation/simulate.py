@@ -136,7 +136,7 @@ def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
     path, backup = Path(start), None
     if isinf(accuracy):
         path.K = path.K._replace(sigmas=0.0)
-    accuracy = attainable(accuracy, start)
+    accuracy = attainable(accuracy, start.start_error)
     if settles(start):
         path.code = REST
     while not path.ended:
@@ -154,9 +154,9 @@ def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
     return _ended(path)
 
 
-def attainable(accuracy: float, start: Start) -> float:
+def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
     """Return the accuracy for which more digits help: what the start does not say no digits can."""
-    return inf if start.start_error and max(start.start_error) > accuracy else accuracy
+    return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def _inexact(event: Event, t0: float, accuracy: float) -> bool:

@@ -11,7 +11,18 @@ import pytest
 from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
 
-from symosc.bench import digits, error_map, hard, plot_error_map, plot_work, results, speed, work_precision, work_table
+from symosc.bench import (
+    digits,
+    ensembles,
+    error_map,
+    hard,
+    plot_error_map,
+    plot_work,
+    results,
+    speed,
+    work_precision,
+    work_table,
+)
 from symosc.cli.app import main
 
 MARKS = "<!-- results: begin -->\nold\n<!-- results: end -->\n"
@@ -46,10 +57,10 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         drawing.text(0, 0, "x", gid=f"picture of {result['name']}")
         return drawing
 
-    for module in (speed, digits, work_precision, hard, error_map):
+    for module in (speed, digits, ensembles, work_precision, hard, error_map):
         name = module.__name__.rpartition(".")[2]
         monkeypatch.setattr(module, "run", measured(name))
-    for module in (speed, digits, work_table, hard):
+    for module in (speed, digits, ensembles, work_table, hard):
         monkeypatch.setattr(module, "table", lambda result, **options: f"table of {result['name']} {options}")
     monkeypatch.setattr(hard, "legend", lambda result: ["legend"])
     for module in (plot_work, plot_error_map):
@@ -59,13 +70,16 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.usefixtures("calls")
 def test_tables() -> None:
-    assert good("--quick") == "table of speed {}\n\ntable of digits {}\n\ntable of work_precision {}\n"
+    assert (
+        good("--quick")
+        == "table of speed {}\n\ntable of digits {}\n\ntable of ensembles {}\n\ntable of work_precision {}\n"
+    )
     assert good("--hard") == "table of hard {}\n\nThe peers as they come:\n\ntable of hard {'raw': True}\n\nlegend\n"
 
 
 def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     data = json.loads(good("--json"))
-    assert calls == ["speed", "digits", "work_precision"]
+    assert calls == ["speed", "digits", "ensembles", "work_precision"]
     assert list(data) == ["quick", *calls]
     assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
     assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
@@ -97,7 +111,7 @@ def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: p
     readme = tmp_path / "README.md"
     readme.write_text(MARKS)
     lines = good("--quick", "--results", str(readme)).splitlines()
-    assert sorted(calls) == ["digits", "error_map", "hard", "speed", "work_precision"]
+    assert sorted(calls) == ["digits", "ensembles", "error_map", "hard", "speed", "work_precision"]
     assert readme.read_text() == MARKS.replace("old", str(sorted([*calls, "quick"])))
     assert lines[0] == f"wrote {readme}"
     assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(

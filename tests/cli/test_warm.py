@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from symosc.cli.app import main
 from symosc.errors import MissingExtraError
-from symosc.simulation import warm
+from symosc.simulation import batch_loop, warm
 from symosc.simulation.warm import Warmed
 
 DONE = [Warmed("events in doubles", False, 12.34), Warmed("events in double-double numbers", True, 0.5)]
@@ -36,7 +36,7 @@ def test_without_numba_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyP
     def missing() -> None:
         raise MissingExtraError("compiling", "fast")
 
-    monkeypatch.setattr(warm, "compiled", missing)
+    monkeypatch.setattr(batch_loop, "compiled", missing)
     with pytest.raises(SystemExit) as ended:
         main.main(["warm"], prog_name="symosc")
     assert ended.value.code == 2

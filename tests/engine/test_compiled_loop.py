@@ -40,6 +40,7 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
+from symosc.engine.tally import no_tally
 from symosc.kernels.entire import EPS
 
 
@@ -151,7 +152,7 @@ def test_the_loop_writes_every_event_once(
         out = room_for(room)
         assert out.floats.shape == (room, len(FLOAT_COLUMNS))
         assert out.ints.shape == (room, len(INT_COLUMNS))
-        begin, rows = follow_all(begin, batch, most, accuracy, out, K)
+        begin, rows = follow_all(begin, batch, most, accuracy, out, no_tally(), K)
         assert begin == 30 or (rows == room and batch.codes[begin] == RUNNING)
         floats += out.floats[:rows].tolist()
         ints += out.ints[:rows].tolist()

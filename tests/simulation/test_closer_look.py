@@ -67,9 +67,9 @@ def _with(event: Any, **changes: Any) -> Any:
 
 def test_more_digits_do_not_help_where_the_start_is_vague() -> None:
     exact, vague = fig8_start(9), Start(**{**vars(fig8_start(9)), "start_error": (Fraction(1, 10**10),) * 3})
-    assert simulate_module.attainable(1e-13, exact) == 1e-13
-    assert simulate_module.attainable(1e-13, vague) == math.inf
-    assert simulate_module.attainable(1e-9, vague) == 1e-9
+    assert simulate_module.attainable(1e-13, exact.start_error) == 1e-13
+    assert simulate_module.attainable(1e-13, vague.start_error) == math.inf
+    assert simulate_module.attainable(1e-9, vague.start_error) == 1e-9
 
 
 @pytest.mark.slow

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import csv
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from symosc import OutputError, ParameterError, load_scene, scene_names, simulate, simulate_many
+from symosc import MissingExtraError, OutputError, ParameterError, load_scene, scene_names, simulate, simulate_many
 from symosc.simulation.ensemble import EventTable
 
 TWO_ULP = 2 * 2.0**-52
@@ -152,3 +153,40 @@ def test_bad_input_is_named(starts: object, t_end: object, message: str) -> None
 def test_parameters_must_be_parameters() -> None:
     with pytest.raises(ParameterError, match="parameters"):
         simulate_many(["fig5"], [0, 0, 0], 1)  # type: ignore[list-item]
+
+
+def test_a_table_has_its_trajectories_by_number() -> None:
+    p = load_scene("fig9").parameters
+    table = simulate_many(p, [(0, 0, 0), (0, 1, 2), (0, 2, 0)], 5, use_numba=False)
+    for number in (0, 2, -1):
+        alone = table[number]
+        rows = table.trajectory == number % 3
+        assert alone.t.tolist() == table.t[rows].tolist()
+        assert (set(alone.trajectory.tolist()), alone.status) == ({0}, ["t_end"])
+    with pytest.raises(IndexError):
+        table[3]
+    assert repr(table) == f"<EventTable of {len(table)} events of 3 motions (3 t_end)>"
+
+
+def test_tables_of_other_packages() -> None:
+    table = one("fig9", False)
+    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    frame, dataset = table.to_pandas(), table.to_xarray()
+    assert isinstance(frame, pandas.DataFrame)
+    assert isinstance(dataset, xarray.Dataset)
+    assert frame["kind"].tolist() == dataset["kind"].values.tolist() == table.kind.tolist()
+    assert dataset["status"].values.tolist() == table.status
+
+
+def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match=r"a table of pandas.*symosc\[sweep\]"):
+        one("fig9", False).to_pandas()
+
+
+def test_columns_are_rows_of_parameters() -> None:
+    p = load_scene("fig9").parameters
+    Omega = np.linspace(3, 5, 6)
+    columns = {name: getattr(p, name) for name in p.as_dict()} | {"Omega": Omega}
+    table = simulate_many(columns, (0, 0, 0), 5, use_numba=False)
+    assert table == simulate_many([p.replace(Omega=float(each)) for each in Omega], (0, 0, 0), 5, use_numba=False)

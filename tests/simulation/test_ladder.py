@@ -11,9 +11,9 @@ import pytest
 from samples import sample_of
 
 from symosc import EventTable, Parameters, Trajectory, load_scene, simulate, simulate_many
-from symosc.engine import compiled_loop, rounding
+from symosc.engine import rounding
 from symosc.engine.state import IN_DOUBT
-from symosc.simulation import batch_loop, ensemble, ladder
+from symosc.simulation import batch_loop, chunks, ensemble, ladder
 
 numba = pytest.importorskip("numba")
 
@@ -49,7 +49,7 @@ def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
 @sample_of(6, 200)
 def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     climbed, looked = [], []
-    climb, in_doubles = ladder.climb, ensemble.in_doubles
+    climb, in_doubles = ladder.climb, chunks.in_doubles
 
     def counted(problems: Any, *others: Any) -> Any:
         found = climb(problems, *others)
@@ -57,7 +57,7 @@ def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytes
         return found
 
     monkeypatch.setattr(ladder, "climb", counted)
-    monkeypatch.setattr(ensemble, "in_doubles", lambda *given: looked.append(given) or in_doubles(*given))
+    monkeypatch.setattr(chunks, "in_doubles", lambda *given: looked.append(given) or in_doubles(*given))
     for seed in range(count):
         p, starts = fig8_like(seed)
         accuracy, most = random.Random(seed).choice(((1e-15, None), (5e-16, 40), (3e-16, 7)))
@@ -120,7 +120,7 @@ class Counted:
 
     def __call__(self, *given: Any) -> Any:
         self.calls += 1
-        return compiled_loop.follow_all(*given)
+        return batch_loop.interpreted(*given)
 
 
 @pytest.mark.parametrize("seconds", [-1.0, 0.0, 0.05, 1e9])
@@ -131,7 +131,9 @@ def test_the_loop_is_interpreted_for_as_long_as_compiling_takes(
     monkeypatch.setattr(batch_loop.DOUBLES, "left", seconds)
     monkeypatch.setattr(batch_loop, "TURN", 64)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
-    monkeypatch.setattr(ensemble, "chosen_loop", lambda use_numba: batch_loop.PatientLoop(compiled))
+    plain = batch_loop.chosen_loops(False)
+    patient = plain._replace(follow=batch_loop.PatientLoop(compiled))
+    monkeypatch.setattr(ensemble, "chosen_loops", lambda use_numba: plain if use_numba is False else patient)
     starts = [(0, Fraction(n, 7), 0) for n in range(5)]
     table = simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9)
     assert table == simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9, use_numba=False)

@@ -1,0 +1,110 @@
+"""The constants of many parameter sets at once: a row of a table each, with the bits that one set alone would get.
+
+The formulas are those of `symosc.engine.flow.constants`, on columns of exact numbers (`symosc.kernels.pair_columns`).
+Fractions are left to the rows in which a decision needs them: critical damping, resonance, a force that is exactly 0.
+A row of the table has the fields of `Constants`: compiled functions take either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import atan2, pi
+from typing import Any
+
+import numpy as np
+
+from symosc.engine.flow import BeltConstants, Constants, MarchConstants, constants
+from symosc.kernels.pair_columns import PairColumn, as_double, each
+from symosc.model import Parameters
+
+# Numbers of such sizes neither overflow nor underflow in any product on the way.
+SMALLEST_IN_COLUMNS, LARGEST_IN_COLUMNS = 1e-20, 1e20
+
+NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstants, "stride": MarchConstants}
+
+
+def _row_type(kind: Any) -> np.dtype[Any]:
+    """Return the type of a row with the fields of a NamedTuple of numbers, flags and such tuples."""
+    fields = [
+        (name, _row_type(NESTED[name]) if name in NESTED else np.bool_ if hint == "bool" else np.float64)
+        for name, hint in kind.__annotations__.items()
+    ]
+    return np.dtype(fields, align=True)
+
+
+ROW = _row_type(Constants)
+
+
+class ConstantRows(Sequence[Constants]):
+    """A table as CPython takes it: rows become tuples of floats when they are asked for."""
+
+    def __init__(self, table: np.ndarray) -> None:
+        self.table = table
+        self._last: tuple[int, Constants] | None = None
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __getitem__(self, i: Any) -> Any:
+        if self._last is None or self._last[0] != i:
+            values = dict(zip(Constants._fields, self.table[i].item(), strict=True))
+            for name, kind in NESTED.items():
+                values[name] = kind(*values[name])
+            self._last = int(i), Constants(**values)
+        return self._last[1]
+
+
+class ParameterColumns:
+    """Parameters as columns of exact numbers; the forces are those of `Parameters`."""
+
+    A, belt = Parameters.A, Parameters.belt
+
+    def __init__(self, columns: dict[str, PairColumn]) -> None:
+        vars(self).update(columns)
+
+
+def table_of(rows: Iterable[Constants]) -> np.ndarray:
+    """Return constants as a table."""
+    return np.array([tuple(row) for row in rows], dtype=ROW)
+
+
+def constant_table(
+    columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
+) -> np.ndarray:
+    """Return the constants of `count` parameter sets.
+
+    Parameters
+    ----------
+    columns : dict
+        The parameters by name, of shape (count,) or (1,).
+    count : int
+    alone : callable
+        Returns the constants of one set from fractions: of those that columns leave open.
+    march_rows : callable
+        `symosc.engine.first_rows.march_rows`, or it compiled.
+    """
+    doubts = np.zeros(count, dtype=bool)
+    given = {name: PairColumn(c.hi, c.lo, c.off, doubts) for name, c in columns.items()}
+    for column in given.values():
+        size = abs(column.hi)
+        doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
+    table = np.zeros(count, dtype=ROW)
+    with np.errstate(all="ignore"):
+        K = constants(ParameterColumns(given), as_double, np.sqrt, each(atan2), pi)  # type: ignore[arg-type]
+    _fill(table, K)
+    open_ones = np.flatnonzero(doubts)
+    table[open_ones] = table_of(map(alone, open_ones.tolist())) if len(open_ones) else table[open_ones]
+    marches = np.zeros((count, 2, len(MarchConstants._fields)))
+    march_rows(table, marches)
+    for which, name in enumerate(("march", "stride")):
+        for n, field in enumerate(MarchConstants._fields):
+            table[name][field] = marches[:, which, n]
+    return table
+
+
+def _fill(table: np.ndarray, values: Any) -> None:
+    for name, value in zip(values._fields, values, strict=True):
+        if name in NESTED:
+            _fill(table[name], value)
+        else:
+            table[name] = value

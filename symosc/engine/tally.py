@@ -1,0 +1,281 @@
+"""What a summary of a motion keeps: step by step, in memory that does not grow with the number of events.
+
+A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an event inside. Counted
+are its share of the time and its extremes, the sections that it passes, and the event at its end. Sections are where a
+forcing period ends, Omega t = 2 pi n; the mappings between two of them make a word. An event so near a section that
+its error could move it across belongs to the period that begins there.
+
+All functions are scalar and run on floats (CPython, numba).
+"""
+
+from __future__ import annotations
+
+from math import cos, inf, sin, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine.extremes import Extremes, flight_extremes, widened
+from symosc.engine.flow import constant_force, derivatives, state_at
+from symosc.engine.next_event import TWO_PI, later
+from symosc.engine.state import GRAZE, ON_BELT, STICK, Flown, Launch, State
+from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.entire import basis_at
+from symosc.words import MAPS
+
+# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the extremes of the ends
+# of steps alone, which are always kept.
+SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
+# Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
+# section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
+# An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
+AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
+# Words of a period are compared by a number; of up to 18 mappings by all of them.
+WORD_MODULUS = 2**59 - 55
+# A transient is over after so many of its decay times.
+TRANSIENT = 45.0
+MOST_REST_STEPS = 2**62
+
+_MAP_CODES = {(row.start.boundary, row.mode, row.end.boundary): int(label[1:]) for label, row in MAPS.items()}
+#: Number of the mapping by (belt at its start, mode, belt at its end); 0 for none.
+MAP_OF = tuple(_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in range(6) for to in range(3))
+
+
+class Tally(NamedTuple):
+    """What is kept of each motion; the last axis of `sections` is x, v and their errors, in a ring."""
+
+    inside: bool  # whether extremes inside flights are looked for
+    floats: np.ndarray  # (n, 13)
+    ints: np.ndarray  # (n, 9)
+    sections: np.ndarray  # (n, ring, 4)
+    words: np.ndarray  # (n, ring), of the periods that end at these sections; -1 for none
+    labels: np.ndarray  # (n, 2, longest word): mappings of the word now, and of the last whole one
+
+
+def no_tally() -> Tally:
+    """Return a tally of no motion: events are recorded."""
+    return begun_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, 1, 1))
+
+
+class Kept(NamedTuple):
+    """What a tally is to keep: extremes inside flights or not, sections, and mappings of a word."""
+
+    inside: bool
+    ring: int
+    longest: int
+
+
+def begun_tally(states: np.ndarray, skipped: np.ndarray, room: Kept) -> Tally:
+    """Return the tally of motions at their starts.
+
+    Parameters
+    ----------
+    states : (n, STATE_WIDTH) rows of a batch.
+    skipped : (n,) time that is left out.
+    room : Kept
+    """
+    count = len(states)
+    floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
+    floats[:, SKIPPED] = skipped
+    floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
+    floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
+    ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
+    sections, words = np.full((count, room.ring, 4), np.nan), np.full((count, room.ring), -1, np.int64)
+    return Tally(room.inside, floats, ints, sections, words, np.zeros((count, 2, room.longest), np.uint8))
+
+
+def some_of(tally: Tally, rows: Any) -> Tally:
+    """Return the tallies of some motions, as a copy."""
+    return Tally(tally.inside, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
+
+
+def put_back(tally: Tally, rows: Any, own: Tally) -> None:
+    """Write the tallies of some motions."""
+    if len(tally.floats):
+        for column, part in zip(tally[1:], own[1:], strict=True):
+            column[rows] = part
+
+
+def tally_step(i, before, found, t0, tally, K):
+    """Count a step from the state `before` to what was `found` (NextEvent)."""
+    after, ints = found.state, tally.ints
+    tau = (after.t - before.t) + (after.t_low - before.t_low)
+    tally_stretch(i, before, after, tau, t0, tally, K)
+    if after.n > before.n:
+        tally_sections(i, before, after.n, after.S, tally, K)
+    if found.code <= GRAZE:
+        to_section = TWO_PI - after.theta
+        reach = K.Om * found.t_error
+        near = to_section < AT_SECTION + (8.0 * reach if 8.0 * reach < MOST_AT_SECTION else MOST_AT_SECTION)
+        if near and ints[i, EARLY] == 0:
+            close_word(i, tally)
+            ints[i, EARLY] = 1
+        plane = ints[i, PLANE]
+        code = MAP_OF[(plane * 6 + before.mode) * 3 + found.boundary]
+        if code > 0:
+            length = ints[i, LENGTH]
+            if length < tally.labels.shape[2]:
+                tally.labels[i, 0, length] = code
+            ints[i, LENGTH] = length + 1
+            ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
+        ints[i, PLANE] = found.boundary
+        if (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
+            ints[i, EVENTS_SO_FAR] += 1
+            ints[i, STICKS] += found.code == STICK
+    keep_last(i, after.t + after.t_low, after.x, after.v, tally)
+
+
+def keep_last(i, t, x, v, tally):
+    """Keep the last state."""
+    tally.floats[i, T_LAST], tally.floats[i, X_LAST], tally.floats[i, V_LAST] = t, x, v
+
+
+def launch_of(state):
+    """Return where a flight from a state is computed from."""
+    return Launch(state.v, state.Fb, sin(state.theta), cos(state.theta))
+
+
+def end_of(before, after, tau, start, K):
+    """Return the end of a flight (Flown), from the state behind it."""
+    if K.stiff:
+        return state_at(tau, start, K)
+    s, c = sin(after.theta), cos(after.theta)
+    F = acceleration(after.x, after.v, c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
+    G1, G2, G3 = derivatives(after.v, F, s, c, K)
+    return Flown(tau, after.x - before.x, after.v - before.v, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
+
+
+def tally_stretch(i, before, after, tau, t0, tally, K):
+    """Count the time and the extremes of the way from one state to another, as far as it is not left out."""
+    floats = tally.floats
+    begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
+    if tau < begin:
+        return
+    begin = begin if begin > 0.0 else 0.0
+    x, v = before.x, before.v
+    if before.mode > ON_BELT:
+        floats[i, STUCK] += tau - begin
+        x = x + v * begin
+    elif begin > 0.0:
+        now = state_at(begin, launch_of(before), K)
+        x, v = x + now.dx, v + now.dv
+    ends = Extremes(floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH])
+    ends = widened(widened(ends, x, v), after.x, after.v)
+    floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH] = ends
+    seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
+    seen = widened(widened(seen, x, v), after.x, after.v)
+    if tally.inside and before.mode <= ON_BELT:
+        start = launch_of(before)
+        seen = flight_extremes(begin, end_of(before, after, tau, start, K), start, before.x, seen, K)
+    floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
+
+
+def tally_sections(i, before, last, S, tally, K):
+    """Record the sections between a state and the period number `last`, of which the last ones are kept."""
+    ring = tally.words.shape[1]
+    first = before.n + 1
+    if last - first >= ring:  # a long way without an event: all but the last words are empty
+        close_word(i, tally)
+        tally.ints[i, SECTIONS] += (last - ring) - first
+        first, tally.ints[i, EARLY] = last - ring, 1
+    s, c = sin(before.theta), cos(before.theta)
+    x_error = sqrt(max(before.S.S11, S.S11))
+    v_error = sqrt(max(before.S.S22, S.S22))
+    for period in range(first, last + 1):
+        turns = period - before.n
+        tau = (turns * TWO_PI - before.theta) / K.Om
+        if before.mode > ON_BELT:
+            x, v = before.x + before.v * tau, before.v
+        else:
+            x, v = flown(before, tau, -s, c, K)
+        keep_section(i, x, v, x_error, v_error, tally)
+
+
+def flown(before, tau, s_Om, c_Om, K):
+    """Return position and velocity of a flight, given sine and cosine of what the phase gains."""
+    E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
+    s, c = sin(before.theta), cos(before.theta)
+    dx, dv, _ = motion(before.v, before.Fb, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    return before.x + dx, before.v + dv
+
+
+def keep_section(i, x, v, x_error, v_error, tally):
+    """Record a section; the word of its period ends here unless an event just before did that."""
+    ints = tally.ints
+    if ints[i, EARLY] == 0:
+        close_word(i, tally)
+    place = ints[i, SECTIONS] % tally.words.shape[1]
+    tally.sections[i, place, 0], tally.sections[i, place, 1] = x, v
+    tally.sections[i, place, 2], tally.sections[i, place, 3] = x_error, v_error
+    ints[i, SECTIONS] += 1
+    ints[i, EARLY] = 0
+
+
+def close_word(i, tally):
+    """Keep the word of the period that ends, if that is a whole one, and begin the next."""
+    ints, labels, ring = tally.ints, tally.labels, tally.words.shape[1]
+    length = ints[i, LENGTH]
+    if ints[i, WHOLE] == 1:
+        tally.words[i, ints[i, SECTIONS] % ring] = ints[i, CODE] * 64 % WORD_MODULUS + length % 64
+        for n in range(min(length, labels.shape[2])):
+            labels[i, 1, n] = labels[i, 0, n]
+        ints[i, LAST_LENGTH] = length
+    else:
+        tally.words[i, ints[i, SECTIONS] % ring] = -1
+    ints[i, WHOLE], ints[i, LENGTH], ints[i, CODE] = 1, 0, 0
+
+
+def end_tally(i, state, tally):
+    """Finish a motion that came to its end: a section that is just ahead counts."""
+    if TWO_PI - state.theta < AT_SECTION:
+        keep_section(i, state.x, state.v, sqrt(state.S.S11), sqrt(state.S.S22), tally)
+
+
+def rest_tally(i, state, left, t0, tally, K):
+    """Finish a motion without any more events, for the time `left`.
+
+    Its extremes are looked for piece by piece, until the transient is over; then one period shows all that is to come.
+    """
+    n, theta = later(state.n, state.theta, rest_of(left, K), K)
+    whole = (left - rest_of(left, K)) / K.period
+    n = n + int(whole + 0.5)
+    decay = K.h if K.under else -K.l1
+    fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
+    now, passed = state, 0.0
+    for _ in range(MOST_REST_STEPS):
+        step = left - passed if state.mode > ON_BELT or left - passed < K.chunk else K.chunk
+        x, v, F = flown_on(now, step, K)
+        phase = later(0, now.theta, step, K)[1]
+        then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, now.t + step, now.t_low)
+        tally_stretch(i, now, then, step, t0, tally, K)
+        passed = passed + step
+        if passed >= left or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
+            break
+        now = then
+    tally_sections(i, state, n, state.S, tally, K)
+    x, v = state.x + state.v * left, state.v
+    if state.mode <= ON_BELT:
+        turn = theta - state.theta
+        x, v = flown(state, left, sin(turn), cos(turn), K)
+    end = State(state.mode, 0, n, theta, x, v, state.Fb, state.Fa, state.S, state.t + left, state.t_low)
+    end_tally(i, end, tally)
+    keep_last(i, state.t + left, x, v, tally)
+
+
+def flown_on(state, step, K):
+    """Return position, velocity and acceleration a step later."""
+    if state.mode > ON_BELT:
+        return state.x + state.v * step, state.v, state.Fb
+    now = state_at(step, launch_of(state), K)
+    return state.x + now.dx, state.v + now.dv, now.F
+
+
+def rest_of(tau, K):
+    """Return what is left of a time after whole forcing periods, of which there may be many."""
+    if tau < K.period:
+        return tau
+    rest = tau % K.period
+    turns = (tau - rest) / K.period
+    rest = rest - turns * K.period_low
+    return rest if rest >= 0.0 else 0.0

@@ -1,0 +1,117 @@
+"""A chunk of many motions: followed as far as doubles and pairs of them go, one by one beyond, and then recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine import tally as kept
+from symosc.engine.compiled_loop import EventRows, state_of
+from symosc.engine.start import settles
+from symosc.engine.state import DOUBTFUL, END, FULL, REST
+from symosc.simulation.batch_loop import Loops, joined
+from symosc.simulation.event_table import EventTable, rows_of, table_from
+from symosc.simulation.ladder import Ladder, Limits, without
+from symosc.simulation.problems import Problems
+from symosc.simulation.run import MOST_PERIODS, check_reached
+from symosc.simulation.simulate import end_status, in_doubles
+from symosc.simulation.summary import MODE_TEXTS, USUAL_WORD, Question, columns_of, tally_alone
+from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.workers import Patrol
+
+
+class BatchTask(NamedTuple):
+    """What all chunks are about."""
+
+    problems: Problems
+    loops: Loops
+    limits: Limits
+
+
+class EventsPart(NamedTuple):
+    """Events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
+
+    rows: EventRows
+    status: list[str]
+
+
+def read_record(record: Any, skip: Any, sections: Any, task: BatchTask) -> Callable[[slice, EventRows, Patrol], Any]:
+    """Return what does a chunk: `events_part` or `summary_part`."""
+    asked = Question(record, skip, sections, task.problems)
+    return partial(events_part, task) if is_events(record) else partial(summary_part, task, asked)
+
+
+def is_events(record: Any) -> bool:
+    """Return whether events are to be recorded, and not a summary."""
+    return isinstance(record, str) and record == "events"
+
+
+def events_part(task: BatchTask, rows: slice, room: EventRows, patrol: Patrol) -> EventsPart:
+    """Return the events of a chunk."""
+    steps = Ladder(task.problems, rows, task.loops, task.limits, room, patrol)
+    status, looks = ended(steps, patrol)
+    parts = [without(part, list(looks)) for part in steps.rows] if looks else steps.rows
+    parts = [*parts, *(rows_of(i, trajectory.events) for i, trajectory in looks.items())]
+    events = joined(parts)
+    if steps.mixed:
+        order = np.argsort(events.ints[:, 0], kind="stable")
+        events = EventRows(*(column[order] for column in events))
+    events.ints[:, 0] += rows.start
+    return EventsPart(events, status)
+
+
+def table_of_parts(parts: list[EventsPart]) -> EventTable:
+    """Return the events of all chunks."""
+    return table_from([part.rows for part in parts], [each for part in parts for each in part.status])
+
+
+def summary_part(
+    task: BatchTask, asked: Question, rows: slice, room: EventRows, patrol: Patrol, longest: int = USUAL_WORD
+) -> dict[str, np.ndarray]:
+    """Return the columns of a chunk; a motion whose word has no room is followed once more, with more of it."""
+    keep = partial(asked.begun, rows, longest=longest)
+    steps = Ladder(task.problems, rows, task.loops, task.limits, room, patrol, keep)
+    status, looks = ended(steps, patrol)
+    modes = steps.batch.states[:, 0].astype(int)
+    for i, trajectory in looks.items():
+        last = tally_alone(i, trajectory, steps.tally, steps.table, int(steps.batch.sets[i]))
+        modes[i] = last.mode
+    columns = columns_of(steps.tally, asked.sections)
+    columns |= {"status": np.array(status, dtype=str), "mode": MODE_TEXTS[modes]}
+    whole = np.isin(columns["status"], ("t_end", "equilibrium"))
+    t_end, t0 = (column.pairs(rows).hi for column in (task.problems.t_end, task.problems.t0))
+    columns["t"] = np.where(whole, t_end, columns["t"])
+    counted = columns["t"] - t0 - asked.skip[rows]
+    with np.errstate(all="ignore"):
+        columns["stuck"] = np.where(counted > 0.0, np.minimum(steps.tally.floats[:, kept.STUCK] / counted, 1.0), np.nan)
+    too_long = (steps.tally.ints[:, kept.LAST_LENGTH] > longest) & ("word" in asked.names)
+    for i in np.flatnonzero(too_long).tolist():
+        row, length = rows.start + i, int(steps.tally.ints[i, kept.LAST_LENGTH])
+        again = summary_part(task, asked, slice(row, row + 1), room, patrol, length)
+        columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again["word"].dtype))
+        columns["word"][i] = again["word"][0]
+    return {name: columns[name] for name in asked.names}
+
+
+def ended(steps: Ladder, patrol: Patrol) -> tuple[list[str], dict[int, Trajectory]]:
+    """Return the statuses of a chunk's motions, and those that were followed one by one, by number."""
+    batch, looks = steps.batch, dict(steps.looks)
+    codes, counts, periods = batch.codes, batch.counts, batch.states[:, 2]
+    status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
+    # Motions without a drive may have come to rest.
+    for i in np.flatnonzero((codes == REST) | ((codes == END) & (counts == 0))).tolist():
+        problem, state = steps.problem(i), state_of(batch.states, i)
+        code = REST if codes[i] == END and settles(problem) else int(codes[i])
+        status[i] = end_status(code, state.mode, state.v, problem.parameters)
+    for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
+        check_reached(steps.problem(i), int(periods[i]))
+    for i in np.flatnonzero(np.isin(codes, DOUBTFUL)).tolist():
+        if i not in looks:
+            patrol.check()
+            looks[i] = in_doubles(steps.problem(i), *steps.limits)
+    for i, trajectory in looks.items():
+        status[i] = trajectory.status
+    return status, looks

@@ -1,0 +1,196 @@
+"""Summaries against a slow reference: the trajectory of `simulate`, sampled; compiled or not, whole or in parts."""
+
+from __future__ import annotations
+
+import math
+import random
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from slow_summary import slow_summary
+
+from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
+from symosc.simulation import batch_loop, chunks
+from symosc.simulation.summary import Summary
+
+FIG9 = load_scene("fig9").parameters
+
+
+def scene(seed: int) -> tuple[Parameters, tuple[Any, ...], Fraction]:
+    """Return parameters of all regimes of damping, a start that may be on a belt, and an end."""
+    dice = random.Random(seed)
+
+    def number(low: float, high: float) -> Fraction:
+        return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
+
+    m, k, Om, low = number(0.2, 2), number(0.5, 6), number(0.5, 4), number(-2, 1)
+    c = dice.choice((Fraction(0), number(0, 1), 2 * m * Om, number(3, 9)))
+    k = m * Om * Om if c == 2 * m * Om else Fraction(0) if seed % 11 == 3 else k  # critical damping; no spring
+    B0 = Fraction(0) if seed % 7 == 5 else number(1, 9)
+    mu1, mu2 = number(0, 1), number(0, 1)
+    p = Parameters(
+        m=m, c=c, k=k, A0=number(-2, 2), B0=B0, Omega=Om, v1=low, v2=low + number(0.5, 3), mu1=mu1, mu2=mu2, FN=2
+    )
+    t0 = dice.choice((Fraction(0), number(-3, 3)))
+    return p, (t0, number(-3, 3), dice.choice((p.v1, p.v2, number(-4, 4)))), t0 + number(10, 40)
+
+
+def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> None:
+    exact = ("status", "events", "sticks", "mode", "word", "multiplicity")
+    assert {name: found[name] for name in exact} == {name: expected[name] for name in exact}, where
+    scale = 1 + max(abs(expected[name]) for name in ("x_min", "x_max", "v_min", "v_max"))
+    for name in ("t", "x", "v", "stuck", "x_min", "x_max", "v_min", "v_max"):
+        assert abs(found[name] - expected[name]) <= 1e-8 * scale, (name, found[name], expected[name], where)
+    np.testing.assert_allclose(found["section"], expected["section"], rtol=0, atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
+    p, (t0, x0, v0), t_end = scene(seed)
+    skip = random.Random(seed).choice((0, 0, Fraction(7, 3)))
+    found = simulate_many(p, (t0, x0, v0), t_end, record="summary", skip=skip, sections=3, use_numba=False)
+    trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    compare(found[0], slow_summary(p, trajectory, float(skip), 3), seed)
+
+
+def test_what_doubles_leave_open_is_counted_from_more_digits() -> None:
+    """Of grazes; and of fig8, whose errors grow."""
+    exact = load_scene("fig8-exact")
+    for one, end in ((exact, exact.t_end), (load_scene("fig8"), Fraction(35))):
+        given: Any = {"skip": 0, "sections": 2, "start_error": one.start_error, "use_numba": False}
+        found = simulate_many(one.parameters, (one.t0, one.x0, one.v0), end, record="summary", **given)
+        compare(found[0], slow_summary(one.parameters, simulate(one, t_end=end), 0.0, 2), one.name)
+
+
+def test_a_motion_that_ends_at_its_last_event() -> None:
+    found = simulate_many(FIG9, (0, 0, 0), 100, record="summary", max_events=7, use_numba=False)[0]
+    alone = simulate(FIG9, t0=0, x0=0, v0=0, t_end=100, max_events=7)
+    assert (found["status"], found["events"]) == ("max_events", 7)
+    assert (found["t"], found["x"], found["v"]) == pytest.approx((alone.events[-1].t, alone.events[-1].x, 1.0))
+
+
+@pytest.mark.parametrize(("word", "periods"), [("P32", 1), ("P4645", 1)])
+def test_orbits_repeat(word: str, periods: int) -> None:
+    one = load_scene({"P32": "fig9-orbit", "P4645": "fig10-orbit"}[word])
+    end = one.t0 + 60
+    found = simulate_many(one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False)
+    assert found.multiplicity.tolist() == [periods]
+    assert found.word[0][1:] in 2 * word[1:]  # a period may begin anywhere in the word
+
+
+def test_a_period_of_three() -> None:
+    """Found by a search over Omega; each period has a word of its own."""
+    p = FIG9.replace(Omega="1.3", FN=3)
+    ends = [2 * math.pi / float(p.Omega) * n for n in (60, 61, 62, 63)]
+    found = simulate_many(p, (0, 0, 0), ends, record="summary", use_numba=False, sections=1)
+    m = int(found.multiplicity[0])
+    expected = slow_summary(p, simulate(p, t0=0, x0=0, v0=0, t_end=ends[0]), 0.0, 1)
+    assert m == expected["multiplicity"]
+
+
+def test_ends_that_are_whole_periods_count_however_they_are_rounded() -> None:
+    ends = np.array([n * 2 * math.pi / 4 for n in range(2, 40)])
+    ends = np.concatenate([np.nextafter(ends, 0), ends, np.nextafter(ends, 99)])
+    found = simulate_many(FIG9, (0, 0, 0), ends, record="summary", use_numba=False)
+    once, again, third = found.section.reshape(3, -1, 2)
+    np.testing.assert_allclose(once, again, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(third, again, rtol=0, atol=1e-12)
+    assert not np.isnan(found.section).any()
+
+
+def test_a_word_that_is_longer_than_its_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = load_scene("fig10")
+    given: Any = {"record": "summary", "use_numba": False}
+    usual = simulate_many(one.parameters, (one.t0, one.x0, one.v0), one.t_end, **given)
+    whole = chunks.summary_part
+    monkeypatch.setattr(
+        chunks, "summary_part", lambda task, asked, rows, room, patrol, longest=2: whole(
+            task, asked, rows, room, patrol, longest
+        )
+    )  # fmt: skip
+    assert simulate_many(one.parameters, (one.t0, one.x0, one.v0), one.t_end, **given) == usual
+    assert len(usual.word[0]) > 4
+
+
+def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
+    sets, starts, ends = zip(*map(scene, range(30)), strict=True)
+    return list(sets), list(starts), list(ends)
+
+
+@pytest.mark.slow
+@pytest.mark.compiled("pairs")
+def test_compiled_or_not_and_in_any_parts_it_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
+    sets, starts, ends = many()
+    given: Any = {"record": "summary", "sections": 2}
+    whole = simulate_many(sets, starts, ends, use_numba=True, workers=1, **given)
+    for workers in (2, 3):
+        assert simulate_many(sets, starts, ends, use_numba=True, workers=workers, **given) == whole
+    plain = simulate_many(sets, starts, ends, use_numba=False, **given)
+    for name, column in whole.columns().items():
+        if column.dtype.kind == "f":
+            np.testing.assert_allclose(column, getattr(plain, name), rtol=1e-11, atol=1e-11, err_msg=name)
+        else:
+            assert column.tolist() == getattr(plain, name).tolist(), name
+
+
+@pytest.mark.slow
+@pytest.mark.compiled("pairs")
+def test_pairs_count_as_many_digits_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Double-double numbers, compiled, against motions that are followed one by one."""
+    pytest.importorskip("numba")
+    one = load_scene("fig8")
+    starts = [(one.t0, one.x0 + Fraction(n, 50), one.v0) for n in range(6)]
+    given: Any = {"record": "summary", "sections": 2, "accuracy": 5e-16}
+    monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
+    pairs = simulate_many(one.parameters, starts, 25, use_numba=True, **given)
+    alone = simulate_many(one.parameters, starts, 25, use_numba=False, **given)
+    for name, column in pairs.columns().items():
+        if column.dtype.kind == "f":
+            np.testing.assert_allclose(column, getattr(alone, name), rtol=1e-12, atol=1e-12, err_msg=name)
+        else:
+            assert column.tolist() == getattr(alone, name).tolist(), name
+
+
+def test_some_columns_are_those_of_all() -> None:
+    sets, starts, ends = (column[:5] for column in many())
+    whole = simulate_many(sets, starts, ends, record="summary", use_numba=False)
+    some = simulate_many(sets, starts, ends, record=("word", "events", "multiplicity"), use_numba=False)
+    assert list(some.columns()) == ["events", "word", "multiplicity"]
+    assert all(np.array_equal(column, getattr(whole, name)) for name, column in some.columns().items())
+    assert (len(some), len(whole[1:3]), whole[1]["events"]) == (5, 2, whole.events[1])
+    assert repr(some) == "<Summary of 5 motions: events, word, multiplicity>"
+    assert some != whole
+
+
+def test_tables_of_other_packages() -> None:
+    sets, starts, ends = (column[:3] for column in many())
+    whole: Summary = simulate_many(sets, starts, ends, record="summary", sections=2, use_numba=False)
+    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    frame, dataset = whole.to_pandas(), whole.to_xarray()
+    assert isinstance(frame, pandas.DataFrame)
+    assert isinstance(dataset, xarray.Dataset)
+    assert frame["section_x[-1]"].tolist() == pytest.approx(whole.section[:, 1, 0].tolist(), nan_ok=True)
+    assert dataset["word"].values.tolist() == whole.word.tolist()
+    assert dataset["section"].sel(period=-2, component="v").shape == (3,)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"record": "words"}, r"record = 'words': must be \"events\", \"summary\", or some of status"),
+        ({"record": ("word", "colour")}, "record = 'colour'"),
+        ({"record": 3}, "record = 3"),
+        ({"record": "summary", "skip": -1}, r"skip = -1.0: must be >= 0 and end before t_end"),
+        ({"record": "summary", "skip": 3}, r"skip = 3.0: must be >= 0 and end before t_end"),
+        ({"record": "summary", "skip": [0, 1, 2]}, r"skip = 3: must have 1 or 2 entries"),
+        ({"record": "summary", "skip": [0, 5]}, r"skip\[1\] = 5.0"),
+        ({"record": "summary", "sections": -1}, "sections = -1: must be a whole number >= 0"),
+    ],
+)
+def test_bad_questions_are_refused(given: Any, message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        simulate_many(FIG9, [(0, 0, 0), (0, 1, 0)], 3, **given)

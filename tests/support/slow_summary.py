@@ -1,0 +1,91 @@
+"""A summary computed the slow way: from a trajectory of `simulate`, by sampling it and looking closer."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from symosc import Parameters, Trajectory
+
+MOST_REPEATS = 32
+AT_SECTION = 1e-9
+
+
+def extremes(trajectory: Trajectory, begin: float) -> dict[str, float]:
+    """Return the extremes of x and v after a time: each segment sampled, and searched around its best samples."""
+    found: dict[str, float] = {}
+    for number, name in enumerate("xv"):
+        for sign, what in ((1, "min"), (-1, "max")):
+            best = [
+                _least(trajectory, number, sign, max(begin, float(segment.t_start)), float(segment.t_end))
+                for segment in trajectory.segments
+                if float(segment.t_end) > begin
+            ]
+            found[f"{name}_{what}"] = sign * min(best)
+    return found
+
+
+def _least(trajectory: Trajectory, number: int, sign: int, low: float, high: float) -> float:
+    times = np.linspace(low, high, 12 + min(400, int(12 * (high - low))))
+    values = sign * trajectory(times)[number]
+    if number == 1 and high < float(trajectory.t_end):  # at the end has the speed of the belt, or of the next segment
+        times, values = times[:-1], values[:-1]
+    walled = np.concatenate([[np.inf], values, [np.inf]])
+    lowest = np.flatnonzero((walled[1:-1] <= walled[:-2]) & (walled[1:-1] <= walled[2:]))
+    best = float(values.min())
+    for place in lowest[np.argsort(values[lowest])][:3].tolist():
+        around = times[max(place - 1, 0)], times[min(place + 1, len(times) - 1)]
+        closer = minimize_scalar(lambda t: sign * trajectory(t)[number], bounds=around, method="bounded", options=XATOL)
+        best = min(best, float(closer.fun))
+    return best
+
+
+XATOL = {"xatol": 1e-10}
+
+
+def slow_summary(p: Parameters, trajectory: Trajectory, skip: float, sections: int) -> dict[str, Any]:
+    """Return the columns of a summary of one motion."""
+    t0, last, Omega = float(trajectory.t_start), float(trajectory.t_end), float(p.Omega)
+    begin = t0 + skip
+    counted = [event for event in trajectory.events if float(event.t) >= begin]
+    held = [s for s in trajectory.segments if s.mode.startswith("belt")]
+    stuck = sum(max(0.0, float(s.t_end) - max(begin, float(s.t_start))) for s in held)
+    first, after = Omega * t0 / (2 * pi), (Omega * last + AT_SECTION) / (2 * pi)
+    numbers = np.arange(np.floor(first) + 1, np.floor(after) + 1)
+    times = np.minimum(numbers * 2 * pi / Omega, last)
+    values = trajectory(times).T if len(times) else np.zeros((0, 2))
+    words = _words(trajectory, numbers, Omega, whole=first == int(first))
+    columns: dict[str, Any] = {"status": trajectory.status, "events": len(counted)}
+    columns["sticks"] = sum(event.kind == "stick" for event in counted)
+    columns |= extremes(trajectory, begin) | {"stuck": stuck / (last - begin)}
+    columns["word"] = "P" + "".join(label[1:] for label in reversed(words[-1])) if words and words[-1] else ""
+    blank = np.full((sections, 2), np.nan)
+    columns["section"] = np.concatenate([blank, values])[len(values) :] if sections else blank
+    columns |= {"t": last, "mode": trajectory.segments[-1].mode, "word_known": bool(words)}
+    columns["x"], columns["v"] = trajectory(last)
+    extent = np.array([columns[f"{name}_max"] - columns[f"{name}_min"] for name in "xv"])
+    return columns | {"multiplicity": _multiplicity(words, values[len(values) - len(words) :], extent)}
+
+
+def _words(trajectory: Trajectory, numbers: np.ndarray, Omega: float, whole: bool) -> list[list[str]]:
+    """Return the mappings that ended in each whole period."""
+    begin = numbers[0] - whole if len(numbers) else 0
+    words: list[list[str]] = [[] for _ in numbers[(not whole) :]]
+    for event, segment in zip(trajectory.events, trajectory.segments, strict=False):
+        near = AT_SECTION + min(8 * Omega * event.t_error, 1e-3)
+        period = int(np.floor((Omega * float(event.t) + near) / (2 * pi)) - begin)
+        if segment.label and 0 <= period < len(words):
+            words[period].append(segment.label)
+    return words
+
+
+def _multiplicity(words: list[list[str]], sections: np.ndarray, extent: np.ndarray) -> int:
+    for m in range(1, MOST_REPEATS + 1):
+        if 2 * m <= len(words) and words[-m:] == words[-2 * m : -m]:
+            gap = abs(sections[-m:] - sections[-2 * m : -m])
+            if np.all(gap <= 1e-6 * extent + 1e-12):
+                return m
+    return 0
