@@ -26,6 +26,7 @@ LEVELS = [
     {"symbolic"},
     {"orbits", "crosschecks"},
     {"grazing"},
+    {"certificates"},
     {"plot"},
     {"derive", "bench"},
     {"paper"},

@@ -28,6 +28,7 @@ COMMANDS = (
     "grazing",
     "codegen",
     "check",
+    "certify",
     "derive",
     "bench",
     "warm",
