@@ -29,6 +29,7 @@ COMMANDS = (
     "codegen",
     "check",
     "certify",
+    "verify",
     "derive",
     "bench",
     "warm",

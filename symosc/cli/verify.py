@@ -1,0 +1,31 @@
+"""The command `symosc verify`."""
+
+from __future__ import annotations
+
+import click
+
+from symosc.cli.output import write
+
+
+@click.command()
+@click.argument("file")
+def verify(file: str) -> int:
+    """Prove a certificate file once more, by other means than `symosc certify`.
+
+    The checker is one file, symosc/certificates/verify.py. It needs python-flint and nothing of symosc: copy it, read
+    it, and run it alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
+
+    \b
+    Example:
+      symosc certify fig8 -o fig8.json && symosc verify fig8.json
+    """
+    from symosc.certificates import balls  # says which extra is missing
+    from symosc.certificates.verify import verify as prove
+
+    assert balls
+    code, line = prove(file)
+    if code:
+        click.echo(f"symosc: {line}", err=True)
+    else:
+        write(line)
+    return code
