@@ -10,8 +10,8 @@ passes if both have one sign. A "trajectory" states for a start ("all": for all 
 whose free number is between low and high) that until t_end these are its events, no others, each within its times and
 positions. It is proven from the start on, in balls that contain the exact numbers (arb), with as many bits as it takes:
 
-1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M) z(t). What ends a mode is
-   that a function f = row z reaches 0: the distance of v from a belt, or, on a belt, F below it or -F above it.
+1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M) z(t). A mode ends when
+   a function f = row z reaches 0: the distance of v from a belt, or, on a belt, F below it or -F above it.
 2. f > 0 on an interval T around m, of half-width h, if f(m) - |f'(m)| h - |f''(T)| h^2/2 > 0, or if f' < 0 on T and
    f > 0 at its end. After a start in T with f = f' = ... = 0, f > 0 if the next derivative is > 0 on T. Such intervals
    side by side, halved where they must be, show that nothing ends the mode before an event.
@@ -125,7 +125,7 @@ class Motion:
             inside, after, all_sure = near * z, whole * z, a > self.origin or a + 2 * h >= self.t
             for i, end in enumerate(mode.ends):
                 f, slope, bend, falls, f_after = (
-                    (mode.rows[k] * y)[i, 0] for k, y in zip((0, 1, 2, 1, 0), (z, z, inside, inside, after))
+                    (mode.rows[k] * y)[i, 0] for k, y in ((0, z), (1, z), (2, inside), (1, inside), (0, after))
                 )
                 sure = f - abs(slope) * h - abs(bend) * h * h / 2 > 0 or (falls < 0 and f_after > 0)
                 if end in leaves:
@@ -147,7 +147,7 @@ class Motion:
         """Prove that the next event is that of a row, or a touch between two limits; return the motion behind it."""
         mode, p, (kind, belt, source, target, (low, high, times), _) = self.mode, self.mode.p, row
         end, touches = belt if mode.flies else target, kind == "graze"
-        if end not in mode.ends or not (mode.flies or belt == self.belt) or touches and not (mode.flies and limits):
+        if end not in mode.ends or not (mode.flies or belt == self.belt) or (touches and not (limits and mode.flies)):
             raise Stop(FALSE, "an event at a belt that the motion is not at, or a graze of no start")
         turn = -1 if touches else 1
         slope = self.f(end, times)[1 + touches]
@@ -185,6 +185,11 @@ class Motion:
         return Motion(self.modes, after, belt, [then, (centre.step(then) * centre.z0)[0, 0], v], columns, leaves)
 
 
+def product(row, column):
+    """Return the product of a row and a column of fractions."""
+    return sum((a * b for a, b in zip(row, column, strict=True)), Fraction(0))
+
+
 def begin(p, start, errors):
     """Return the motion from a start. Where F is rational and 0, its first derivative that is not 0 decides."""
     t0, x0, v0 = start
@@ -199,8 +204,8 @@ def begin(p, start, errors):
     for i, row in enumerate(modes[3 + at].ends.values()):
         order, value, z = 0, first[i, 0], [x0, v0, 1, 1, 0]
         while not any(errors) and (t0 == 0 or p["B0"] == 0) and order < ORDERS and value.contains(0):
-            value = ball(sum(q * each for q, each in zip(row, z)))
-            z, order = [sum(q * each for q, each in zip(line, z)) for line in modes[3 + at].exact], order + (value == 0)
+            value = ball(product(row, z))
+            z, order = [product(line, z) for line in modes[3 + at].exact], order + (value == 0)
         require(abs(value), "F on the belt at the start")
         signs.append(1 if value > 0 else -1)
         orders.append(order)
@@ -232,8 +237,8 @@ def trajectory(data):
         i, low, high = START.index(data["free"]["name"]), number(data["free"]["low"]), number(data["free"]["high"])
         if not start[i] - errors[i] <= low < high <= start[i] + errors[i]:
             raise Stop(FALSE, "the free number leaves the error of the start")
-        starts = [((low + high) / 2, (high - low) / 2), (low, 0), (high, 0)]
-        starts = [([*start[:i], s, *start[i + 1 :]], [error if j == i else 0 for j in range(3)]) for s, error in starts]
+        near = ((low + high) / 2, (high - low) / 2), (low, Fraction(0)), (high, Fraction(0))
+        starts = [([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near]
     motions = [begin(p, *each) for each in starts]
     if data["mode"] != MODES[motions[0].mode.number]:
         raise Stop(FALSE, f"the motion starts in {MODES[motions[0].mode.number]}")
@@ -242,7 +247,7 @@ def trajectory(data):
             raise Stop(FALSE, "an event after t_end")
         motion, *limits = motions
         motions = [motion.behind(row, limits), *(each.behind(row) for each in limits if row[0] != "graze")]
-        for value, (low, high) in zip((motions[0].t, motions[0].first[0, 0]), row[-1]):
+        for value, (low, high) in zip((motions[0].t, motions[0].first[0, 0]), row[-1], strict=True):
             require(value - ball(low), "an event is not above the lower end stated")
             require(ball(high) - value, "an event is not below the upper end stated")
     motions[0].positive(ball(t_end).upper())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from symosc.cli.output import write
+from symosc.errors import MissingExtraError
 
 
 @click.command()
@@ -19,10 +20,10 @@ def verify(file: str) -> int:
     Example:
       symosc certify fig8 -o fig8.json && symosc verify fig8.json
     """
-    from symosc.certificates import balls  # says which extra is missing
-    from symosc.certificates.verify import verify as prove
-
-    assert balls
+    try:
+        from symosc.certificates.verify import verify as prove
+    except ImportError:
+        raise MissingExtraError("verify", "certify") from None
     code, line = prove(file)
     if code:
         click.echo(f"symosc: {line}", err=True)
