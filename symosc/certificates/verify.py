@@ -29,13 +29,13 @@ import sys
 from fractions import Fraction
 from math import frexp
 
-from flint import arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
 NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
 MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
-MOST_BYTES, MOST_STEPS, FIRST_BITS, MOST_BITS, ORDERS, LARGEST = 10**8, 200_000, 128, 8192, 7, 10**60
+MOST_BYTES, MOST_STEPS, FIRST_BITS, MOST_BITS, ORDERS, LARGEST = 10**8, 50_000, 128, 8192, 7, 10**60
 OPEN, FALSE, BAD = 0, 1, 2
 
 
@@ -49,14 +49,9 @@ def require(value, what):
         raise Stop(FALSE if value < 0 else OPEN, what)
 
 
-def ball(number):
-    """Return an enclosure of a fraction."""
-    return arb(fmpq(number.numerator, number.denominator))
-
-
 def sharper(f, found, slope):
     """Return a sharper enclosure of the zero of f in `found`, where f' is in `slope` (interval Newton)."""
-    for _ in range(2):
+    for _ in range(ctx.prec // 64):
         step = found.mid() - f(found.mid())[0] / slope
         if not step.overlaps(found):
             raise Stop(OPEN, "where an event is")
@@ -68,21 +63,36 @@ class Mode:
     """One mode of an oscillator: z' = M z, and for each f that ends it rows with f = rows[0] z, f' = rows[1] z, ..."""
 
     def __init__(self, p, mode):
-        friction = {1: p["mu1"] + p["mu2"], 2: p["mu2"] - p["mu1"], 3: -p["mu1"] - p["mu2"]}
-        forces = {i: (-p["k"], -p["c"], p["A0"] + friction[i] * p["FN"], p["B0"], 0) for i in friction}
-        F = {i: [q / p["m"] for q in forces[i]] for i in forces}
-        self.p, self.number, self.flies, self.powers, Om = p, mode, mode < 4, {}, p["Omega"]
+        m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
+        friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
+        F = {i: [q / m for q in (-k, -c, A0 + friction[i] * FN, B0, fmpq(0))] for i in friction}
+        self.p, self.number, self.flies, self.powers = p, mode, mode < 4, {}
         if self.flies:  # the distance from each belt around the domain
             sides = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
             self.ends = {i: [0, side, -side * p[f"v{i}"], 0, 0] for i, side in sides.items()}
         else:  # F below the belt, and -F above it
             self.ends = {mode - 3: F[mode - 3], mode - 2: [-q for q in F[mode - 2]]}
-        self.exact = [[0, 1, 0, 0, 0], F.get(mode, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
-        self.M, row = (arb_mat([[ball(q) for q in row] for row in rows]) for rows in (self.exact, self.ends.values()))
-        self.rows = [row]
+        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F.get(mode, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
+        self.M, self.rows = arb_mat(self.exact), [arb_mat(fmpq_mat(list(self.ends.values())))]
         while len(self.rows) < ORDERS:
             self.rows.append(self.rows[-1] * self.M)
-        self.halvings = frexp(float(Om + p["c"] / p["m"]) + float(p["k"] / p["m"]) ** 0.5)[1]
+        # |f''| after a time is at most `swing` + the sum of |calm z| there: a steady motion, and one that decays.
+        q, a, b, w0 = (c / m / 2) ** 2 - k / m, k - m * Om * Om, c * Om, arb(k / m).sqrt()
+        self.calm, self.swing, self.rate = arb_mat(1, 5), arb(abs(B0) * Om * Om / m), arb(Om)
+        if self.flies:
+            self.rate = arb(Om + c / m) + w0
+            if q == 0 or a == b == 0:
+                self.swing = arb.pos_inf()
+            else:
+                gain, h, w = B0 * Om / (a * a + b * b), arb(c / m / 2), arb(abs(q)).sqrt()
+                y = arb_mat(fmpq_mat([[0, 1, 0, -gain * b, gain * a]]))  # v less the steady one
+                slow, fast = (w - h, -w - h) if q > 0 else (arb(0), arb(0))
+                pair = [(y * self.M - y * fast) / (2 * w) * slow**2, (y * self.M - y * slow) / (2 * w) * fast**2]
+                if q < 0:
+                    pair = [y * (k / m), (y * self.M + y * h) / w * (k / m)]
+                self.calm = arb_mat([[row[0, i] for i in range(5)] for row in pair])
+                self.swing = arb(abs(gain) * Om * Om) * arb(a * a + b * b).sqrt()
+        self.halvings = frexp(float(self.rate))[1]
 
 
 class Motion:
@@ -95,7 +105,7 @@ class Motion:
         self.modes, self.mode, self.belt, self.leaves = modes, modes[mode], belt, leaves or {}
         self.centre, self.columns = centre, columns
         self.t, x, v = (c + sum((column[i] * arb(0, 1) for column in columns), arb(0)) for i, c in enumerate(centre))
-        s, c = (ball(self.mode.p["Omega"]) * self.t).sin_cos()
+        s, c = (arb(self.mode.p["Omega"]) * self.t).sin_cos()
         self.first, self.origin = arb_mat([[x], [v], [1], [c], [s]]), self.t.lower()
         self.z0 = (self.mode.M * (self.origin - self.t)).exp() * self.first
 
@@ -113,21 +123,21 @@ class Motion:
         """Prove that all f are > 0 after the start, up to a time (2 above)."""
         mode, a, P, n, leaves = self.mode, self.origin, self.step(self.origin), self.mode.halvings, self.leaves
         require(until - self.t, "an event at a time after the one before it")
-        if (until - a) * ball(Fraction(2) ** (n - 3)) > MOST_STEPS:
-            raise Stop(BAD, f"an event or t_end is more than {MOST_STEPS} steps away")
         for _ in range(MOST_STEPS):
-            last = not a + ball(Fraction(2) ** (1 - n)) < until
-            h = (until - a) / 2 if last else ball(Fraction(2) ** -n)
+            last = not a + arb(fmpq(2) ** (1 - n)) < until
+            h = (until - a) / 2 if last else arb(fmpq(2) ** -n)
             if last or n not in mode.powers:
                 mode.powers[None if last else n] = (mode.M * h).exp(), (mode.M * arb(0, h.upper())).exp()
             whole, near = mode.powers[None if last else n]
             z = whole * P * self.z0
             inside, after, all_sure = near * z, whole * z, a > self.origin or a + 2 * h >= self.t
+            calm = mode.swing + sum(abs(each) for each in (mode.calm * P * self.z0).entries())
             for i, end in enumerate(mode.ends):
                 f, slope, bend, falls, f_after = (
                     (mode.rows[k] * y)[i, 0] for k, y in ((0, z), (1, z), (2, inside), (1, inside), (0, after))
                 )
-                sure = f - abs(slope) * h - abs(bend) * h * h / 2 > 0 or (falls < 0 and f_after > 0)
+                bend = abs(bend) if abs(bend) < calm else calm
+                sure = f - abs(slope) * h - bend * h * h / 2 > 0 or (falls < 0 and f_after > 0)
                 if end in leaves:
                     sure = (mode.rows[leaves[end]] * inside)[i, 0] > 0
                 elif f_after < 0:
@@ -136,12 +146,12 @@ class Motion:
             if all_sure and last:
                 return
             if all_sure:
-                a, P, n, leaves = a + 2 * h, whole * whole * P, max(n - 1, mode.halvings - 2), {}
+                a, P, n, leaves = a + 2 * h, whole * whole * P, n - 1, {}
             else:
                 n = max(n, -frexp(float(h))[1]) + 1
             if n > 2 * ctx.prec:
                 raise Stop(OPEN, "a touch or a near miss")
-        raise Stop(FALSE, f"more than {MOST_STEPS} steps between two events")
+        raise Stop(BAD, f"an event or t_end is more than {MOST_STEPS} steps away")
 
     def behind(self, row, limits=()):
         """Prove that the next event is that of a row, or a touch between two limits; return the motion behind it."""
@@ -162,11 +172,11 @@ class Motion:
             least.append(f if f < 0 else f - abs(rest) * (high - low))
         require(-least[0] * least[1] if touches else arb(1), "one start that touches, and one that does not")
         when = sharper(lambda t: self.f(end, t)[touches:], times, slope)
-        v, step = ball(p[f"v{belt}"]), self.step(when)
+        v, step = arb(p[f"v{belt}"]), self.step(when)
         z, after, leaves = step * self.z0, mode.number if touches else end, {belt: 2}
         if mode.flies and not touches:
             F, jump = (mode.M * z)[1, 0], 2 * p[f"mu{end}"] * p["FN"] / p["m"]
-            both = F * (F + ball(jump if mode.number > end else -jump))
+            both = F * (F + arb(jump if mode.number > end else -jump))
             require(abs(both), "F at a belt, and behind it")
             passes = both > 0
             after, leaves = (2 * end + 1 - mode.number, {end: 1}) if passes else (3 + end, {})
@@ -185,27 +195,23 @@ class Motion:
         return Motion(self.modes, after, belt, [then, (centre.step(then) * centre.z0)[0, 0], v], columns, leaves)
 
 
-def product(row, column):
-    """Return the product of a row and a column of fractions."""
-    return sum((a * b for a, b in zip(row, column, strict=True)), Fraction(0))
-
-
 def begin(p, start, errors):
     """Return the motion from a start. Where F is rational and 0, its first derivative that is not 0 decides."""
     t0, x0, v0 = start
-    modes, centre = {i: Mode(p, i) for i in (1, 2, 3, 4, 5)}, [ball(value) for value in start]
-    columns = [[ball(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
+    modes, centre = {i: Mode(p, i) for i in (1, 2, 3, 4, 5)}, [arb(value) for value in start]
+    columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     if v0 not in (p["v1"], p["v2"]):
         return Motion(modes, 1 + (v0 > p["v1"]) + (v0 > p["v2"]), 0, centre, columns)
     if errors[2]:
         raise Stop(FALSE, "a start on a belt whose velocity is not known exactly")
     at, signs, orders = 1 if v0 == p["v1"] else 2, [], []
+    row = fmpq_mat(list(modes[3 + at].ends.values()))
     first = modes[3 + at].rows[0] * Motion(modes, 3 + at, at, centre, columns).first
-    for i, row in enumerate(modes[3 + at].ends.values()):
-        order, value, z = 0, first[i, 0], [x0, v0, 1, 1, 0]
+    for i in (0, 1):
+        order, value, z = 0, first[i, 0], fmpq_mat([[x0], [v0], [1], [1], [0]])
         while not any(errors) and (t0 == 0 or p["B0"] == 0) and order < ORDERS and value.contains(0):
-            value = ball(product(row, z))
-            z, order = [product(line, z) for line in modes[3 + at].exact], order + (value == 0)
+            value, z = arb((row * z)[i, 0]), modes[3 + at].exact * z
+            order += value == 0
         require(abs(value), "F on the belt at the start")
         signs.append(1 if value > 0 else -1)
         orders.append(order)
@@ -220,7 +226,7 @@ def read_row(row):
     t, x = ([number(value) for value in row[name]] for name in "tx")
     if row["boundary"] not in (1, 2) or not all(len(ends) == 2 and ends[0] < ends[1] for ends in (t, x)):
         raise Stop(BAD, "an event has a boundary 1 or 2, and a lower and an upper end of t and x")
-    low, high = ball(t[0]).lower(), ball(t[1]).upper()
+    low, high = arb(t[0]).lower(), arb(t[1]).upper()
     modes = (MODES.index(row[name], 1) for name in ("source", "target"))
     return row["kind"], row["boundary"], *modes, (low, high, low.union(high)), (t, x)
 
@@ -237,7 +243,7 @@ def trajectory(data):
         i, low, high = START.index(data["free"]["name"]), number(data["free"]["low"]), number(data["free"]["high"])
         if not start[i] - errors[i] <= low < high <= start[i] + errors[i]:
             raise Stop(FALSE, "the free number leaves the error of the start")
-        near = ((low + high) / 2, (high - low) / 2), (low, Fraction(0)), (high, Fraction(0))
+        near = ((low + high) / 2, (high - low) / 2), (low, fmpq(0)), (high, fmpq(0))
         starts = [([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near]
     motions = [begin(p, *each) for each in starts]
     if data["mode"] != MODES[motions[0].mode.number]:
@@ -248,9 +254,9 @@ def trajectory(data):
         motion, *limits = motions
         motions = [motion.behind(row, limits), *(each.behind(row) for each in limits if row[0] != "graze")]
         for value, (low, high) in zip((motions[0].t, motions[0].first[0, 0]), row[-1], strict=True):
-            require(value - ball(low), "an event is not above the lower end stated")
-            require(ball(high) - value, "an event is not below the upper end stated")
-    motions[0].positive(ball(t_end).upper())
+            require(value - arb(low), "an event is not above the lower end stated")
+            require(arb(high) - value, "an event is not below the upper end stated")
+    motions[0].positive(arb(t_end).upper())
     return f"{len(rows)} events until t = {data['t_end']}, for {'all' if len(starts) == 1 else 'some'} starts"
 
 
@@ -258,7 +264,7 @@ def number(value):
     """Return a number of the file, which is text, as a fraction."""
     if not isinstance(value, str) or not NUMBER.fullmatch(value) or abs(Fraction(value)) > LARGEST:
         raise Stop(BAD, f"{str(value)[:40]!r} is no decimal or fraction within 1e60")
-    return Fraction(value)
+    return fmpq(*Fraction(value).as_integer_ratio())
 
 
 KINDS = {"trajectory": trajectory}
