@@ -87,12 +87,8 @@ class Mode:
                 gain, h, w = B0 * Om / (a * a + b * b), arb(c / m / 2), arb(abs(q)).sqrt()
                 y = arb_mat(fmpq_mat([[0, 1, 0, -gain * b, gain * a]]))  # v less the steady one
                 slow, fast = (w - h, -w - h) if q > 0 else (arb(0), arb(0))
-                pair = [
-                    (y * self.M - y * fast) / (2 * w) * slow * slow,
-                    (y * self.M - y * slow) / (2 * w) * fast * fast,
-                ]
-                if q < 0:
-                    pair = [y * (k / m), (y * self.M + y * h) / w * (k / m)]
+                pair = [(y * self.M - y * fast) * (slow * slow / w), (y * self.M - y * slow) * (fast * fast / w)]
+                pair = [row / 2 for row in pair] if q > 0 else [y * (k / m), (y * self.M + y * h) / w * (k / m)]
                 self.calm = arb_mat([[row[0, i] for i in range(5)] for row in pair])
                 self.swing = arb(abs(gain) * Om * Om) * arb(a * a + b * b).sqrt()
         self.halvings = frexp(float(self.rate))[1]
@@ -139,7 +135,7 @@ class Motion:
                 f, slope, bend, falls, f_after = (
                     (mode.rows[k] * y)[i, 0] for k, y in ((0, z), (1, z), (2, inside), (1, inside), (0, after))
                 )
-                bend = calm if calm < abs(bend) else abs(bend)
+                bend = abs(bend) if abs(bend) < calm else calm
                 sure = f - abs(slope) * h - bend * h * h / 2 > 0 or (falls < 0 and f_after > 0)
                 if end in leaves:
                     sure = (mode.rows[leaves[end]] * inside)[i, 0] > 0
