@@ -65,4 +65,5 @@ class Certificate:
 
     def __repr__(self) -> str:
         count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
-        return f"<Certificate of a {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
+        article = "an" if self.kind == "orbit" else "a"
+        return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"

@@ -1,4 +1,4 @@
-"""Certificates with one thing changed, and whether what they state is still true, judged by a simulation in 45 digits."""
+"""Certificates with one thing changed, and whether what they state is still true, judged in 45 digits."""
 
 from __future__ import annotations
 
