@@ -182,8 +182,7 @@ def lowest(o: Oscillator, low: GapSample, high: GapSample, u: Ball, cut: int) ->
         return None
     # Where the derivative of the gap may vanish, by the secant; every third time the middle.
     share = -low.dg / (high.dg - low.dg)
-    part = float(share.mid()) if share.is_finite() else 0.5
-    if cut % 3 == 2 or not 0.02 < part < 0.98:
+    if cut % 3 == 2 or not 0.02 < share < 0.98:  # nor may it be no number
         share = arb(0.5)
     return (low.tau + u * share).mid()
 

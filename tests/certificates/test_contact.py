@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 from problems import FAMILIES
 
-from symosc import Parameters, load_scene
+from symosc import Parameters, Scene, certify, load_scene
 from symosc.certificates.balls import Undecided, ball, working_bits
 from symosc.certificates.contact import Wall, first_zero, gap_of, sharper, zero_in
 from symosc.certificates.flow import Flight, FlightStart, Oscillator
@@ -67,6 +67,17 @@ def test_a_touch_is_open_however_many_bits_there_are() -> None:
             boundary, tau = open_contact.value.touch
             assert boundary == 1
             assert float(tau.mid()) == pytest.approx(3.14159265358979 - 2.5, abs=1e-4)
+
+
+def test_a_dip_between_two_equal_slopes_is_found() -> None:
+    """Its secant is no number: the gap falls as fast at both ends of the piece, a whole period apart."""
+    numbers = {"m": "13/2", "c": 2, "k": "51597/2000000", "A0": "-670761/20000000", "B0": "-83349/12500000"}
+    speeds = {"v1": "-166697999997/50000000000000", "v2": "2165849/25000000", "mu1": 0, "mu2": 0, "FN": "179/25"}
+    p = Parameters(**numbers, Omega="63/1000", **speeds)
+    scene = Scene("dip", p, Fraction(0), Fraction("-1.3"), Fraction(-83349, 25000000), Fraction(300))
+    certificate = certify(scene)
+    assert certificate.proven, certificate.message
+    assert [event[0] for event in certificate.events] == ["cross"] * 5
 
 
 def test_a_start_on_the_wall_is_not_a_contact() -> None:

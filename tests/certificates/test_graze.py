@@ -56,6 +56,7 @@ def test_starts_before_other_touches(mapping: str, t_m: str) -> None:
     assert Fraction(low) < Fraction(high)
 
 
+@pytest.mark.slow
 def test_a_touch_after_another_event() -> None:
     """The flight starts with a crossing before the belt that it grazes; only the velocity's error is not 0."""
     p = load_scene("fig9").parameters

@@ -79,6 +79,7 @@ def _judge(change: str, tmp_path: Path, count: int) -> None:
             assert code == 0, (line, changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
 def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) -> None:
     good = json.loads(document(name))
@@ -175,6 +176,7 @@ def test_a_certificate_with_nonsense_in_it(where: tuple[Any, ...], value: Any, t
     assert time.process_time() - begun < 20
 
 
+@pytest.mark.slow
 def test_an_endless_end_is_not_waited_for(tmp_path: Path) -> None:
     begun = time.process_time()
     code, line = judged(json.loads(document("fig7")) | {"t_end": "1e50"}, tmp_path)
