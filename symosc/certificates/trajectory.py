@@ -100,6 +100,8 @@ def _events(problem: Problem, state: Moving, task: ToProve) -> Iterator[tuple[Pr
     t_end, count = ball(task.t_end), 0
     while (following := next_event(problem, state, t_end)) is not None:
         event, state = following
+        if not event.t < t_end:
+            raise Undecided("an event at the end", event.t)
         if task.exact and not (_accurate(event.t) and _accurate(event.x)):
             raise Undecided("the digits of an event", event.t)
         yield following

@@ -77,7 +77,7 @@ def test_a_dip_between_two_equal_slopes_is_found() -> None:
     scene = Scene("dip", p, Fraction(0), Fraction("-1.3"), Fraction(-83349, 25000000), Fraction(300))
     certificate = certify(scene)
     assert certificate.proven, certificate.message
-    assert [event[0] for event in certificate.events] == ["cross"] * 5
+    assert [event[0] for event in certificate.events] == ["cross"] * 7
 
 
 def test_a_start_on_the_wall_is_not_a_contact() -> None:
