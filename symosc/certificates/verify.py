@@ -154,13 +154,14 @@ class Motion:
         if end not in mode.ends or not (mode.flies or belt == self.belt) or (touches and not (limits and mode.flies)):
             raise Stop(FALSE, "an event at a belt that the motion is not at, or a graze of no start")
         turn, low, high = 1 if touches else -1, arb(first).lower(), arb(last).upper()
-        while not (self.f(end, low)[0] > 0 and turn * self.f(end, high)[0] > 0):  # wider: to find it by rough signs
+        while self.columns and not (self.f(end, low)[0] > 0 and turn * self.f(end, high)[0] > 0):  # the signs are rough
             first, last = 3 * first - 2 * last, 3 * last - 2 * first
             low, high = arb(first).lower(), arb(last).upper()
             require(low - self.t, "the signs around an event")
         times = low.union(high)
         slope = self.f(end, times)[1 + touches]
-        require(turn * slope, "the slope in an event")
+        for value in (self.f(end, low)[0], turn * self.f(end, high)[0], turn * slope):
+            require(value, "the signs around an event")
         self.positive(low)
         for other in mode.ends:
             require(self.f(other, times)[0] if other != end else arb(1), "no other event at the same time")
