@@ -18,7 +18,7 @@ def verify(file: str) -> int:
 
     \b
     Example:
-      symosc certify fig8 -o fig8.json && symosc verify fig8.json
+      symosc verify fig8.json
     """
     try:
         from symosc.certificates.verify import verify as prove
