@@ -9,16 +9,21 @@ import random
 import subprocess
 import sys
 import time
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 from certificate_mutants import CHANGES, is_true
-from flint import ctx
+from flint import arb, ctx
 
 import symosc.certificates.verify as checker
-from symosc import certify
+from symosc import Parameters, Scene, certify
+from symosc.certificates.balls import ball, outward, working_bits
+from symosc.certificates.contact import Wall, gap_of, zero_in
+from symosc.certificates.flow import Flight, FlightStart, Oscillator
+from symosc.certificates.turns import Turns
 
 SCENES = (("fig5", 3), ("fig6", 12), ("fig7-corrected", 5), ("fig9", 3), ("fig10", 4), ("fig8", 9))
 FILE = Path(checker.__file__)
@@ -99,6 +104,30 @@ def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) ->
         change(bad)
         code, line = judged(bad, tmp_path)
         assert code >= 1, line
+
+
+def test_a_later_contact_of_the_same_flight_is_not_the_next_event(tmp_path: Path) -> None:
+    """The flight is continued beyond its contact, as if nothing happened there, to where it meets the belt again."""
+    p = Parameters(m=1, c="0.1", k=4, A0=0, B0="0.5", Omega="0.7", v1=1, v2=9, mu1="0.1", mu2="0.1", FN=1)
+    scene = Scene("later", p, Fraction(0), Fraction(-3), Fraction(-1), Fraction(9))
+    whole = certify(scene).as_dict()
+    assert judged(whole, tmp_path)[0] == 0
+    with working_bits(200):
+        flight = Flight(Oscillator(p), 1, FlightStart(arb(0), arb(-3), arb(-1)))
+        gap = gap_of(flight, Wall(1, -1, Turns(p, 1)))
+        falls = [
+            tau / 100 for tau in range(900) if gap(ball(Fraction(tau, 100))).g > 0 > gap(ball(Fraction(tau + 1, 100))).g
+        ]
+        assert len(falls) > 1
+        for number, tau in enumerate(falls):
+            t = zero_in(gap, arb(tau), arb(tau) + arb("0.011"), "a contact", flight.start.t)
+            there = flight.at(t)
+            target = "Omega2" if there.a > Oscillator(p).jump[1] else "belt1"
+            row = {"kind": "cross" if target == "Omega2" else "stick", "boundary": 1, "source": "Omega1"}
+            row |= {"target": target, "t": list(outward(t, 25)), "x": list(outward(flight.x(there), 25))}
+            end = str(Fraction(row["t"][1]) + Fraction(1, 10**6))
+            code, line = judged(whole | {"events": [row], "t_end": end}, tmp_path)
+            assert code == (1 if number else 0), line
 
 
 HOSTILE = {
