@@ -90,7 +90,6 @@ def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) ->
     good = json.loads(document(name))
     assert judged(good, tmp_path)[0] == 0
     for change in (
-        lambda it: it["free"].update(low=it["free"]["high"], high=it["start"]["x0"] + "1"),  # beside the touch
         lambda it: it.update(starts="all"),
         lambda it: it.update(start_error=["0", "1e-60", "1e-60"]),  # the start that touches is further off
         lambda it: it["events"].clear(),
@@ -104,6 +103,16 @@ def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) ->
         change(bad)
         code, line = judged(bad, tmp_path)
         assert code >= 1, line
+
+
+@pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
+@pytest.mark.parametrize("shift", [-9, 0, 9])
+def test_starts_that_all_miss_or_all_meet_the_belt_have_no_graze(name: str, shift: int, tmp_path: Path) -> None:
+    good = json.loads(document(name))
+    low, high = (Fraction(good["free"][end]) for end in ("low", "high"))
+    moved = {"low": str(low + shift * (high - low)), "high": str(high + shift * (high - low))}
+    code, line = judged(good | {"free": good["free"] | moved}, tmp_path)
+    assert (code, "one start that touches" in line) == ((1, True) if shift else (0, False)), line
 
 
 def test_a_later_contact_of_the_same_flight_is_not_the_next_event(tmp_path: Path) -> None:
