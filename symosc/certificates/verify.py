@@ -50,7 +50,7 @@ def require(value, what):
 
 def sharper(f, found, slope):
     """Return a sharper enclosure of the zero of f in `found`, where f' is in `slope` (interval Newton)."""
-    for _ in range(ctx.prec // 64):
+    for _ in range(1 + ctx.prec // 128):
         step = found.mid() - f(found.mid())[0] / slope
         if not step.overlaps(found):
             raise Stop(OPEN, "where an event is")
@@ -271,7 +271,7 @@ KINDS = {"trajectory": trajectory}
 
 def verify(path):
     """Return an exit code and one line about a file."""
-    before, ctx.prec = ctx.prec, 128
+    before, ctx.prec = ctx.prec, 256
     try:
         with open(path, "rb") as file:
             data = json.loads(file.read(10**8))
