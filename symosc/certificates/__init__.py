@@ -15,9 +15,15 @@ How the pieces fit, from below:
     verify       proves a file again by other means; one file that needs nothing of symosc
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
-and returns the proven event and the set after it, whose Jacobian is `motion.contact_jacobian`; `Undecided` says what
-is open. Parameters as balls instead of fractions would go into `flow.Oscillator`. Its file has the same "format" and
-its own "kind", for which `verify.KINDS` names what proves it.
+and returns the proven event and the set after it; `contact_jacobian` has the derivatives of a flight's end, and
+`StateSet` carries them. `Undecided` says what is open, and a `touch` where it may be one. Parameters are exact in
+`flow.Oscillator` and `turns.Turns`: whether a motion is underdamped, resonant or has turns is decided in rationals, so
+a parameter that is an interval needs those decisions for all of it. Its file has the same "format" and its own "kind",
+for which `verify.KINDS` names what proves it; there `Motion.behind` gives the motion after a stated event with the
+derivatives of all starts (`columns`).
 
-It may import mappings, orbits, simulation and what is below them; bench, paper and cli may import it.
+What is not proven, and says so: touches from exact starts (double zeros; steady or undamped motions that touch in
+every period), forces that are exactly 0 where they turn, motions of more than MOST_PROVEN_EVENTS events.
+
+The package may import orbits, grazing, simulation and what is below them; plot, bench, paper and cli may import it.
 """
