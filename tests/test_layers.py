@@ -16,7 +16,7 @@ ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
     {"aliases", "errors"},
-    {"exact", "files", "drawable", "records"},
+    {"exact", "files", "drawable"},
     {"model"},
     {"words"},
     {"scenes", "machine", "citation"},
