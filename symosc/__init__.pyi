@@ -1,5 +1,7 @@
 # The public names of symosc and where each is written: the only list of them. Loaded on first use.
 from . import plot as plot
+from .certificates.certificate import Certificate as Certificate
+from .certificates.certify import certify as certify
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent

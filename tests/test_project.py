@@ -108,7 +108,7 @@ def test_what_is_imported_is_declared() -> None:
     """Every package that a module needs is one of ours, of Python's or of the project's dependencies."""
     named = [each for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()) for each in part]
     declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {"symosc"}
-    declared |= {"sksundae"}  # of scikit-sundae
+    declared |= {"sksundae", "flint"}  # of scikit-sundae and python-flint
     for path in (ROOT / "symosc").rglob("*.py"):
         for node in nodes(path):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -28,6 +28,8 @@ COMMANDS = (
     "grazing",
     "codegen",
     "check",
+    "certify",
+    "verify",
     "derive",
     "bench",
     "warm",

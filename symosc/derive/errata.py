@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from symosc.derive.records import RecordsError, kebab, one_of, records
 from symosc.derive.unicode_words import unicode_words
-from symosc.records import RecordsError, kebab, one_of, records
 
 ERRATA_FILE = Path(__file__).with_name("errata.toml")
 SEVERITIES = {

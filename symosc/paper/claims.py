@@ -10,8 +10,8 @@ from typing import Any
 
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
+from symosc.derive.records import RecordsError, kebab, one_line, one_of, records, tables
 from symosc.paper.evidence import CORRECTED, NOT_AS_PRINTED, VERDICTS, Evidence
-from symosc.records import RecordsError, kebab, one_line, one_of, records, tables
 
 CLAIMS_FOLDER = Path(__file__).parent / "claims"
 CHECKS = "symosc.paper.checks"

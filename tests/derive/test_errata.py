@@ -11,9 +11,9 @@ from symosc.derive import document
 from symosc.derive.chapters import errata as chapter_of_errata
 from symosc.derive.errata import SEVERITIES, Erratum, read_errata
 from symosc.derive.numbering import REFERENCE
+from symosc.derive.records import RecordsError
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Prose
-from symosc.records import RecordsError
 
 FOUND = read_errata()
 ERRATUM = """

@@ -9,9 +9,9 @@ import pytest
 from stand_in_claims import CLAIM
 
 from symosc.derive.chapters import CHAPTERS
+from symosc.derive.records import RecordsError
 from symosc.paper.claims import CLAIMS_FOLDER, PARTS, UNJUDGED, read_claims
 from symosc.paper.pictures import PICTURES
-from symosc.records import RecordsError
 
 CLAIMS = read_claims(PICTURES)
 

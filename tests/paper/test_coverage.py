@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from symosc.derive.errata import SEVERITIES, read_errata
+from symosc.derive.records import RecordsError
 from symosc.paper.claims import FAULTY, UNJUDGED, read_claims, read_unjudged
 from symosc.paper.coverage import PAPER, Item, coverage, items_of
 from symosc.paper.evidence import CONFIRMED, DEFINITION
 from symosc.paper.pictures import PICTURES
-from symosc.records import RecordsError
 
 CLAIMS, PARTS = read_claims(PICTURES), read_unjudged()
 FOUND = [erratum.in_unicode() for erratum in read_errata()]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from symosc.records import RecordsError, records, tables
+from symosc.derive.records import RecordsError, records, tables
 
 
 @pytest.mark.parametrize(

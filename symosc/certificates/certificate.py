@@ -1,0 +1,69 @@
+"""What a proof is handed over as: an object with a short repr, and a JSON file that `symosc verify` proves again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from symosc.aliases import Record
+from symosc.files import write_text
+
+#: What a certificate file says that it is.
+FORMAT = "symosc certificate 1"
+
+
+@dataclass(frozen=True, repr=False)
+class Certificate:
+    """What was proven, with enclosures that are rounded outward.
+
+    Attributes
+    ----------
+    kind : str
+        "trajectory", "orbit", "branch" or "window".
+    proven : bool
+        Whether all of it is proven.
+    message : str
+        What is proven; or what could not be, and where.
+    events : tuple
+        The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals.
+    points, multipliers : tuple
+        Of an orbit: enclosures of the switching points, and of the multipliers.
+    stable : bool or None
+        Of an orbit: whether it is stable; None if that is open.
+    statement : dict
+        What the file says: exact input as rational numbers, enclosures as decimals.
+
+    Examples
+    --------
+    >>> from symosc import certify
+    >>> certify("fig6")
+    <Certificate of a trajectory: proven, 3 events>
+    >>> kind, source, target, (t_low, t_high), x = certify("fig6").events[0]
+    >>> kind, source, target, t_low[:12], t_high[:12]
+    ('slip', 'belt2', 'Omega2', '1.5826058214', '1.5826058214')
+    """
+
+    kind: str
+    proven: bool
+    message: str
+    events: tuple[Any, ...] = ()
+    points: tuple[Any, ...] = ()
+    multipliers: tuple[Any, ...] = ()
+    stable: bool | None = None
+    statement: Record = field(default_factory=dict)
+
+    def as_dict(self) -> Record:
+        """Return what `to_json` writes."""
+        about = {"format": FORMAT, "kind": self.kind, "proven": self.proven, "message": self.message}
+        return about | self.statement
+
+    def to_json(self, path: str | Path) -> None:
+        """Write the certificate as JSON ("-": to standard output); OutputError if it cannot be written."""
+        write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
+
+    def __repr__(self) -> str:
+        count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
+        article = "an" if self.kind == "orbit" else "a"
+        return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"

@@ -1,0 +1,246 @@
+"""The first contact of a flight with a belt: proven to be the first, and enclosed.
+
+Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.turns`). On a piece
+between two turns, shorter than pi/omega_d if the motion is underdamped, take phi > 0 with L phi = 0 from its left end
+u = 0: phi = exp(-h u) C(u), C'' = kappa C, C(0) = 1, C'(0) = 0, and s = S/C with S'' = kappa S, S(0) = 0, S'(0) = 1.
+Then H = g/phi has d2H/ds2 = C^3 exp(h u) L g: a convex function of s if the drift is >= 0, a concave one if it is <= 0.
+So with signs at the ends only:
+
+- g < 0 at the end: exactly one zero in the piece;
+- concave, g > 0 at the end: none (H is above its chord);
+- convex, g(0) = 0 with g > 0 afterwards: none;
+- convex, g > 0 at both ends: none if H rises at the left or falls at the right end, or if its two tangents meet
+  above 0. Else the piece is cut where g may be least: g < 0 there means one zero before it, g > 0 two smaller pieces.
+
+No sign is guessed: a ball that contains 0 raises `Undecided`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from flint import arb, ctx
+
+from symosc.certificates.balls import Ball, Undecided, around
+from symosc.certificates.flow import Flight, Oscillator
+from symosc.certificates.turns import Turns
+
+#: Pieces are at most this long, in units of 1/omega_d: less than pi.
+LONGEST_PIECE = 2.8
+#: Tangents are used on pieces shorter than this, in units of 1/omega_d: less than pi/2.
+LONGEST_DIP = 1.4
+MOST_CUTS = 200
+MOST_PIECES = 20_000
+#: After that many pieces the motion is looked at once more: it may never come to a belt again.
+PIECES_TO_REST = 8
+MOST_ZERO_STEPS = 400
+MOST_WIDENINGS = 40
+
+
+class GapSample(NamedTuple):
+    """A time after the start, and the gap and its derivative there."""
+
+    tau: Ball
+    g: Ball
+    dg: Ball
+
+
+GapCurve = Callable[[Ball], GapSample]
+
+
+class Wall(NamedTuple):
+    """A belt as a wall of a flight: its number, the side of it that the flight is on, and its turns."""
+
+    boundary: int
+    side: int
+    turns: Turns
+
+
+def gap_of(flight: Flight, wall: Wall) -> GapCurve:
+    """Return the gap between a flight and a wall, positive on the side of the flight."""
+    speed = flight.oscillator.speed[wall.boundary]
+
+    def gap(tau: Ball) -> GapSample:
+        there = flight.at(tau)
+        return GapSample(tau, wall.side * (there.v - speed), wall.side * there.a)
+
+    return gap
+
+
+def ends_of_pieces(flight: Flight, wall: Wall, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
+    """Yield ends of pieces up to `stop`, whether H is convex there, and concave."""
+    o, begin, at = flight.oscillator, flight.start.t, arb(0)
+    longest = (arb(LONGEST_PIECE) / o.omega_d).mid() if o.damping < 0 else None
+    for turn, drift in wall.turns.pieces(begin):
+        end = None if turn is None else turn - begin
+        if end is None or end >= stop:
+            end = stop
+        elif not end < stop:
+            raise Undecided("a turn of the forces at the end of the search", begin + stop)
+        curved = drift * wall.side
+        if longest is not None:
+            while not end - at < longest:
+                at = (at + longest).mid()
+                yield at, curved >= 0, curved <= 0
+        at = end
+        yield end, curved >= 0, curved <= 0
+        if end is stop:
+            return
+
+
+def first_zero(flight: Flight, wall: Wall, stop: Ball, touching: bool) -> tuple[GapSample, GapSample] | None:
+    """Return the ends of a piece with exactly one zero of the gap, the first after the start; None if there is none.
+
+    Parameters
+    ----------
+    flight, wall : Flight, Wall
+    stop : ball
+        Time after the start to search to.
+    touching : bool
+        Whether the flight starts on the wall, from where it is known to leave it.
+    """
+    gap = gap_of(flight, wall)
+    low = gap(arb(0))
+    if touching:
+        low = low._replace(g=arb(0))
+    elif not low.g > 0:
+        raise Undecided("a start on a belt or beside it", flight.start.t)
+    count = 0
+    for end, convex, concave in ends_of_pieces(flight, wall, stop):
+        high = gap(end)
+        if high.g < 0:
+            return low, high
+        if not high.g > 0:
+            raise Undecided("a contact at the end of a piece", flight.start.t + end, (wall.boundary, end))
+        if convex and not concave and not touching:
+            found = dip(flight, wall, gap, low, high)
+            if found is not None:
+                return found
+        low, touching, count = high, False, count + 1
+        if count % PIECES_TO_REST == 0 and never_meets(flight, wall, end):
+            return None
+        if count > MOST_PIECES:
+            raise Undecided(f"a flight of more than {MOST_PIECES} pieces", flight.start.t + end)
+    return None
+
+
+def never_meets(flight: Flight, wall: Wall, tau: Ball) -> bool:
+    """Return whether a flight surely stays on its side of a wall from tau on, for ever."""
+    bound = flight.stays_within(flight.at(tau))
+    return bool(-wall.side * flight.oscillator.speed[wall.boundary] > bound)
+
+
+def dip(
+    flight: Flight, wall: Wall, gap: GapCurve, low: GapSample, high: GapSample
+) -> tuple[GapSample, GapSample] | None:
+    """Look for the first zero on a piece where H is convex and the gap positive at both ends."""
+    o, pending = flight.oscillator, [high]
+    for cut in range(MOST_CUTS):
+        high = pending[-1]
+        middle = None
+        u = high.tau - low.tau
+        if o.damping < 0 and not u * o.omega_d < LONGEST_DIP:
+            middle = (low.tau + u / 2).mid()
+        else:
+            middle = lowest(o, low, high, u, cut)
+        if middle is None:
+            low = pending.pop()
+            if not pending:
+                return None
+            continue
+        there = gap(middle)
+        if there.g < 0:
+            return low, there
+        if not there.g > 0:
+            break
+        pending.append(there)
+    raise Undecided("a touch or a near miss", flight.start.t + high.tau, (wall.boundary, high.tau))
+
+
+def lowest(o: Oscillator, low: GapSample, high: GapSample, u: Ball, cut: int) -> Ball | None:
+    """Return where to cut a convex piece, or None if the gap is positive on all of it."""
+    slope_low = low.dg + o.h * low.g
+    if slope_low >= 0:
+        return None
+    if o.damping < 0:
+        S, C = (o.omega_d * u).sin_cos()
+        S = S / o.omega_d
+    elif o.damping > 0:
+        S, C = (o.omega_d * u).sinh_cosh()
+        S = S / o.omega_d
+    else:
+        S, C = u, arb(1)
+    s = S / C
+    slope_high = high.dg + o.h * high.g - o.kappa * s * high.g
+    if slope_high <= 0:
+        return None
+    grown = (o.h * u).exp()
+    H_high, rise = grown * high.g / C, grown * C * slope_high
+    meet = (low.g - H_high + rise * s) / (rise - slope_low)
+    if low.g + slope_low * meet > 0:
+        return None
+    # Where the derivative of the gap may vanish, by the secant; every third time the middle.
+    share = -low.dg / (high.dg - low.dg)
+    if cut % 3 == 2 or not 0.02 < share < 0.98:  # nor may it be no number
+        share = arb(0.5)
+    return (low.tau + u * share).mid()
+
+
+def zero_in(gap: GapCurve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
+    """Return an enclosure of the only zero of the gap between low and high, where it falls through 0.
+
+    Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope has
+    one sign on it.
+    """
+    ends, here = (low, high), high.mid()
+    low, high = low.mid(), high.mid()
+    sample, step = gap(here), high
+    for count in range(MOST_ZERO_STEPS):
+        if sample.g > 0:
+            low = here
+        elif sample.g < 0:
+            high = here
+        else:
+            break
+        before, step = step, (-sample.g / sample.dg).mid()
+        following = (here + step).mid()
+        slow = count % 4 == 3 and abs(step) > abs(before) / 2
+        if slow or not step.is_finite() or not low < following < high:
+            following = ((low + high) / 2).mid()
+        if following == here:
+            break
+        here, sample = following, gap(following)
+    width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000)
+    return fenced(gap, here, width, ends, what, t)
+
+
+def fenced(gap: GapCurve, here: Ball, width: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
+    """Return a ball around `here` at whose ends the gap has different signs, and in which its slope has one sign."""
+    low, high = ends
+    for _ in range(MOST_WIDENINGS):
+        width = width.mid()
+        found = around(here, width)
+        if gap((here - width).mid()).g > 0 and gap((here + width).mid()).g < 0:
+            if not gap(found).dg < 0:
+                raise Undecided(f"the slope at {what}", t + found)
+            if not (low < found < high):
+                raise Undecided(f"{what} at the end of a piece", t + found)
+            return found
+        width = 2 * width + abs(here) * arb(2) ** (4 - ctx.prec)
+    raise Undecided(what, t + here)
+
+
+def sharper(gap: GapCurve, found: Ball, slope: Ball) -> Ball:
+    """Return a sharper enclosure of the zero of a gap that is known to lie in `found` (interval Newton, twice).
+
+    `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
+    """
+    for _ in range(2):
+        middle = found.mid()
+        step = middle - gap(middle).g / slope
+        if not step.overlaps(found):
+            raise ArithmeticError("two enclosures of one zero have nothing in common")
+        found = step.intersection(found)
+        slope = gap(found).dg
+    return found

@@ -1,0 +1,148 @@
+"""The motion in one domain, enclosed: velocity, acceleration and position at a time after the start of a flight.
+
+With L = D^2 + (c/m) D + k/m the velocity solves L v = -(B0 Omega/m) sin(Omega t) in every domain. It is a steady
+motion, of rational amplitudes, and a free one, which E (L E = 0, E(0) = 0, E'(0) = 1) and phi = E' + (c/m) E
+(phi(0) = 1, phi'(0) = 0) carry. Friction enters only through the acceleration at the start. Damping regime and
+resonance are decided in rational numbers.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import arb
+
+from symosc.certificates.balls import Ball, ball
+from symosc.model import Parameters
+
+Entire = tuple[Ball, Ball, Ball]
+
+
+class Oscillator:
+    """The constants of an oscillator as balls of the working precision, and what is exact about them."""
+
+    def __init__(self, p: Parameters) -> None:
+        self.p = p
+        h = p.c / (2 * p.m)
+        square = h * h - p.k / p.m
+        self.h, self.cm, self.km, self.m = ball(h), ball(p.c / p.m), ball(p.k / p.m), ball(p.m)
+        #: The sign of (c/2m)^2 - k/m, and the root of its size: the damped frequency, or the overdamped one's twin.
+        self.damping = (square > 0) - (square < 0)
+        self.kappa, self.omega_d = ball(square), ball(abs(square)).sqrt()
+        if self.damping > 0:
+            self.fast = -(self.h + self.omega_d)
+            self.slow = self.km / self.fast
+        self.Omega, self.drive = ball(p.Omega), ball(p.B0 * p.Omega / p.m)
+        self.A = {domain: ball(p.A(domain)) for domain in (1, 2, 3)}
+        self.B0, self.c, self.k = ball(p.B0), ball(p.c), ball(p.k)
+        self.speed = {boundary: ball(p.belt(boundary)) for boundary in (1, 2)}
+        #: The jump of the acceleration at each belt, F^(below) - F^(above).
+        self.jump = {1: ball(2 * p.mu1 * p.FN / p.m), 2: ball(2 * p.mu2 * p.FN / p.m)}
+        self.resonant = p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 != 0
+        if self.resonant:
+            self.growth = ball(p.B0 / (2 * p.m * p.Omega))
+        else:
+            pull, drag = p.k / p.m - p.Omega**2, p.c * p.Omega / p.m
+            gain = Fraction(0) if p.B0 == 0 else p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
+            self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
+
+    def entire(self, tau: Ball) -> Entire:
+        """Return E, E' and phi at tau."""
+        if self.damping > 0:
+            fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
+            E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
+        else:
+            decay = (-self.h * tau).exp()
+            if self.damping == 0:
+                E = tau * decay
+                E1 = decay - self.h * E
+            else:
+                s, c = (self.omega_d * tau).sin_cos()
+                E = decay * s / self.omega_d
+                E1 = decay * c - self.h * E
+        return E, E1, E1 + self.cm * E
+
+    def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
+        """Return velocity and acceleration of the steady motion; at resonance of one that grows from tau = 0."""
+        if self.resonant:
+            turn = self.Omega * tau
+            return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
+        P, R, Omega = self.steady_c, self.steady_s, self.Omega
+        return P * c + R * s, Omega * (R * c - P * s)
+
+    def force(self, domain: int, t: Ball, x: Ball, v: Ball) -> Ball:
+        """Return the acceleration in a domain."""
+        return (self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v) / self.m
+
+
+class FlightStart(NamedTuple):
+    """The start of a flight: time, position, velocity, as balls."""
+
+    t: Ball
+    x: Ball
+    v: Ball
+
+
+class FlightPoint(NamedTuple):
+    """A point of a flight, `tau` after its start: what is the same for both belts."""
+
+    tau: Ball
+    v: Ball
+    a: Ball
+    s: Ball
+    c: Ball
+    E: Ball
+    E1: Ball
+    phi: Ball
+
+
+class Flight:
+    """The motion in one domain, from every start in the balls of a `FlightStart`."""
+
+    def __init__(self, oscillator: Oscillator, domain: int, start: FlightStart) -> None:
+        self.oscillator, self.domain, self.start = oscillator, domain, start
+        self.s0, self.c0 = (oscillator.Omega * start.t).sin_cos()
+        self.a0 = oscillator.force(domain, start.t, start.x, start.v)
+        steady_v, steady_a = oscillator.steady(arb(0), self.s0, self.c0)
+        self.free_v, self.free_a = start.v - steady_v, self.a0 - steady_a
+
+    def at(self, tau: Ball) -> FlightPoint:
+        """Return the point `tau` after the start."""
+        o = self.oscillator
+        s, c = (o.Omega * (self.start.t + tau)).sin_cos()
+        E, E1, phi = o.entire(tau)
+        v, a = o.steady(tau, s, c)
+        v, a = v + self.free_v * phi + self.free_a * E, a - o.km * E * self.free_v + self.free_a * E1
+        return FlightPoint(tau, v, a, s, c, E, E1, phi)
+
+    def jerk(self, there: FlightPoint) -> Ball:
+        """Return the derivative of the acceleration."""
+        o = self.oscillator
+        return -o.cm * there.a - o.km * there.v - o.drive * there.s
+
+    def x(self, there: FlightPoint) -> Ball:
+        """Return the position, from the balance of forces, or of momentum where there is no spring."""
+        o, p, start = self.oscillator, self.oscillator.p, self.start
+        if p.k > 0:
+            change = o.B0 * (there.c - self.c0) - o.c * (there.v - start.v) - o.m * (there.a - self.a0)
+            return start.x + change / o.k
+        push = o.A[self.domain] * there.tau + o.B0 / o.Omega * (there.s - self.s0)
+        if p.c > 0:
+            return start.x + (push - o.m * (there.v - start.v)) / o.c
+        swing = (there.c - self.c0) / o.Omega + self.s0 * there.tau
+        way = o.A[self.domain] * there.tau * there.tau / 2 - o.B0 / o.Omega * swing
+        return start.x + start.v * there.tau + way / o.m
+
+    def stays_within(self, there: FlightPoint) -> Ball:
+        """Return a bound of |v| from this point on for ever, or infinity.
+
+        The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
+        """
+        o = self.oscillator
+        if o.resonant or o.p.k == 0:
+            return arb.pos_inf()
+        v, a = o.steady(there.tau, there.s, there.c)
+        free_v, free_a = there.v - v, there.a - a
+        free = (free_v * free_v + free_a * free_a / o.km).nonnegative_part().sqrt()
+        return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()

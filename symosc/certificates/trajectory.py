@@ -1,0 +1,202 @@
+"""A motion up to its end, proven event by event, with as many bits as it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import islice
+from math import ceil, log2, log10
+from typing import NamedTuple
+
+from symosc.aliases import Record
+from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, ball, exact_ends, outward, size, working_bits
+from symosc.certificates.certificate import Certificate
+from symosc.certificates.graze import FREE, prove_touch
+from symosc.certificates.motion import Moving, Problem, ProvenEvent, begin, next_event
+from symosc.exact import show
+from symosc.model import MODE_NAMES, Parameters
+
+FIRST_BITS, MOST_BITS = 128, 8192
+#: More bits do not help a start that is known to an error; they are raised this often only.
+RAISES_WITH_ERROR = 1
+MOST_PROVEN_EVENTS = 20_000
+#: Enclosures of events have this many digits, and more where events are closer to each other.
+DIGITS, DIGITS_BEYOND = 25, 8
+EXACT = (Fraction(0),) * 3
+
+
+class ToProve(NamedTuple):
+    """What is to be proven: parameters, t0, x0, v0, their errors, and t_end."""
+
+    p: Parameters
+    start: tuple[Fraction, Fraction, Fraction]
+    errors: tuple[Fraction, Fraction, Fraction]
+    t_end: Fraction
+
+    @property
+    def exact(self) -> bool:
+        """Whether the start is known exactly."""
+        return not any(self.errors)
+
+
+class Proof(NamedTuple):
+    """Events that are proven, the mode that the motion starts in, what is open, and the start that touches."""
+
+    mode: str
+    events: list[ProvenEvent]
+    open: Undecided | None = None
+    free: tuple[str, Fraction, Fraction] | None = None
+
+
+def first_bits(task: ToProve) -> int:
+    """Return the precision to begin with: more for a start that is known very well, and for late ones."""
+    p, (t0, _, v0) = task.p, task.start
+    small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
+    turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
+    spare = max(0, *(-_log2(each) for each in small)) + max(0, _log2(turns))
+    return FIRST_BITS + 32 * ceil(spare / 32)
+
+
+def _log2(number: Fraction) -> int:
+    return number.numerator.bit_length() - number.denominator.bit_length() if number else 0
+
+
+def prove_trajectory(task: ToProve) -> Certificate:
+    """Prove all events of a motion until t_end; see `symosc.certify`."""
+    bits = first_bits(task)
+    raises = 0
+    while True:
+        with working_bits(bits):
+            proof = _follow(task)
+            if proof.open is None:
+                return _certificate(task, proof, bits)
+            if proof.open.touch is not None and not task.exact:
+                with working_bits(2 * bits):
+                    touching = _with_a_touch(task, proof, proof.open.touch)
+                if touching.open is None:
+                    return _certificate(task, touching, bits)
+            raises += 1
+            if bits >= MOST_BITS or (not task.exact and raises > RAISES_WITH_ERROR):
+                return _certificate(task, proof, bits)
+        bits = min(2 * bits, MOST_BITS)
+
+
+def _follow(task: ToProve) -> Proof:
+    """Return what is proven with the working precision."""
+    mode, events = "", []
+    try:
+        problem = Problem(task.p)
+        state = begin(problem, task.start, task.errors)
+        mode = MODE_NAMES[state.mode]
+        for event, _ in _events(problem, state, task):
+            events.append(event)
+    except Undecided as undecided:
+        return Proof(mode, events, undecided)
+    return Proof(mode, events)
+
+
+def _events(problem: Problem, state: Moving, task: ToProve) -> Iterator[tuple[ProvenEvent, Moving]]:
+    """Yield the proven events until t_end, and the states after each."""
+    t_end, count = ball(task.t_end), 0
+    while (following := next_event(problem, state, t_end)) is not None:
+        event, state = following
+        if not event.t < t_end:
+            raise Undecided("an event at the end", event.t)
+        if task.exact and not (_accurate(event.t) and _accurate(event.x)):
+            raise Undecided("the digits of an event", event.t)
+        yield following
+        count += 1
+        if count >= MOST_PROVEN_EVENTS:
+            raise Undecided(f"what comes after {count} events", event.t)
+
+
+def _accurate(value: Ball) -> bool:
+    return size(value.rad()) < 10.0 ** (-DIGITS - 1) * max(1.0, size(value))
+
+
+def _with_a_touch(task: ToProve, proof: Proof, touch_near: tuple[int, Ball]) -> Proof:
+    """Return a proof in which some start within the error touches where one with all starts is open."""
+    problem, before = Problem(task.p), len(proof.events)
+    name, place = next((name, place) for name, place in FREE if task.errors[place] or task.exact)
+    events: list[ProvenEvent] = []
+
+    def arrive(value: Ball) -> Moving:
+        """Return the states after the events before the touch, from one ball of the free number."""
+        events.clear()
+        low, high = exact_ends(value)
+        start, errors = list(task.start), list(EXACT)
+        start[place], errors[place] = (low + high) / 2, (high - low) / 2
+        state = begin(problem, (start[0], start[1], start[2]), (errors[0], errors[1], errors[2]))
+        for event, after in islice(_events(problem, state, task), before):
+            events.append(event)
+            state = after
+        return state
+
+    try:
+        touch = prove_touch(problem, arrive, (task.start[place], task.errors[place]), touch_near)
+        arrive(ball(touch.low).union(ball(touch.high)))
+        events.append(touch.event)
+        events.extend(event for event, _ in _events(problem, touch.after, task))
+    except Undecided as undecided:
+        return Proof(proof.mode, events, undecided)
+    return Proof(proof.mode, events, None, (name, touch.low, touch.high))
+
+
+# -- what is said about it ---------------------------------------------------------------------------------------------
+
+
+def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
+    rows, before = [], ball(task.start[0])
+    for event in proof.events:
+        rows.append(_row(event, before, task))
+        before = event.t
+    statement: Record = {
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits",
+        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
+        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
+        "start_error": [show(error) for error in task.errors],
+        "t_end": show(task.t_end),
+        "starts": "all" if proof.free is None else "some",
+        "mode": proof.mode,
+        "events": rows,
+    }
+    if proof.free is not None:
+        name, low, high = proof.free
+        statement["free"] = {"name": name, "low": show(low), "high": show(high)}
+    events = tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
+    return Certificate("trajectory", proof.open is None, _message(task, proof, bits), events, statement=statement)
+
+
+def _message(task: ToProve, proof: Proof, bits: int) -> str:
+    count = f"{len(proof.events)} event{'' if len(proof.events) == 1 else 's'}"
+    if proof.open is None:
+        end = show(task.t_end)
+        if proof.free is not None:
+            return f"{count} until t = {end}, for some {proof.free[0]} within the error of the start"
+        return f"{count} until t = {end}" + ("" if task.exact else ", for every start within the error")
+    near = "" if proof.open.near is None else f" near t = {proof.open.near.mid().str(15, radius=False)}"
+    hint = ""
+    if proof.open.touch is not None and task.exact:
+        hint = "; with start_error the statement that a start so near touches can be proven"
+    return f"{proof.open.what}{near} is not decided with {bits} bits, after {count}{hint}"
+
+
+def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
+    digits = DIGITS
+    since = event.t - before
+    if since > 0:
+        scale = max(1.0, size(event.t))
+        digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
+    numbers = {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
+    about = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
+    return about | numbers
+
+
+def _known(value: Ball, digits: int) -> int:
+    """Return how many digits say what a ball says, but no more than that many."""
+    low, high = exact_ends(value)
+    width = high - low
+    if width == 0:
+        return digits
+    scale = max(abs(low), abs(high), Fraction(1))
+    return min(digits, 2 + int((_log2(scale) - _log2(width)) * log10(2)))

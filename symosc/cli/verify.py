@@ -1,0 +1,32 @@
+"""The command `symosc verify`."""
+
+from __future__ import annotations
+
+import click
+
+from symosc.cli.output import write
+from symosc.errors import MissingExtraError
+
+
+@click.command()
+@click.argument("file")
+def verify(file: str) -> int:
+    """Prove a certificate file once more, by other means than `symosc certify`.
+
+    The checker is one file, symosc/certificates/verify.py. It needs python-flint and nothing of symosc: copy it, read
+    it, and run it alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
+
+    \b
+    Example:
+      symosc verify fig8.json
+    """
+    try:
+        from symosc.certificates.verify import verify as prove
+    except ImportError:
+        raise MissingExtraError("verify", "certify") from None
+    code, line = prove(file)
+    if code:
+        click.echo(f"symosc: {line}", err=True)
+    else:
+        write(line)
+    return code

@@ -1,0 +1,89 @@
+"""What `certify` takes, and what it hands over."""
+
+from __future__ import annotations
+
+import ast
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import symosc
+from symosc import Certificate, ParameterError, SceneError, certify, load_scene
+from symosc.certificates.verify import verify
+
+
+def test_names_paths_and_scenes_are_one(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text((Path(symosc.__file__).parent / "scenes" / "fig6.toml").read_text(encoding="utf-8"))
+    documents = [certify(what).as_dict() for what in ("fig6", path, str(path), load_scene("fig6"))]
+    assert all(document == documents[0] for document in documents)
+
+
+@pytest.mark.parametrize("what", [None, 1, b"fig5", ["fig5"], load_scene("fig5").parameters])
+def test_what_is_no_scene(what: Any) -> None:
+    with pytest.raises(ParameterError, match=r"^what = .*give a Scene"):
+        certify(what)
+
+
+def test_bad_numbers_are_named() -> None:
+    with pytest.raises(SceneError):
+        certify("fig55")
+    with pytest.raises(ParameterError, match="t_end"):
+        certify("fig5", t_end=-1)
+    with pytest.raises(ParameterError, match="t_end"):
+        certify("fig5", t_end="nan")
+    with pytest.raises(ParameterError, match="start_error"):
+        certify("fig5", start_error=-1)
+
+
+def test_the_file_is_exact_input_and_decimals(tmp_path: Path) -> None:
+    path = tmp_path / "fig6.json"
+    certificate = certify("fig6")
+    certificate.to_json(path)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert document == certificate.as_dict()
+    scene = load_scene("fig6")
+    assert {name: Fraction(value) for name, value in document["parameters"].items()} == {
+        name: getattr(scene.parameters, name) for name in document["parameters"]
+    }
+    assert Fraction(document["start"]["v0"]) == scene.v0
+    rows = [
+        (*(row[name] for name in ("kind", "source", "target")), *map(tuple, (row["t"], row["x"])))
+        for row in document["events"]
+    ]
+    assert tuple(rows) == certificate.events
+    assert verify(str(path))[0] == 0
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig7-corrected", "fig8", "fig9-orbit", "fig10", "fig7-exact", "fig8-exact"])
+def test_other_means_prove_it_too(name: str, tmp_path: Path) -> None:
+    certify(name).to_json(tmp_path / "it.json")
+    assert verify(str(tmp_path / "it.json"))[0] == 0
+
+
+def test_starts_with_an_error_are_proven_by_other_means(tmp_path: Path) -> None:
+    for name, error in (("fig5", "1e-6"), ("fig9", ["1e-9", "1e-9", "0"]), ("fig6", ["1e-4", "1e-3", "0"])):
+        certificate = certify(name, start_error=error, t_end=7)
+        assert certificate.proven, certificate.message
+        certificate.to_json(tmp_path / "it.json")
+        code, line = verify(str(tmp_path / "it.json"))
+        assert code == 0, (name, line)
+
+
+def test_it_is_short_to_look_at() -> None:
+    assert repr(certify("fig6")) == "<Certificate of a trajectory: proven, 3 events>"
+    assert repr(Certificate("orbit", False, "open")) == "<Certificate of an orbit: not proven>"
+
+
+def test_proofs_take_nothing_from_the_engine() -> None:
+    """No kernel (their series have no remainder), no mpmath (its intervals are unsound), no simulation."""
+    for path in (Path(symosc.__file__).parent / "certificates").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                assert name.split(".")[0] not in ("mpmath", "numpy", "scipy", "sympy"), path
+                assert name.split(".")[:2] not in (["symosc", "kernels"], ["symosc", "engine"]), path

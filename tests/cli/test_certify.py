@@ -1,0 +1,74 @@
+"""`symosc certify` and `symosc verify`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from cli_runs import good, run
+
+from symosc.cli.certify import common
+
+
+def test_a_proven_motion(tmp_path: Path) -> None:
+    path = tmp_path / "fig6.json"
+    lines = good("certify", "fig6", "-o", str(path)).splitlines()
+    assert lines[0].split() == ["t", "x", "kind", "from", "->", "to"]
+    assert lines[2].split() == ["1.5826058214105219", "7.9130291070526097", "slip", "belt2", "->", "Omega2"]
+    assert lines[-1] == "proven: 3 events until t = 20"
+    assert good("verify", str(path)) == "proven: 3 events until t = 20, for all starts\n"
+
+
+def test_options(tmp_path: Path) -> None:
+    assert good("certify", "fig5", "--t-end", "3").splitlines()[-1] == "proven: 2 events until t = 3"
+    assert "for every start" in good("certify", "fig5", "--t-end", "3", "--start-error", "0,1e-9,0")
+    assert "for some x0" in good("certify", "fig7-exact")
+    assert good("certify", "fig7", "--set", "A0=6").splitlines() == ["proven: 0 events until t = 15.1"]
+    assert json.loads(good("certify", "fig6", "--json"))["proven"] is True
+    assert json.loads(good("certify", "fig6", "-o", "-"))["kind"] == "trajectory"
+
+
+def test_what_is_not_proven_is_one_line_and_exit_code_1(tmp_path: Path) -> None:
+    path = tmp_path / "open.json"
+    result = run("certify", "fig10-orbit", "-o", str(path))
+    assert result.exit_code == 1
+    assert result.stderr.startswith("symosc: not proven: a force on the belt at the start near t = 0.44")
+    assert len(result.stderr.splitlines()) == 1
+    assert run("verify", str(path)).exit_code == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("fig55",),
+        ("fig5", "--t-end", "-1"),
+        ("fig5", "--start-error", "1,2"),
+        ("fig5", "--set", "m"),
+        ("fig5", "-o", ""),
+        ("fig5", "-o", "no/such/folder/it.json"),
+        ("fig5", "-o", "-", "--json"),
+    ],
+)
+def test_bad_input(arguments: tuple[str, ...]) -> None:
+    result = run("certify", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_a_false_file_and_no_certificate(tmp_path: Path) -> None:
+    path = tmp_path / "it.json"
+    path.write_text(good("certify", "fig6", "-o", "-").replace('"cross"', '"stick"').replace("belt2", "belt1"))
+    result = run("verify", str(path))
+    assert (result.exit_code, result.stdout, len(result.stderr.splitlines())) == (1, "", 1)
+    for content in ("", "[]", "{}", "nonsense"):
+        path.write_text(content)
+        result = run("verify", str(path))
+        assert (result.exit_code, result.stdout, len(result.stderr.splitlines())) == (2, "", 1)
+    assert run("verify", str(tmp_path / "none.json")).exit_code == 2
+
+
+def test_as_many_digits_as_both_ends_have() -> None:
+    assert common("1.2345", "1.2346") == "1.23"
+    assert common("0.99999999", "1.00000001") == "1.000000"
+    assert common("-1", "1") == "-1 … 1"
