@@ -24,7 +24,7 @@ LEVELS = [
     {"engine"},
     {"mappings", "simulation"},
     {"symbolic"},
-    {"orbits", "crosschecks"},
+    {"orbits", "crosschecks", "sweeps"},
     {"grazing"},
     {"plot"},
     {"derive", "bench"},
