@@ -29,6 +29,7 @@ COMMANDS = (
     "codegen",
     "check",
     "derive",
+    "sweep",
     "bench",
     "warm",
     "reproduce",
