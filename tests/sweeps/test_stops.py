@@ -55,5 +55,5 @@ def test_the_border_of_the_map_is_the_formulas() -> None:
 
 
 def test_more_stops_at_lower_frequencies() -> None:
-    found = sweep(WALL, {"Omega": "0.1:0.5:21", "mu1": "0.05:0.95:19"}, record="sticks", t_end="31T", skip="30T")
+    found = sweep(WALL, {"Omega": [0.1, 0.2, 0.45], "mu1": [0.1, 0.4, 0.6]}, record="sticks", t_end="21T", skip="20T")
     assert {0, 2, 4, 6} <= {*found.sticks.values.ravel().tolist()}
