@@ -41,6 +41,7 @@ def test_every_example_says_what_it_prints() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(1)  # a cluster is in test_run.py too
 @pytest.mark.parametrize("number", range(len(EXAMPLES)))
 def test_example(number: int, tmp_path: Path) -> None:
     code, expected = EXAMPLES[number]

@@ -41,9 +41,9 @@ def test_the_formula_gives_the_published_values() -> None:
 
 @pytest.mark.slow
 def test_the_border_of_the_map_is_the_formulas() -> None:
-    over = {"Omega": "0.62:2:12", "mu1": "0.41:0.89:25"}
+    over = {"Omega": "0.65:2:6", "mu1": "0.42:0.9:13"}
     found = sweep(WALL, over, record="sticks", t_end="61T", skip="60T")
-    step = 0.02
+    step = 0.04
     for ratio in found.Omega.values:
         stops = found.sticks.sel(Omega=ratio)
         free, stopping = stops.mu1.values[stops.values == 0], stops.mu1.values[stops.values > 0]
