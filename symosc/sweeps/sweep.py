@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -39,85 +39,70 @@ def sweep(
     resume: bool = True,
     progress: Any = False,
 ) -> xarray.Dataset:
-    """Follow one motion for each cell of a grid, or each row of a table, of parameters and starts.
+    """Follow one motion for each cell of a grid, or row of a table, of parameters and starts (extra `sweep`).
 
-    Needs the extra `sweep`. A motion, and so every number of the result, depends on its cell alone: the result is the
-    same to the last bit for any number of workers, any executor, and however often the program was killed meanwhile.
+    The result is the same to the last bit for any workers and executor, however often the program was killed meanwhile.
 
     Parameters
     ----------
     scene : Scene, or its name or path
-        What is not swept.
     over : mapping, DataFrame or sequence of mappings
-        One to three axes: names of parameters or of t0, x0, v0 with their values, numbers or text ``"LO:HI:N"`` for N
-        evenly spaced ones. Or a table, each row a set. Values are taken as doubles, each read as the decimal that it
-        prints as.
+        One to three axes: parameters, t0, x0 or v0 with their values, numbers or text ``"LO:HI:N"``; or a table, a row
+        for each set. Values are taken as doubles, each read as the decimal that it prints as.
     record : str or sequence of str
-        Columns of a summary (see `simulate_many`): word, multiplicity, events, sticks, stuck, t, x, v, mode, x_min,
-        x_max, v_min, v_max, section (``"section:64"`` for 64 points). The status is always there.
-    t_end : number or str, optional
-        End of all motions, or text such as ``"60T"``: 60 periods of the forcing after the start. Default: the scene's.
-    skip : number or str
-        How long at its start a motion is not looked at; time, or periods such as ``"40T"``.
+        Columns of a summary (see `simulate_many`); ``"section:64"`` for 64 points. The status is always there.
+    t_end, skip : number or str, optional
+        End, and how long at its start a motion is not looked at; ``"60T"`` is 60 forcing periods from the start on.
     starts : array_like, shape (3,) or (n, 3), optional
         t0, x0, v0; several rows are one more dimension, "start".
-    workers : int, optional
-        Threads, by default as many as there are cores; with an executor, how many chunks are under way.
-    executor : concurrent.futures.Executor or dask.distributed.Client, optional
-        Where chunks are computed. Default: threads of this process.
-    path : str or Path, optional
-        Output: .nc (netCDF), .zarr or .csv. Finished chunks are kept beside it until it is written.
-    resume : bool
-        Whether finished chunks, or a finished output, of the same sweep are used. False: start anew, and replace it.
+    workers, executor : optional
+        Threads; or an executor of concurrent.futures or Client of dask, and how many chunks are under way there.
+    path, resume : optional
+        Output: .nc, .zarr or .csv, and whether what an earlier run has left of the same sweep is used.
     progress : bool or callable
-        True: a bar with rate and time left, on a terminal. Or what gets the numbers of motions done and of all.
-
-    Returns
-    -------
-    xarray.Dataset
-        Its attribute ``call`` is the call that gives it again.
+        True: a bar, on a terminal. Or what gets the numbers of motions done and of all.
 
     Raises
     ------
-    ParameterError
-        If an argument is out of range.
-    SweepError
-        If the output is another sweep's, or a worker failed. Finished chunks are kept: the same call goes on.
-    OutputError
-        If a file cannot be written, for example on a full disk. Finished chunks are kept.
-    MissingExtraError
-        If xarray, or what writes the output, is not installed.
+    ParameterError, SweepError, OutputError, MissingExtraError
+        If an argument is out of range; the output is another sweep's, or a worker failed; a file cannot be written;
+        a package is missing. Finished chunks are kept: the same call goes on.
 
     Examples
     --------
     >>> from symosc import sweep
-    >>> found = sweep("fig9", {"Omega": "3.5:4.5:3", "FN": [5, 10]}, t_end="12T", skip="10T")
-    >>> found.word.values.tolist()
+    >>> sweep("fig9", {"Omega": "3.5:4.5:3", "FN": [5, 10]}, t_end="12T", skip="10T").word.values.tolist()
     [['P32', 'P32'], ['P32', 'P32'], ['P32', 'P32']]
     """
     need_xarray()
     plan, given = planned(scene, over, record, t_end, skip, starts)
     target = None if path is None else output.output_path(path)
-    going_on = true_or_false("resume", resume)
-    who, under_way = engine(executor, workers)
+    going_on, (who, under_way) = true_or_false("resume", resume), engine(executor, workers)
     if target is not None and _is_finished(plan, target, going_on):
         Store(target).remove(plan.key)  # stopped before it could do that itself
         return dataset_of(plan, output.read_columns(target), given)
-    results, there = Collected(len(plan.grid)), []
     with Store(target) if target is not None else nullcontext() as store:
         if store is not None:
             store.open(plan.key, plan.content, going_on)
-            for begin, end, columns in store.chunks():
-                results.fill(begin, end, columns)
-                there.append((begin, end))
-        gaps = missing(there, results.count)
-        done = results.count - sum(end - begin for begin, end in gaps)
-        with reporting(progress, done, results.count) as report:
-            _fill(results, carried_out(plan, gaps, who, under_way), store, done, report)
-        dataset = dataset_of(plan, results.columns(), given)
-        if store is not None:
-            output.write_output(dataset, store.output, store.folder)
-            store.remove(plan.key)
+        return _computed(plan, given, store, lambda gaps: carried_out(plan, gaps, who, under_way), progress)
+
+
+def _computed(
+    plan: SweepPlan, given: dict[str, Any], store: Store | None, compute: Callable[..., Any], progress: Any
+) -> xarray.Dataset:
+    """Compute what is missing, and write the output."""
+    results, there = Collected(len(plan.grid)), []
+    for begin, end, columns in store.chunks() if store is not None else ():
+        results.fill(begin, end, columns)
+        there.append((begin, end))
+    gaps = missing(there, results.count)
+    done = results.count - sum(end - begin for begin, end in gaps)
+    with reporting(progress, done, results.count) as report:
+        _fill(results, compute(gaps), store, done, report)
+    dataset = dataset_of(plan, results.columns(), given)
+    if store is not None:
+        output.write_output(dataset, store.output, store.folder)
+        store.remove(plan.key)
     return dataset
 
 
