@@ -19,6 +19,7 @@ from .errors import (
 from .errors import (
     SceneError as SceneError,
 )
+from .errors import SweepError as SweepError
 from .errors import (
     SymoscError as SymoscError,
 )
@@ -88,6 +89,9 @@ from .simulation.simulate import simulate as simulate
 from .simulation.trajectory import Event as Event
 from .simulation.trajectory import Segment as Segment
 from .simulation.trajectory import Trajectory as Trajectory
+from .sweeps.sweep import SweepStatus as SweepStatus
+from .sweeps.sweep import sweep as sweep
+from .sweeps.sweep import sweep_status as sweep_status
 from .symbolic.grazing_answers import (
     Answer as Answer,
 )

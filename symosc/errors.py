@@ -139,3 +139,25 @@ class MissingExtraError(SymoscError, ImportError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.what, self.extra)
+
+
+class SweepError(SymoscError, RuntimeError):
+    """A sweep that cannot go on: its output is another sweep's, or a worker failed. Finished chunks are kept.
+
+    Attributes
+    ----------
+    reason : str
+
+    Examples
+    --------
+    >>> from symosc import SweepError
+    >>> print(SweepError("map.nc is the output of another sweep"))
+    map.nc is the output of another sweep
+    """
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(reason)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.reason,)

@@ -96,6 +96,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "paper.window_figures": ("paper/test_theory.py", PICTURES),
     "paper.evidence": ("paper/test_figures_claims.py", "a record that the checks return"),
     "paper.report": ("paper/test_run.py", PAPER),
+    "plot.columns": ("plot/test_maps.py", "labels and axes are looked up in the finished maps"),
     "plot.insets": ("plot/test_figures.py", PICTURES),
     "plot.sweep": ("plot/test_windows.py", PICTURES),
     "plot.curve": ("grazing/test_curve.py", PICTURES),

@@ -274,10 +274,16 @@ def test_a_scene_checks_its_start() -> None:
 
 
 @pytest.mark.parametrize(
-    "code", ["import symosc", "import symosc; assert len(symosc.simulate(symosc.load_scene('fig5')).events) == 16"]
+    "code",
+    [
+        "import symosc",
+        "import symosc; assert len(symosc.simulate(symosc.load_scene('fig5')).events) == 16",
+        "from symosc import sweep",
+    ],
 )
 def test_the_numeric_path_loads_no_heavy_package(code: str) -> None:
-    program = f"{code}\nimport sys\nprint(*{{'sympy', 'matplotlib', 'numba'}} & set(sys.modules))"
+    heavy = {"sympy", "matplotlib", "numba", "xarray", "pandas", "distributed"}
+    program = f"{code}\nimport sys\nprint(*{heavy} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "", "")
 

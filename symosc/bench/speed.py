@@ -22,9 +22,9 @@ from symosc.aliases import Number, Record
 from symosc.bench import formulas, gains
 from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
+from symosc.bench.machine import machine, sentence
 from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
-from symosc.machine import machine, sentence
 from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import simulate

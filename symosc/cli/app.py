@@ -31,6 +31,7 @@ COMMANDS = (
     "certify",
     "verify",
     "derive",
+    "sweep",
     "bench",
     "warm",
     "reproduce",

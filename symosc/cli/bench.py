@@ -73,12 +73,13 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
 
 
 def _speed(quick: bool) -> Record:
-    from symosc.bench import digits, ensembles, speed, work_precision
+    from symosc.bench import digits, ensembles, speed, sweeping, work_precision
 
     return {
         "speed": speed.run(quick=quick),
         "digits": digits.run(quick=quick),
         "ensembles": ensembles.run(quick=quick),
+        "sweeping": sweeping.run(quick=quick),
         "work_precision": work_precision.run(quick=quick, progress=partial(_bar, "solvers")),
     }
 
@@ -107,10 +108,11 @@ def _picture(result: Record) -> Any:
 
 
 def _tables(result: Record) -> str:
-    from symosc.bench import digits, ensembles, hard, speed, work_table
+    from symosc.bench import digits, ensembles, hard, speed, sweeping, work_table
 
     if "hard" not in result:
-        shown = {"speed": speed, "digits": digits, "ensembles": ensembles, "work_precision": work_table}
+        shown = {"speed": speed, "digits": digits, "ensembles": ensembles, "sweeping": sweeping}
+        shown["work_precision"] = work_table
         return "\n\n".join(module.table(result[name]) for name, module in shown.items())
     parts = [hard.table(result["hard"])]
     if any(solver["raw"] for solver in result["hard"]["solvers"]):

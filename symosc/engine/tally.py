@@ -31,8 +31,8 @@ SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIG
 EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
 # An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
 AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
-# Words of a period are compared by a number; of up to 18 mappings by all of them.
-WORD_MODULUS = 2**59 - 55
+# Words of a period are compared by a number; of up to 17 mappings by all of them. Small enough for 64 bits.
+WORD_MODULUS = 2**56 - 5
 # A transient is over after so many of its decay times.
 TRANSIENT = 45.0
 MOST_REST_STEPS = 2**62

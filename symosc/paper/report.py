@@ -17,10 +17,10 @@ from typing import Any
 
 from markupsafe import Markup
 
+from symosc.bench.machine import machine
 from symosc.citation import paper_reference
 from symosc.derive.errata import SEVERITIES, Erratum
 from symosc.errors import OutputError
-from symosc.machine import machine
 from symosc.paper import letter
 from symosc.paper.claims import PARTS
 from symosc.paper.coverage import NAMES, coverage

@@ -1,4 +1,4 @@
-"""Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves and cross-checks.
+"""Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves, cross-checks and sweeps.
 
 May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
 
@@ -19,30 +19,38 @@ from symosc.grazing.curve import GrazingCurve
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.plot.bifurcation import bifurcation_figure, curve_figure
 from symosc.plot.branch import branch_figure
 from symosc.plot.crosscheck import figure as crosscheck_figure
 from symosc.plot.curve import figure_grazing_curve
 from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
+from symosc.plot.maps import basin_figure, map_figure
 from symosc.plot.region import region_figure
 from symosc.plot.sweep import sweep_figure
+from symosc.plot.swept import swept_figure
 from symosc.plot.windows import window_figure
 from symosc.simulation.trajectory import Trajectory
 
 __all__ = [
     "MOST_DRAWN_EVENTS",
+    "basin_figure",
+    "bifurcation_figure",
     "branch_figure",
     "check_panels",
     "check_suffix",
     "crosscheck_figure",
+    "curve_figure",
     "default_panels",
     "figure",
     "figure_grazing_curve",
+    "map_figure",
     "orbit_figure",
     "region_figure",
     "save",
     "simulated",
     "sweep_figure",
+    "swept_figure",
     "window_figure",
 ]
 

@@ -51,7 +51,8 @@ class Summary:
     mode : (n,) array of str
         Its mode, "Omega1" … "belt2".
     word : (n,) array of str
-        Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did.
+        Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did. The one
+        that was under way when the period began counts as its last: on an orbit of one period it is so at its end too.
     multiplicity : (n,) int array
         Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice in a row; 0 if they
         do not. Sections are the same if they differ by less than 1e-6 of the motion's extent plus 8 estimated errors.
@@ -231,15 +232,17 @@ def columns_of(tally: Tally, sections: int) -> dict[str, np.ndarray]:
     found = {"events": ints[:, kept.EVENTS_SO_FAR], "sticks": ints[:, kept.STICKS]}
     lengths = np.minimum(ints[:, kept.LAST_LENGTH], tally.labels.shape[2]).tolist()
     labels = tally.labels[:, 1]
-    text = [
-        "P" + bytes(48 + row[:size])[::-1].decode() if size else "" for row, size in zip(labels, lengths, strict=True)
-    ]
-    found["word"] = np.array(text, dtype=str)
+    found["word"] = np.array([_text(row[:size]) for row, size in zip(labels, lengths, strict=True)], dtype=str)
     found["multiplicity"] = repeats(values, errors, words, extent.T)
     names = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
     names |= {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
     found |= {name: np.where(np.isfinite(floats[:, n]), floats[:, n], np.nan) for name, n in names.items()}
     return found | {"section": values[:, values.shape[1] - sections :]}
+
+
+def _text(labels: np.ndarray) -> str:
+    """Return the word of mappings in order of time, of which the first was under way when the period began."""
+    return "P" + bytes(48 + np.roll(labels, -1))[::-1].decode() if len(labels) else ""
 
 
 def _in_order(tally: Tally) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

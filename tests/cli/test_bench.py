@@ -20,6 +20,7 @@ from symosc.bench import (
     plot_work,
     results,
     speed,
+    sweeping,
     work_precision,
     work_table,
 )
@@ -57,10 +58,10 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         drawing.text(0, 0, "x", gid=f"picture of {result['name']}")
         return drawing
 
-    for module in (speed, digits, ensembles, work_precision, hard, error_map):
+    for module in (speed, digits, ensembles, sweeping, work_precision, hard, error_map):
         name = module.__name__.rpartition(".")[2]
         monkeypatch.setattr(module, "run", measured(name))
-    for module in (speed, digits, ensembles, work_table, hard):
+    for module in (speed, digits, ensembles, sweeping, work_table, hard):
         monkeypatch.setattr(module, "table", lambda result, **options: f"table of {result['name']} {options}")
     monkeypatch.setattr(hard, "legend", lambda result: ["legend"])
     for module in (plot_work, plot_error_map):
@@ -70,16 +71,14 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.usefixtures("calls")
 def test_tables() -> None:
-    assert (
-        good("--quick")
-        == "table of speed {}\n\ntable of digits {}\n\ntable of ensembles {}\n\ntable of work_precision {}\n"
-    )
+    shown = ("speed", "digits", "ensembles", "sweeping", "work_precision")
+    assert good("--quick") == "\n\n".join(f"table of {name} {{}}" for name in shown) + "\n"
     assert good("--hard") == "table of hard {}\n\nThe peers as they come:\n\ntable of hard {'raw': True}\n\nlegend\n"
 
 
 def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     data = json.loads(good("--json"))
-    assert calls == ["speed", "digits", "ensembles", "work_precision"]
+    assert calls == ["speed", "digits", "ensembles", "sweeping", "work_precision"]
     assert list(data) == ["quick", *calls]
     assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
     assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
@@ -111,7 +110,7 @@ def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: p
     readme = tmp_path / "README.md"
     readme.write_text(MARKS)
     lines = good("--quick", "--results", str(readme)).splitlines()
-    assert sorted(calls) == ["digits", "ensembles", "error_map", "hard", "speed", "work_precision"]
+    assert sorted(calls) == ["digits", "ensembles", "error_map", "hard", "speed", "sweeping", "work_precision"]
     assert readme.read_text() == MARKS.replace("old", str(sorted([*calls, "quick"])))
     assert lines[0] == f"wrote {readme}"
     assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(

@@ -45,7 +45,7 @@ def test_markdown_shows_a_text_as_it_is(written: dict[str, str]) -> None:
     rng = random.Random(2)
     for _ in range(SAMPLES):
         text = random_text(rng).replace("<", "").replace(">", "").replace("&", "").replace("_", "")  # typeset has these
-        found = rendering.render("a.md.j2", {"text": text})
+        found = rendering.render("a.md.j2", {"text": text}).replace("\u2060", "")  # typeset keeps |x| in one line by it
         assert not re.search(r"[`*_|\[\]~]", re.sub(r"\\.", "", found))
         assert re.sub(r"\\(.)", r"\1", found) == " ".join(text.split())
     assert rendering.render("a.md.j2", {"text": "one\n  |two|"}) == r"one \|two\|"

@@ -61,7 +61,7 @@ def slow_summary(p: Parameters, trajectory: Trajectory, skip: float, sections: i
     columns: dict[str, Any] = {"status": trajectory.status, "events": len(counted)}
     columns["sticks"] = sum(event.kind == "stick" for event in counted)
     columns |= extremes(trajectory, begin) | {"stuck": stuck / (last - begin)}
-    columns["word"] = "P" + "".join(label[1:] for label in reversed(words[-1])) if words and words[-1] else ""
+    columns["word"] = _text(words[-1]) if words and words[-1] else ""
     blank = np.full((sections, 2), np.nan)
     columns["section"] = np.concatenate([blank, values])[len(values) :] if sections else blank
     columns |= {"t": last, "mode": trajectory.segments[-1].mode, "word_known": bool(words)}
@@ -80,6 +80,11 @@ def _words(trajectory: Trajectory, numbers: np.ndarray, Omega: float, whole: boo
         if segment.label and 0 <= period < len(words):
             words[period].append(segment.label)
     return words
+
+
+def _text(labels: list[str]) -> str:
+    """The mapping that was under way when the period began counts as its last."""
+    return "P" + "".join(label[1:] for label in reversed([*labels[1:], labels[0]]))
 
 
 def _multiplicity(words: list[list[str]], sections: np.ndarray, extent: np.ndarray) -> int:

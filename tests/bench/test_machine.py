@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symosc.machine import machine, sentence
+from symosc.bench.machine import machine, sentence
 
 
 def test_machine_names_the_versions() -> None:

@@ -1,0 +1,165 @@
+"""The command `symosc sweep`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from symosc.aliases import Record
+from symosc.cli.output import json_option, write, write_json
+from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+
+if TYPE_CHECKING:
+    import xarray
+
+OVER_OPTION = "NAME=LO:HI:N, such as Omega=1:6:500"
+# Values of a column that are printed, the most frequent first.
+SHOWN_VALUES = 8
+
+
+@click.command()
+@scene_argument
+@click.option(
+    "--over", "axes", multiple=True, metavar="NAME=LO:HI:N", help="An axis: a parameter, or t0, x0 or v0. Repeatable."
+)
+@set_option
+@click.option(
+    "--record", default="word", show_default=True, metavar="NAMES", help="Columns, such as word,sticks,section:64."
+)
+@click.option("--t-end", metavar="T", help="End of all motions; 60T: after 60 periods. Default: the scene's.")
+@click.option("--skip", default="0", metavar="T", help="Leave out this time at the start; 40T: 40 periods.")
+@click.option(
+    "-o", "--output", metavar="FILE", help="Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv."
+)
+@click.option("--plot", "picture", metavar="FILE", help="Draw it: .pdf, .svg or .png. -: SVG to stdout.")
+@click.option("--workers", type=WholeNumber(), metavar="N", help="Threads; with --executor chunks under way at a time.")
+@click.option("--executor", metavar="dask:ADDRESS", help="Compute on a dask cluster, such as dask:tcp://host:8786.")
+@click.option("--status", is_flag=True, help="Only tell how far it is.")
+@click.option("--restart", is_flag=True, help="Use nothing that an earlier run has left.")
+@json_option
+def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture: str | None, **options: Any) -> None:
+    """Follow a motion for each cell of a grid of parameters and starts.
+
+    Prints what was found, and how often. With -o a second run of the same command goes on where the first one was
+    stopped, however it was stopped; the result is the same to the last bit.
+
+    \b
+    Examples:
+      symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc --plot map.png
+      symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot bifurcation.png
+    """
+    from symosc.sweeps.sweep import sweep_status
+
+    output, as_json = options["output"], options["as_json"]
+    piped = goes_to_stdout(picture, "--plot", as_json)
+    goes_to_stdout(output, "--output")
+    problem = scene_with(scene, settings, {})
+    names = tuple(options["record"].split(","))
+    asked: Record = {"record": names, "t_end": options["t_end"], "skip": options["skip"], "path": output}
+    if options["status"]:
+        if output is None:
+            raise click.UsageError("--status tells about the file of -o; name it")
+        _tell(sweep_status(problem, _over(axes), **asked)._asdict(), as_json)
+        return
+    if picture is not None:
+        _check_suffix(picture)
+    dataset = _swept(problem, _over(axes), asked, options)
+    if picture is not None:
+        from symosc import plot
+
+        plot.save(plot.swept_figure(dataset), picture)
+    if as_json:
+        write_json(_data(dataset, output))
+    elif not piped:
+        write(_report(dataset, [path for path in (output, picture) if path is not None]))
+
+
+def _over(axes: tuple[str, ...]) -> dict[str, str]:
+    over: dict[str, str] = {}
+    for axis in axes:
+        name, equals, values = axis.partition("=")
+        if not (equals and name and values):
+            raise click.BadParameter(f"{axis!r} is not {OVER_OPTION}", param_hint="--over")
+        if name in over:
+            raise click.BadParameter(f"{name} is there twice", param_hint="--over")
+        over[name] = values
+    return over
+
+
+def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -> xarray.Dataset:
+    from symosc.sweeps.sweep import sweep as sweep_all
+    from symosc.sweeps.sweep import sweep_status
+
+    executor = None if options["executor"] is None else _executor(options["executor"])
+    more = {"workers": options["workers"], "executor": executor, "resume": not options["restart"], "progress": True}
+    try:
+        return sweep_all(problem, over, **asked, **more)
+    except KeyboardInterrupt:
+        if asked["path"] is not None:
+            about = sweep_status(problem, over, **asked)
+            click.echo(f"symosc: interrupted: {_kept(about)}; the same command goes on", err=True)
+        raise
+    finally:
+        if executor is not None:
+            executor.close()
+
+
+def _executor(text: str) -> Any:
+    """Return a client of the cluster that is named."""
+    kind, _, address = text.partition(":")
+    if kind != "dask" or not address:
+        raise click.BadParameter(f"{text!r} is not dask:ADDRESS, such as dask:tcp://host:8786", param_hint="--executor")
+    from symosc.sweeps.run import dask_client
+
+    return dask_client(address)
+
+
+def _check_suffix(picture: str) -> None:
+    from symosc.plot.drawing import check_suffix
+
+    check_suffix(picture)
+
+
+def _kept(about: Any) -> str:
+    return f"{about.done:,} of {about.total:,} motions are kept"
+
+
+def _tell(about: Record, as_json: bool) -> None:
+    if as_json:
+        write_json(about)
+        return
+    share = about["done"] / about["total"]
+    end = "written" if about["written"] else "not yet written"
+    write(f"{about['path']}: {about['done']:,} of {about['total']:,} motions ({share:.1%}), {end}")
+
+
+def _columns(dataset: xarray.Dataset) -> Record:
+    """Return for each column its values and how often they are there, or its smallest and largest number."""
+    found: Record = {}
+    for name, column in dataset.items():
+        if column.dtype.kind in "UO":
+            found[str(name)] = dict(Counter(map(str, column.values.ravel().tolist())).most_common())
+        else:
+            found[str(name)] = {"least": column.values.min().item(), "largest": column.values.max().item()}
+    return found
+
+
+def _data(dataset: xarray.Dataset, output: str | None) -> Record:
+    about = {"output": output, "sizes": {str(name): size for name, size in dataset.sizes.items()}}
+    return about | {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
+
+
+def _report(dataset: xarray.Dataset, written: list[str]) -> str:
+    total = dataset["status"].size
+    sizes = " × ".join(f"{name} ({dataset.sizes[name]})" for name in map(str, dataset["status"].dims))
+    lines = [f"{sizes}: {total:,} motions"]
+    for name, found in _columns(dataset).items():
+        if "least" in found and "largest" in found:
+            lines.append(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
+            continue
+        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:SHOWN_VALUES]]
+        more = len(found) - len(shown)
+        lines.append(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
+    return "\n".join([*lines, *(f"wrote {click.format_filename(path)}" for path in written)])

@@ -1,0 +1,133 @@
+"""Maps: classes and shades, told apart without colours; basins with their belts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from bad_values import refused
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from small_sweeps import made_up
+
+from symosc import plot
+from symosc.plot.maps import MOST_CLASSES, borders, classes_of, luminance
+
+pytest.importorskip("xarray")
+OVER = {"Omega": "1:6:30", "FN": "1:20:20"}
+WORDS = np.array(["P32", "P3212", "P2", ""])
+
+
+def bands(cells: dict[str, np.ndarray]) -> np.ndarray:
+    return np.clip(cells["Omega"] - 1, 0, 3.5).astype(int)
+
+
+def legend(drawing: Figure) -> list[str]:
+    return [text.get_text() for text in drawing.legends[0].get_texts()]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_have_the_class_of_their_value(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    words = rng.choice(["P32", "P2", "", "P56", *(f"P{i}" for i in range(100, 100 + 5 * seed))], (12, 9))
+    doubt = rng.random(words.shape) < 0.1
+    found = classes_of(words, doubt)
+    assert len({len(found.names), len(found.colors), len(found.hatches)}) == 1
+    assert len(found.names) <= MOST_CLASSES + 1
+    for word, code, undecided in zip(words.ravel(), found.codes.ravel(), doubt.ravel(), strict=True):
+        name = found.names[code]
+        assert name == ("undecidable" if undecided else word or "no event") or name.endswith(" others")
+    kept = [name for name in found.names if name != "undecidable" and not name.endswith(" others")]
+    counts = [np.sum(words == ("" if name == "no event" else name)) for name in kept]
+    assert counts == sorted(counts, reverse=True)  # the rarest are the others
+
+
+def test_classes_are_told_apart_without_colours() -> None:
+    found = classes_of(np.arange(9).reshape(3, 3), np.zeros((3, 3), dtype=bool))
+    assert found.names == [str(i) for i in range(9)]  # numbers in their order
+    light = [luminance(to_rgb(color)) for color in found.colors]
+    assert np.diff(light).max() < -0.05
+    several = classes_of(np.array([[f"P{i}" for i in range(30)]]), np.zeros((1, 30), dtype=bool))
+    assert several.hatches[:-1] == [""] * (MOST_CLASSES - 1)
+    assert several.hatches[-1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_borders_are_where_the_class_changes(seed: int) -> None:
+    codes = np.random.default_rng(seed).integers(0, 3, (6, 5))
+    lines = borders(np.arange(7.0), np.arange(6.0), codes)
+    assert len(lines) == np.sum(codes[1:] != codes[:-1]) + np.sum(codes[:, 1:] != codes[:, :-1])
+    for (x1, y1), (x2, y2) in lines:
+        middle = np.array([x1 + x2, y1 + y2]) / 2
+        step = np.array([y2 - y1, x2 - x1]) / 2
+        (a, b), (c, d) = np.floor(middle - step).astype(int), np.floor(middle + step).astype(int)
+        assert codes[a, b] != codes[c, d]
+
+
+def test_a_map_of_words() -> None:
+    dataset = made_up(
+        OVER,
+        word=lambda cells: WORDS[bands(cells)],
+        status=lambda cells: np.where(cells["FN"] + cells["Omega"] < 3, "undecidable", "t_end"),
+    )
+    drawing = plot.map_figure(dataset)
+    assert {*legend(drawing)} == {"$P_{32}$", "$P_{3212}$", "$P_{2}$", "no event", "undecidable"}
+    axes = drawing.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
+    inside = {text.get_text(): text.get_position() for text in axes.texts}
+    for name, (omega, _) in inside.items():  # each name is on its own class
+        word = WORDS[bands({"Omega": np.array([omega])})][0]
+        assert name == (f"$P_{{{word[1:]}}}$" if word else "no event")
+    assert len(inside) >= 3
+
+
+def test_the_axes_may_come_in_any_order() -> None:
+    ways = [made_up({name: values[::step] for name, values in axes}, sticks=bands) for axes, step in _orders()]
+    drawn = [plot.map_figure(dataset.transpose("Omega", "FN")).axes[0].collections[0] for dataset in ways]
+    arrays = [np.asarray(mesh.get_array()) for mesh in drawn]
+    assert all(np.array_equal(array, arrays[0]) for array in arrays)
+
+
+def _orders() -> list[tuple[list[tuple[str, Any]], int]]:
+    axes = [("Omega", np.linspace(1, 6, 30)), ("FN", np.linspace(1, 20, 20))]
+    return [(axes, 1), (axes, -1), (axes[::-1], 1)]
+
+
+def test_numbers_are_shades_with_lines() -> None:
+    dataset = made_up(OVER, stuck=lambda cells: cells["FN"] / 20)
+    drawing = plot.map_figure(dataset)
+    assert drawing.axes[1].get_ylabel() == "share of time stuck"
+    assert drawing.legends == []
+    constant = made_up(OVER, stuck=lambda cells: 0 * cells["FN"])
+    plot.map_figure(constant)
+    many = made_up(OVER, events=lambda cells: (100 * cells["FN"] * cells["Omega"]).astype(int))
+    assert len(plot.map_figure(many).axes) == 2
+
+
+def test_a_basin_has_the_belts() -> None:
+    dataset = made_up({"v0": "-3:3:9", "x0": "-1:1:5"}, word=lambda cells: WORDS[(cells["v0"] > 0).astype(int)])
+    axes = plot.basin_figure(dataset).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x_0$", "$v_0$")
+    lines = [line.get_ydata()[0] for line in axes.lines]  # type: ignore[index]
+    assert lines == [1]  # belt 1 of fig9; belt 2 runs with 25
+    refused(lambda: plot.basin_figure(made_up(OVER, sticks=bands)), "dataset")
+
+
+def test_into_given_axes() -> None:
+    drawing = Figure()
+    axes = drawing.add_subplot()
+    assert plot.map_figure(made_up(OVER, sticks=bands), ax=axes) is drawing
+    assert axes.get_legend() is not None
+
+
+def test_what_is_no_map() -> None:
+    three = made_up(OVER | {"k": [1, 2]}, sticks=bands)
+    assert "isel" in refused(lambda: plot.map_figure(three), "dataset")
+    plot.map_figure(three.isel(k=0))
+    plot.map_figure(three.isel(k=[0]))
+    refused(lambda: plot.map_figure(three.isel(k=0, FN=0)), "dataset")
+    refused(lambda: plot.map_figure(three, "words"), "name")
+    for value in (None, 5, "map.nc", {}):
+        refused(lambda value=value: plot.map_figure(value), "dataset")  # type: ignore[misc]
+    refused(lambda: plot.map_figure(three.isel(k=0), ax=3), "ax")  # type: ignore[arg-type]

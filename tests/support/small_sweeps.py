@@ -1,0 +1,44 @@
+"""Sweeps of a moment for tests, made-up results to draw, and what it means that two results are the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from symosc import load_scene
+from symosc.sweeps.dataset import dataset_of
+from symosc.sweeps.grid import read_grid
+from symosc.sweeps.plan import read_plan
+
+#: 24 motions of two periods each.
+SCENE, OVER = "fig9", {"Omega": "3:5:6", "FN": [5, 10, "12.5", 15]}
+OPTIONS: dict[str, Any] = {"t_end": "6T", "skip": "4T", "record": ("word", "events", "x", "section:2")}
+
+
+def identical(one: Any, other: Any) -> None:
+    """Fail unless two datasets are the same to the last bit: values, types, coordinates and attributes."""
+    assert one.identical(other)
+    for name in {*one.variables} | {*other.variables}:
+        assert one[name].dtype == other[name].dtype, name
+        assert one[name].values.tobytes() == other[name].values.tobytes(), name
+
+
+def in_small_chunks(monkeypatch: pytest.MonkeyPatch, motions: int = 4) -> None:
+    """Let every chunk have so many motions."""
+    monkeypatch.setattr("symosc.sweeps.run.FIRST_CHUNK", motions)
+    monkeypatch.setattr("symosc.sweeps.run.MOST_CHUNK", motions)
+
+
+def made_up(over: Any, *, starts: Any = None, **columns: Callable[[dict[str, np.ndarray]], Any]) -> Any:
+    """Return a result whose columns are functions of what is swept; nothing is simulated."""
+    scene = load_scene(SCENE)
+    grid = read_grid(scene, over, starts)
+    cells = grid.columns(0, len(grid))
+    found = {name: np.asarray(column(cells)) for name, column in columns.items()}
+    found.setdefault("status", np.full(len(grid), "t_end"))
+    record = [f"section:{found[name].shape[1]}" if name == "section" else name for name in columns]
+    plan = read_plan(scene, grid, record, "60T", "40T")
+    return dataset_of(plan, found, {"over": over, "starts": starts})

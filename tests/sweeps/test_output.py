@@ -1,0 +1,104 @@
+"""Files of sweeps: what is written is read back to the last bit, also by other programs."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from small_sweeps import identical, made_up
+
+from symosc import MissingExtraError, OutputError
+from symosc.sweeps import output
+
+xarray = pytest.importorskip("xarray")
+SUFFIXES = (".nc", ".zarr", ".csv")
+
+
+def example(seed: int) -> Any:
+    """Return a result with every type of column, of numbers that are hard to print."""
+    rng = np.random.default_rng(seed)
+
+    def numbers(cells: dict[str, np.ndarray]) -> np.ndarray:
+        values = rng.normal(size=len(cells["k"])) * 10.0 ** rng.integers(-300, 300, len(cells["k"]))
+        return np.where(rng.random(len(values)) < 0.2, np.nan, values)
+
+    return made_up(
+        {"k": rng.uniform(1, 2, 4), "FN": [0.1, 1 / 3, 7]},
+        word=lambda cells: rng.choice(["", "P32", "nan", "P3212"], len(cells["k"])),
+        events=lambda cells: rng.integers(0, 2**40, len(cells["k"])),
+        multiplicity=lambda cells: rng.integers(0, 100, len(cells["k"])).astype(np.int32),
+        stuck=numbers,
+        section=lambda cells: rng.normal(size=(len(cells["k"]), 3, 2)),
+    )
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("seed", range(2))
+def test_what_is_written_is_read_back_to_the_last_bit(suffix: str, seed: int, tmp_path: Path) -> None:
+    dataset, path = example(seed), tmp_path / f"map{suffix}"
+    output.write_output(dataset, path, tmp_path)
+    assert output.plan_of(path) == dataset.attrs["plan"]
+    columns = output.read_columns(path)
+    cells = dataset.sizes["k"] * dataset.sizes["FN"]
+    for name, values in dataset.items():
+        assert columns[name].dtype == values.dtype, name
+        assert columns[name].tobytes() == values.values.reshape(cells, *values.shape[2:]).tobytes(), name
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize(("suffix", "engine"), [(".nc", "h5netcdf"), (".zarr", "zarr")])
+def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path) -> None:
+    dataset, path = example(3), tmp_path / f"map{suffix}"
+    output.write_output(dataset, path, tmp_path)
+    with xarray.open_dataset(path, engine=engine) as found:
+        assert found.attrs == dataset.attrs
+        assert found.FN.attrs == dataset.FN.attrs
+        assert found.word.values.tolist() == dataset.word.values.tolist()
+        np.testing.assert_array_equal(found.section.values, dataset.section.values)
+
+
+def test_csv_is_a_row_for_each_cell_below_one_comment(tmp_path: Path) -> None:
+    dataset, path = example(4), tmp_path / "map.csv"
+    output.write_output(dataset, path, tmp_path)
+    with path.open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+        names, first, *_ = rows
+    assert head[0].startswith("# {")
+    assert len(rows) == 1 + 12
+    row = dict(zip(names, first, strict=True))
+    assert float(row["k"]) == dataset.k.values[0]
+    assert (row["word"], float(row["section_v_2"])) == (dataset.word.values[0, 0], dataset.section.values[0, 0, 2, 1])
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_it_replaces_what_is_there(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"map{suffix}"
+    for seed in (5, 6):
+        output.write_output(example(seed), path, tmp_path)
+    assert output.read_columns(path)["stuck"].tobytes() == example(6).stuck.values.tobytes()
+
+
+def test_a_result_can_be_written_with_xarrays_own_functions(tmp_path: Path) -> None:
+    dataset = example(7)
+    dataset.to_netcdf(tmp_path / "mine.nc", engine="h5netcdf")
+    with xarray.open_dataset(tmp_path / "mine.nc", engine="h5netcdf") as found:
+        assert found.sizes == dataset.sizes
+    identical(dataset, example(7))
+
+
+def test_a_missing_package_is_named_before_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(xarray.backends, "list_engines", dict)
+    for suffix in (".nc", ".zarr"):
+        with pytest.raises(MissingExtraError, match=r"symosc\[sweep\]"):
+            output.output_path(f"map{suffix}")
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    assert output.output_path("map.csv") == Path("map.csv")
+
+
+def test_a_folder_that_is_not_there() -> None:
+    with pytest.raises(OutputError, match="No such file or directory"):
+        output.output_path("no/such/map.nc")

@@ -1,0 +1,62 @@
+"""How far a sweep is: on a terminal a bar with rate and time left, elsewhere nothing."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import pytest
+from bad_values import refused
+
+from symosc.sweeps.progress import pace, reporting
+
+
+@pytest.mark.parametrize(
+    ("done", "left", "seconds", "text"),
+    [
+        (5000, 10_000, 2.0, "2,500 motions/s, 0:00:04 left"),
+        (3, 3600, 6.0, "0.5 motions/s, 2:00:00 left"),
+        (10, 0, 1.0, "10 motions/s, 0:00:00 left"),
+        (86_400, 864_000, 86_400.0, "1 motions/s, 10 days, 0:00:00 left"),
+    ],
+)
+def test_rate_and_time_left(done: int, left: int, seconds: float, text: str) -> None:
+    assert pace(done, left, seconds) == text
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_bar_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with reporting(True, 40, 100) as report:  # 40 of an earlier run
+        report(70, 100)
+        report(100, 100)
+    shown = sys.stderr.getvalue()  # type: ignore[attr-defined]
+    assert all(text in shown for text in ("40/100", "70/100", "100/100", "motions/s", "left"))
+
+
+def test_nothing_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    for progress in (True, False):
+        with reporting(progress, 0, 100) as report:
+            report(100, 100)
+    assert sys.stderr.getvalue() == ""  # type: ignore[attr-defined]
+
+
+def test_a_function_of_ones_own() -> None:
+    calls: list[tuple[int, int]] = []
+    with reporting(lambda done, total: calls.append((done, total)), 0, 9) as report:
+        report(4, 9)
+    assert calls == [(4, 9)]
+
+
+@pytest.mark.parametrize("progress", [None, 1, "yes"])
+def test_what_is_refused(progress: object) -> None:
+    def enter() -> None:
+        with reporting(progress, 0, 1):
+            pass
+
+    refused(enter, "progress")
