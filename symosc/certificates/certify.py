@@ -7,22 +7,26 @@ from pathlib import Path
 from typing import Any
 
 from symosc.certificates.certificate import Certificate
+from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
+from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
 
 
-def certify(what: Scene | str | Path, *, t_end: Any = None, start_error: Any = None) -> Certificate:
+def certify(what: Any, *, t_end: Any = None, start_error: Any = None) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
+
+    Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed.
 
     Nothing is taken from a simulation. All numbers are enclosed by balls (python-flint); the precision is raised until
     everything is decided, or a limit is reached.
 
     Parameters
     ----------
-    what : Scene, str or Path
-        A scene, the name of one, or the path of a TOML file.
+    what : Scene, str, Path or PeriodicOrbit
+        A scene, the name of one, or the path of a TOML file. Or an orbit of `symosc.find_orbit`.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
@@ -52,13 +56,27 @@ def certify(what: Scene | str | Path, *, t_end: Any = None, start_error: Any = N
     (True, '5 events until t = 7')
     >>> [event[0] for event in certify("fig7-exact").events]
     ['graze']
+    >>> from symosc import find_orbit, load_scene
+    >>> certificate = certify(find_orbit(load_scene("fig9").parameters, "P32"))
+    >>> certificate.proven, certificate.stable, certificate.points[0][0]
+    (True, True, ('0.181670397924320463014136', '0.18167039792432046301414'))
     """
+    if isinstance(what, PeriodicOrbit):
+        _no_motion(what, t_end, start_error)
+        return prove_orbit(what)
     if isinstance(what, str | Path):
         what = load_scene(what)
     if not isinstance(what, Scene):
-        raise ParameterError("what", what, "give a Scene, the name of a scene, or the path of a TOML file")
+        raise ParameterError("what", what, "give a Scene, the name or the path of one, or a PeriodicOrbit")
     scene = what if t_end is None else what.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
     return prove_trajectory(ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end))
+
+
+def _no_motion(what: object, t_end: Any, start_error: Any) -> None:
+    """Raise ParameterError if something is given that only a motion from a start has."""
+    for name, value in (("t_end", t_end), ("start_error", start_error)):
+        if value is not None:
+            raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
