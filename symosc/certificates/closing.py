@@ -100,6 +100,11 @@ class ClosingBalls:
                     row[j] = row[j] + entry
         return arb_mat(rows)
 
+    def blocks(self, i: int, values: Values) -> tuple[arb_mat, arb_mat]:
+        """Return the derivatives of the equations of piece i by t and x at its start, and by those at its end."""
+        _, *rows = self._piece(i, values, self.ends(values))
+        return arb_mat([list(row[:2]) for row in rows]), arb_mat([list(row[2:]) for row in rows])
+
     def polished(self, values: Values) -> Values:
         """Return exact numbers near a root, by Newton's method; they prove nothing.
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 from math import floor, log10
 from typing import NamedTuple
 
-from flint import arb
+from flint import arb, arb_mat
 
 from symosc.aliases import Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, exact_ends, outward, working_bits
@@ -26,6 +26,7 @@ DIGITS = 25
 ACCURATE = 10.0 ** (-DIGITS - 2)
 #: A singular system is called so if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
+LEAST_RADIUS = Fraction(1, 10**60)
 
 
 class OrbitToProve(NamedTuple):
@@ -105,10 +106,10 @@ def first_arrival(pieces: tuple[OrbitPiece, ...]) -> int:
 
 
 def switchings(closing: ClosingBalls, values: Values) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return kind, boundary, source, target, t and x at the switching points, from the first arrival on."""
+    """Return kind, boundary, source, target, t and x from the first arrival up to the same one a period later."""
     pieces, n = closing.pieces, len(closing.pieces)
     begin, rows = first_arrival(pieces), []
-    for j in range(begin, begin + n):
+    for j in range(begin, begin + n + 1):
         i = j % n
         source, target = pieces[i - 1].mode, pieces[i].mode
         kind = "slip" if pieces[i - 1].sticks else "stick" if pieces[i].sticks else "cross"
@@ -117,13 +118,31 @@ def switchings(closing: ClosingBalls, values: Values) -> list[tuple[str, int, st
     return rows
 
 
+def reaches(closing: ClosingBalls, root: Root) -> list[Ball]:
+    """Return how far in time the motions from the box of the first arrival may be off at the events; a hint, no proof.
+
+    The hint is twice the first-order value.
+    """
+    n, begin = len(closing.pieces), first_arrival(closing.pieces)
+    values = [value.mid() for value in root.points]
+    wide_t, wide_x = (value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
+    moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]
+    for i in range(begin, begin + n):
+        at_start, at_end = closing.blocks(i % n, values)
+        moved = (-(at_end.solve(at_start)) * moved).mid()
+        found.append(2 * (abs(moved[0, 0]) + abs(moved[0, 1])))
+    return found
+
+
 def statement_of(closing: ClosingBalls, root: Root) -> Record:
     """Return the switching points as a file has them, and how far around the first one the orbit is alone."""
     begin = first_arrival(closing.pieces)
     rows = [
         {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        | {"t": list(outward(t, DIGITS)), "x": list(outward(x, DIGITS))}
-        for kind, boundary, source, target, t, x in switchings(closing, root.points)
+        | {"t": list(outward(t, DIGITS)), "x": list(outward(x, DIGITS)), "reach": one_digit(reach)}
+        for (kind, boundary, source, target, t, x), reach in zip(
+            switchings(closing, root.points), reaches(closing, root), strict=True
+        )
     ]
     alone = [one_digit(value.rad()) for value in root.box[2 * begin : 2 * begin + 2]]
     return {"periods": closing.periods, "events": rows, "alone_within": alone}
@@ -135,7 +154,7 @@ def _decimals(value: Ball) -> tuple[str, str]:
 
 def one_digit(radius: Ball) -> str:
     """Return a decimal of one digit that is surely a little less than a radius."""
-    most = exact_ends(radius)[0] * Fraction(99, 100)
+    most = max(exact_ends(radius)[0], LEAST_RADIUS) * Fraction(99, 100)
     power = floor(log10(most))
     return f"{most // Fraction(10) ** power}e{power}"
 
