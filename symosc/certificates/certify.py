@@ -2,37 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from symosc.certificates.branch import prove_branch
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
+from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
 
 
-def certify(what: Any, *, t_end: Any = None, start_error: Any = None) -> Certificate:
+def certify(
+    what: Any, *, t_end: Any = None, start_error: Any = None, progress: Callable[[float], None] | None = None
+) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
-    Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed.
+    Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed. Or prove
+    a branch: that such an orbit exists for every value of its parameter, and up to where it ends.
 
     Nothing is taken from a simulation. All numbers are enclosed by balls (python-flint); the precision is raised until
     everything is decided, or a limit is reached.
 
     Parameters
     ----------
-    what : Scene, str, Path or PeriodicOrbit
-        A scene, the name of one, or the path of a TOML file. Or an orbit of `symosc.find_orbit`.
+    what : Scene, str, Path, PeriodicOrbit or Branch
+        A scene, the name of one, or the path of a TOML file. Or an orbit of `symosc.find_orbit`, or a branch of
+        `symosc.continue_orbit`.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: those of the scene, or exact.
         Then the proof is for every start within them. Where a contact may be a graze it is for some of them: one that
         grazes.
+
+    progress : callable, optional
+        For a branch: called with the part of it that is proven.
 
     Returns
     -------
@@ -59,15 +69,18 @@ def certify(what: Any, *, t_end: Any = None, start_error: Any = None) -> Certifi
     >>> from symosc import find_orbit, load_scene
     >>> certificate = certify(find_orbit(load_scene("fig9").parameters, "P32"))
     >>> certificate.proven, certificate.stable, certificate.points[0][0]
-    (True, True, ('0.181670397924320463014136', '0.18167039792432046301414'))
+    (True, True, ('0.181670397924320463014137', '0.18167039792432046301414'))
     """
     if isinstance(what, PeriodicOrbit):
         _no_motion(what, t_end, start_error)
         return prove_orbit(what)
+    if isinstance(what, Branch):
+        _no_motion(what, t_end, start_error)
+        return prove_branch(what, progress)
     if isinstance(what, str | Path):
         what = load_scene(what)
     if not isinstance(what, Scene):
-        raise ParameterError("what", what, "give a Scene, the name or the path of one, or a PeriodicOrbit")
+        raise ParameterError("what", what, "give a Scene, the name or the path of one, a PeriodicOrbit or a Branch")
     scene = what if t_end is None else what.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)

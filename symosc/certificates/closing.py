@@ -65,44 +65,48 @@ class ClosingBalls:
         """Return the domain that stick i ends into."""
         return self.pieces[i].start + (self.pieces[i].side > 0)
 
-    def _piece(self, i: int, values: Values, end: Values) -> tuple[Sequence[Ball], Sequence[Ball], Sequence[Ball]]:
-        """Return the two residuals of piece i, and their derivatives by t and x at its start and t and x at its end."""
+    def left(self, i: int, values: Values, end: Values) -> tuple[Ball, Ball]:
+        """Return the two residuals of piece i; balls or power series."""
         o, piece = self.oscillator, self.pieces[i]
         (t0, x0), (t1, x1) = values[2 * i : 2 * i + 2], end[2 * i : 2 * i + 2]
-        v0, v1 = o.speed[piece.start], o.speed[piece.end]
-        tau, one, nought = t1 - t0, arb(1), arb(0)
         if piece.sticks:
-            slope = -o.drive * (o.Omega * t1).sin()
-            left = x0 + v0 * tau - x1, o.force(self.slipping(i), t1, x1, v0)
-            return left, (-v0, one, v0, -one), (nought, nought, slope, -o.km)
+            speed = o.speed[piece.start]
+            return x0 + speed * (t1 - t0) - x1, o.force(self.slipping(i), t1, x1, speed)
         flight = self.flight(i, values)
-        there = flight.at(tau)
-        left = flight.x(there) - x1, there.v - v1
+        there = flight.at(t1 - t0)
+        return flight.x(there) - x1, there.v - o.speed[piece.end]
+
+    def _slopes(self, i: int, values: Values, end: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
+        """Return the derivatives of the two residuals of piece i by t and x at its start and t and x at its end."""
+        o, piece = self.oscillator, self.pieces[i]
+        t0, t1, v0, one, nought = values[2 * i], end[2 * i], o.speed[piece.start], arb(1), arb(0)
+        if piece.sticks:
+            return (-v0, one, v0, -one), (nought, nought, -o.drive * (o.Omega * t1).sin(), -o.km)
+        flight = self.flight(i, values)
+        there = flight.at(t1 - t0)
         phi, E, E1, a0 = there.phi, there.E, there.E1, flight.a0
-        return (
-            left,
-            (-v0 * phi - a0 * E, phi, there.v, -one),
-            (o.km * E * v0 - a0 * E1, -o.km * E, there.a, nought),
-        )
+        return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, nought)
 
     def residuals(self, values: Values) -> arb_mat:
         """Return f as a column."""
         end = self.ends(values)
-        return arb_mat([[left] for i in range(len(self.pieces)) for left in self._piece(i, values, end)[0]])
+        return arb_mat([[left] for i in range(len(self.pieces)) for left in self.left(i, values, end)])
 
     def jacobian(self, values: Values) -> arb_mat:
         """Return the derivatives of f."""
         n, end = len(self.pieces), self.ends(values)
         rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
         for i in range(n):
-            for row, entries in zip(rows[2 * i : 2 * i + 2], self._piece(i, values, end)[1:], strict=True):
-                for j, entry in zip((2 * i, 2 * i + 1, (2 * i + 2) % (2 * n), (2 * i + 3) % (2 * n)), entries, strict=True):
+            for row, entries in zip(rows[2 * i : 2 * i + 2], self._slopes(i, values, end), strict=True):
+                for j, entry in zip(
+                    (2 * i, 2 * i + 1, (2 * i + 2) % (2 * n), (2 * i + 3) % (2 * n)), entries, strict=True
+                ):
                     row[j] = row[j] + entry
         return arb_mat(rows)
 
     def blocks(self, i: int, values: Values) -> tuple[arb_mat, arb_mat]:
         """Return the derivatives of the equations of piece i by t and x at its start, and by those at its end."""
-        _, *rows = self._piece(i, values, self.ends(values))
+        rows = self._slopes(i, values, self.ends(values))
         return arb_mat([list(row[:2]) for row in rows]), arb_mat([list(row[2:]) for row in rows])
 
     def polished(self, values: Values) -> Values:

@@ -41,7 +41,7 @@ Curve = Callable[[Ball], Jet]
 
 
 class Border(NamedTuple):
-    """One thing that must stay positive: what it is, the function, and whether it is 0 at its start and its end.
+    """One thing that must stay positive: what it says, the function, and whether it is 0 at its start and its end.
 
     Attributes
     ----------
@@ -91,13 +91,14 @@ def borders(closing: ClosingBalls, i: int, values: Values) -> list[Border]:
         for domain in (piece.start, piece.start + 1):
             curve = force_curve(o, piece.start, domain, values[2 * i], values[2 * i + 1])
             ends = domain == closing.slipping(i)
-            found.append(Border(f"F^({domain}) on the stick {piece.label}", curve, 0, ends))
+            relation = ">" if domain == piece.start else "<"
+            found.append(Border(f"F^({domain}) {relation} 0 during {piece.label}", curve, 0, ends))
         return found
     flight, found = closing.flight(i, values), []
     for boundary in (piece.mode - 1, piece.mode):
         if boundary in (1, 2):
             roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
-            what = f"the distance of {piece.label} from v{boundary}"
+            what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
             found.append(Border(what, gap_curve(flight, boundary), roots, boundary == piece.end))
     return found
 
@@ -164,17 +165,30 @@ def prove_course(closing: ClosingBalls, values: Values) -> None:
             prove_positive(border, span)
 
 
-def prove_passage(closing: ClosingBalls, i: int, values: Values) -> None:
-    """Prove that piece i begins as Theorems 4 and 5 allow, coming from the piece before it."""
+def forces_at(closing: ClosingBalls, i: int, values: Values) -> list[tuple[int, Ball, int]]:
+    """Return domains, forces and the signs that they must have where piece i begins, by Theorems 4 and 5.
+
+    None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
+    """
     o, piece, before = closing.oscillator, closing.pieces[i], closing.pieces[i - 1]
     if before.sticks:
-        return  # where a stick ends one force is 0, and the other one holds: it is part of the stick
+        return []
     boundary, (t, x) = piece.start, values[2 * i : 2 * i + 2]
-    upward = before.mode == boundary
     low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
     if o.jump[boundary].is_zero():
         high = low
-    wanted = (1, -1) if piece.sticks else (1, 1) if upward else (-1, -1)
-    for domain, force, sign in zip((boundary, boundary + 1), (low, high), wanted, strict=True):
+    wanted = (1, -1) if piece.sticks else (1, 1) if before.mode == boundary else (-1, -1)
+    return list(zip((boundary, boundary + 1), (low, high), wanted, strict=True))
+
+
+def prove_passage(closing: ClosingBalls, i: int, values: Values) -> None:
+    """Prove that piece i begins as Theorems 4 and 5 allow, coming from the piece before it."""
+    for domain, force, sign in forces_at(closing, i, values):
         if sure_sign(force) != sign:
-            raise Undecided(f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {before.label} ends", t)
+            label = closing.pieces[i - 1].label
+            raise Undecided(f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {label} ends", values[2 * i])
+
+
+def starts_with(first: Jet, at_start: int) -> int:
+    """Return the sign with which a border begins: of g, g' or g'', by how many are 0 at its start; 0 if open."""
+    return sure_sign(first[at_start])

@@ -11,12 +11,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from flint import arb
+from flint import arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball, decided_sign
 from symosc.model import PARAMETER_NAMES, Parameters
 
 Entire = tuple[Ball, Ball, Ball]
+
+
+def level(value: Ball) -> Ball:
+    """Return a ball as it is, and the first coefficient of a power series."""
+    return value[0] if isinstance(value, arb_series) else value
 
 
 class Oscillator:
@@ -26,7 +31,8 @@ class Oscillator:
     ----------
     p : Parameters
     ranges : mapping, optional
-        Parameters that are not those of `p` but all numbers of a ball, by name: a family of oscillators.
+        Parameters that are not those of `p`, by name: all numbers of a ball, or a power series in a change of one
+        parameter (arb_series), whose first coefficient may be a ball. That makes a family of oscillators.
 
     Raises
     ------
@@ -45,8 +51,8 @@ class Oscillator:
         self.damping, self.kappa = (square > 0) - (square < 0), ball(square)
         if ranges.keys() & {"m", "c", "k"}:
             self.kappa = self.h * self.h - self.km
-            self.damping = decided_sign(self.kappa, "the damping regime")
-        self.omega_d = abs(self.kappa).sqrt()
+            self.damping = decided_sign(level(self.kappa), "the damping regime")
+        self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
         if self.damping > 0:
             self.fast = -(self.h + self.omega_d)
             self.slow = self.km / self.fast
@@ -58,11 +64,11 @@ class Oscillator:
         self.resonant = not ranges and p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 != 0
         if self.resonant:
             self.growth = self.B0 / (2 * self.m * self.Omega)
-        elif self.drive.is_zero():
+        elif p.B0 == 0 and "B0" not in ranges:
             self.steady_c = self.steady_s = arb(0)
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
-            if ranges and not (pull * pull + drag * drag > 0):
+            if ranges and not level(pull * pull + drag * drag) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = gain * drag, -gain * pull
