@@ -150,9 +150,8 @@ def _cover(
             if width < LEAST_WIDTH * whole:
                 raise
             continue
-        if boxes:
-            if not boxes[-1].family.holds(at, _narrow(_closing(task, pieces, at), box.family, at)):
-                raise Undecided("whether the orbits of two intervals of the parameter are one")
+        if boxes and not boxes[-1].family.holds(at, _narrow(_closing(task, pieces, at), box.family, at)):
+            raise Undecided("whether the orbits of two intervals of the parameter are one")
         boxes.append(box)
         if len(boxes) > MOST_BOXES:
             raise Undecided(f"what comes after {MOST_BOXES} intervals")

@@ -23,8 +23,8 @@ def certify(
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
-    Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed. Or prove
-    a branch: that such an orbit exists for every value of its parameter, and up to where it ends.
+    Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed. Or
+    prove a branch: that such an orbit exists for every value of its parameter, and up to where it ends.
 
     Nothing is taken from a simulation. All numbers are enclosed by balls (python-flint); the precision is raised until
     everything is decided, or a limit is reached.
