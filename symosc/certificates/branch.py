@@ -209,9 +209,9 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
         "events": course,
         "boxes": rows,
     }
-    events = tuple((row["kind"], row["source"], row["target"]) for row in course)
+    changes = tuple((row["kind"], row["source"], row["target"]) for row in course)
     message = _message(task, ends, boxes)
-    return Certificate("branch", True, message, events, stable=True if stable else None, statement=statement)
+    return Certificate("branch", True, message, changes, stable=True if stable else None, statement=statement)
 
 
 def _message(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> str:

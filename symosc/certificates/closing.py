@@ -98,10 +98,8 @@ class ClosingBalls:
         rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
         for i in range(n):
             for row, entries in zip(rows[2 * i : 2 * i + 2], self._slopes(i, values, end), strict=True):
-                for j, entry in zip(
-                    (2 * i, 2 * i + 1, (2 * i + 2) % (2 * n), (2 * i + 3) % (2 * n)), entries, strict=True
-                ):
-                    row[j] = row[j] + entry
+                for j, entry in enumerate(entries, 2 * i):
+                    row[j % (2 * n)] += entry
         return arb_mat(rows)
 
     def blocks(self, i: int, values: Values) -> tuple[arb_mat, arb_mat]:

@@ -24,7 +24,7 @@ def violated(closing: ClosingBalls, values: Values) -> str | None:
     for piece, span in zip(closing.pieces, spans, strict=True):
         if span < 0:
             return f"{piece.label} lasts"
-    for i, piece in enumerate(closing.pieces):
+    for i in range(len(closing.pieces)):
         for domain, force, wanted in forces_at(closing, i, values):
             if sure_sign(force) == -wanted:
                 return passage_text(closing, i, domain, wanted)

@@ -6,9 +6,9 @@ near the curve of roots (Newton's method for power series gives it; nothing rest
     f(c(delta), delta)  lies in  f_0 + f_1 delta + ... + f_(N-1) delta^(N-1) + f_N(D) delta^N
 
 with the coefficients f_j of its power series at 0, and those of order N at all delta in D. Both come from arithmetic
-with power series whose coefficients are balls. With an enclosure F of this, of order h^N, a box R about 0, the Jacobian
-J over all c(delta) + R, and any matrix Y: if - Y F + (1 - Y J) R lies inside R, then for every delta there is exactly one
-root in c(delta) + R.
+with power series whose coefficients are balls. Let F be an enclosure of this, of order h^N, R a box about 0, J the
+Jacobian over all c(delta) + R, and Y any matrix. If - Y F + (1 - Y J) R lies inside R, then for every delta there is
+exactly one root in c(delta) + R.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Family:
         series = Oscillator(self.p, {self.name: arb_series([value, 1], prec=order)})
         closing = ClosingBalls(series, self.pieces, self.periods)
         values = [arb_series(list(each), prec=order) for each in zip(*curve, strict=True)]
-        end, found = closing.ends(values), []
+        end, found = closing.ends(values), list[Ball]()
         for i in range(len(self.pieces)):
             found += closing.left(i, values, end)
         return [[each[j] for each in found] for j in range(order)]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_mat
 
-from symosc.aliases import Record
+from symosc.aliases import Number, Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, exact_ends, outward, working_bits
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.closing import ClosingBalls, Root, Values
@@ -35,7 +35,7 @@ class OrbitToProve(NamedTuple):
     p: Parameters
     labels: tuple[str, ...]
     periods: int
-    near: tuple[tuple[object, object], ...]
+    near: tuple[tuple[Number, Number], ...]
 
 
 class OrbitProof(NamedTuple):
@@ -68,7 +68,7 @@ def certify_orbit(task: OrbitToProve) -> Certificate:
             bits *= 2
 
 
-def _exact(number: object) -> Ball:
+def _exact(number: Number) -> Ball:
     man_exp = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
     if man_exp is None:
         return arb(number)
@@ -211,4 +211,4 @@ def _singular(task: OrbitToProve) -> str:
         return ""
     if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
         return ""
-    return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: it may be one of many"
+    return "; it is marginal (a multiplier is 1, as nearly as can be seen) and need not be isolated: it may be one of many"
