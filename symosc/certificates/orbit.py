@@ -211,4 +211,4 @@ def _singular(task: OrbitToProve) -> str:
         return ""
     if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
         return ""
-    return "; it is marginal (a multiplier is 1, as nearly as can be seen) and need not be isolated: it may be one of many"
+    return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
