@@ -21,12 +21,13 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
 FIRST_BITS, MOST_BITS = 128, 1024
-DIGITS = 25
-#: Radius that the enclosures of the points have to reach, as digits after the leading one.
+#: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
+DIGITS, MULTIPLIER_DIGITS = 25, 16
 ACCURATE = 10.0 ** (-DIGITS - 2)
 #: A singular system is called so if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
-LEAST_RADIUS = Fraction(1, 10**60)
+#: By how much a hint is more than the first-order value; the least radius in a hint.
+SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
 
 class OrbitToProve(NamedTuple):
@@ -121,7 +122,7 @@ def switchings(closing: ClosingBalls, values: Values) -> list[tuple[str, int, st
 def reaches(closing: ClosingBalls, root: Root) -> list[Ball]:
     """Return how far in time the motions from the box of the first arrival may be off at the events; a hint, no proof.
 
-    The hint is twice the first-order value.
+    It is many times the first-order value: whoever proves it uses balls that are wider than the set.
     """
     n, begin = len(closing.pieces), first_arrival(closing.pieces)
     values = [value.mid() for value in root.points]
@@ -130,7 +131,7 @@ def reaches(closing: ClosingBalls, root: Root) -> list[Ball]:
     for i in range(begin, begin + n):
         at_start, at_end = closing.blocks(i % n, values)
         moved = (-(at_end.solve(at_start)) * moved).mid()
-        found.append(2 * (abs(moved[0, 0]) + abs(moved[0, 1])))
+        found.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     return found
 
 
@@ -149,7 +150,7 @@ def statement_of(closing: ClosingBalls, root: Root) -> Record:
 
 
 def _decimals(value: Ball) -> tuple[str, str]:
-    return ("0", "0") if value.is_zero() else outward(value, DIGITS)
+    return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_DIGITS)
 
 
 def one_digit(radius: Ball) -> str:
