@@ -28,16 +28,15 @@ m g''' has the sign of s: where s > 0 it grazes; where s < 0 it does not.
 from __future__ import annotations
 
 import sys
-from fractions import Fraction
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, fmpq
 
 if __package__:
     from . import verify as base
 else:
     import verify as base
 Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
-require, ball, number = base.require, base.ball, base.number
+require, number = base.require, base.number
 
 LABELS = {(1, 4, 1): 1, (1, 1, 1): 2, (1, 2, 1): 3, (2, 5, 2): 4, (2, 2, 2): 5, (2, 3, 2): 6, (2, 2, 1): 7, (1, 2, 2): 8}
 MOST_HALVINGS, MOST_TRIES = 12, 6
@@ -70,7 +69,7 @@ def follow(p, rows, centre, errors):
     belt, mode = rows[0][1], rows[0][3]
     columns, leaves = [(errors[0], arb(0), arb(0)), (arb(0), errors[1], arb(0))], {belt: 1} if mode < 4 else {}
     modes = {i: base.Mode(p, i) for i in (1, 2, 3, 4, 5)}
-    motions = [base.Motion(modes, mode, belt, [*centre, ball(p[f"v{belt}"])], columns, leaves)]
+    motions = [base.Motion(modes, mode, belt, [*centre, arb(p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].behind(row))
     return motions
@@ -80,7 +79,7 @@ def fixed_point(p, motions, centre, errors, periods):
     """Return where the only fixed point may be (1 above), and the matrix D."""
     last = motions[-1]
     D = arb_mat([[last.columns[j][i] / errors[j] for j in (0, 1)] for i in (0, 1)])
-    moved = [last.centre[0] - 2 * periods * arb.pi() / ball(p["Omega"]) - centre[0], last.centre[1] - centre[1]]
+    moved = [last.centre[0] - 2 * periods * arb.pi() / arb(p["Omega"]) - centre[0], last.centre[1] - centre[1]]
     try:
         off = (arb_mat([[1, 0], [0, 1]]) - D).solve(arb_mat([[each] for each in moved]))
     except ZeroDivisionError:
@@ -92,8 +91,8 @@ def inside(value, ends):
     """Prove that a number is between two that are stated; both 0 state that it is 0."""
     low, high = (number(end) for end in ends)
     if not (low == high == 0 and value.is_zero()):
-        require(value - ball(low), "a number is not above the lower end stated")
-        require(ball(high) - value, "a number is not below the upper end stated")
+        require(value - arb(low), "a number is not above the lower end stated")
+        require(arb(high) - value, "a number is not below the upper end stated")
 
 
 def eigenvalues(T, d):
@@ -113,11 +112,11 @@ def orbit(data):
     """Prove that there is the orbit stated, with its multipliers, and no other beside it."""
     p, stated, periods = read(data)
     rows = [base.read_row(row) for row in stated]
-    centre = [ball((low + high) / 2) for low, high in rows[0][-1]]
-    errors = [ball(number(each)) for each in data["alone_within"]]
+    centre = [arb((low + high) / 2) for low, high in rows[0][-1]]
+    errors = [arb(number(each)) for each in data["alone_within"]]
     for error in errors:
         require(error, "a box of no width")
-    for scale in (1, Fraction(1, 10**15), 0):  # the box stated; a smaller one; one with the events as stated
+    for scale in (1, fmpq(1, 10**15), 0):  # the box stated; a smaller one; one with the events as stated
         motions = follow(p, [wider(row, number(row["reach"]) * scale) for row in stated], centre, errors)
         off, D = fixed_point(p, motions, centre, errors, periods)
         for each, error in zip(off, errors, strict=True):
