@@ -185,6 +185,7 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
                 "value": [show(family.low), show(family.high)],
                 "t": [list(outward(event[4], DIGITS)) for event in events],
                 "x": [list(outward(event[5], DIGITS)) for event in events],
+                "near": [_first(family, value) for value in (family.low, family.high)],
             }
         )
     course = [
@@ -212,6 +213,12 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
     changes = tuple((row["kind"], row["source"], row["target"]) for row in course)
     message = _message(task, ends, boxes)
     return Certificate("branch", True, message, changes, stable=True if stable else None, statement=statement)
+
+
+def _first(family: Family, value: Fraction) -> list[str]:
+    """Return t and x near the first event at a value of the parameter: a hint, no proof."""
+    t, x = switchings(family.thin, family.near(value))[0][4:]
+    return [f"{float(each):.15g}" for each in (t, x)]
 
 
 def _message(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> str:

@@ -16,13 +16,6 @@ theorem). So
 2. The multipliers are the eigenvalues of D at the fixed point: the roots of z^2 - T z + d, with its trace T and its
    determinant d (0 if the motion sticks). Both are inside the unit circle if and only if |d| < 1 and |T| < 1 + d.
 
-A "branch" states such orbits for every value of a parameter in a range, without the events' digits. 1 is done with balls
-for the parameter; an interval for which it fails is halved. A "window" states at which phases theta = Omega t a motion
-that meets a belt with F = 0 turns back there. Then the gap g has g = g' = 0, g'' = 0 by F = 0, and with
-
-    s = side (k v + B0 Omega sin theta),  side = 1 below the belt, -1 above it,
-
-m g''' has the sign of s: where s > 0 it grazes; where s < 0 it does not.
 """
 
 from __future__ import annotations
@@ -39,7 +32,6 @@ Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base
 require, number = base.require, base.number
 
 LABELS = {(1, 4, 1): 1, (1, 1, 1): 2, (1, 2, 1): 3, (2, 5, 2): 4, (2, 2, 2): 5, (2, 3, 2): 6, (2, 2, 1): 7, (1, 2, 2): 8}
-MOST_HALVINGS, MOST_TRIES = 12, 6
 
 
 def read(data):
