@@ -31,7 +31,16 @@ else:
 Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
 require, number = base.require, base.number
 
-LABELS = {(1, 4, 1): 1, (1, 1, 1): 2, (1, 2, 1): 3, (2, 5, 2): 4, (2, 2, 2): 5, (2, 3, 2): 6, (2, 2, 1): 7, (1, 2, 2): 8}
+LABELS = {
+    (1, 4, 1): 1,
+    (1, 1, 1): 2,
+    (1, 2, 1): 3,
+    (2, 5, 2): 4,
+    (2, 2, 2): 5,
+    (2, 3, 2): 6,
+    (2, 2, 1): 7,
+    (1, 2, 2): 8,
+}
 
 
 def read(data):
