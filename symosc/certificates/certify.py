@@ -11,8 +11,10 @@ from symosc.certificates.branch import prove_branch
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
+from symosc.certificates.window import prove_window
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
+from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
@@ -24,16 +26,17 @@ def certify(
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
     Or prove a periodic orbit: that it exists, is alone in a box and has its word; its multipliers are enclosed. Or
-    prove a branch: that such an orbit exists for every value of its parameter, and up to where it ends.
+    prove a branch: that such an orbit exists for every value of its parameter, and up to where it ends. Or prove a
+    grazing window: for all phases, with exact ends.
 
     Nothing is taken from a simulation. All numbers are enclosed by balls (python-flint); the precision is raised until
     everything is decided, or a limit is reached.
 
     Parameters
     ----------
-    what : Scene, str, Path, PeriodicOrbit or Branch
-        A scene, the name of one, or the path of a TOML file. Or an orbit of `symosc.find_orbit`, or a branch of
-        `symosc.continue_orbit`.
+    what : Scene, str, Path, PeriodicOrbit, Branch or GrazingWindow
+        A scene, the name of one, or the path of a TOML file. Or what `symosc.find_orbit`, `symosc.continue_orbit` or
+        `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
@@ -74,13 +77,16 @@ def certify(
     if isinstance(what, PeriodicOrbit):
         _no_motion(what, t_end, start_error)
         return prove_orbit(what)
+    if isinstance(what, GrazingWindow):
+        _no_motion(what, t_end, start_error)
+        return prove_window(what)
     if isinstance(what, Branch):
         _no_motion(what, t_end, start_error)
         return prove_branch(what, progress)
     if isinstance(what, str | Path):
         what = load_scene(what)
     if not isinstance(what, Scene):
-        raise ParameterError("what", what, "give a Scene, the name or the path of one, a PeriodicOrbit or a Branch")
+        raise ParameterError("what", what, "give a Scene, the name or the path of one, a PeriodicOrbit, a Branch or a window")
     scene = what if t_end is None else what.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)

@@ -1,4 +1,4 @@
-"""How the list of orbits was made: ``python -m symosc.certificates.collect COUNT SEED > symosc/certificates/orbits.csv``.
+"""How the list of orbits was made: ``python -m symosc.certificates.collect COUNT SEED`` prints its lines.
 
 Parameters are drawn with two digits, in turns for each damping regime. A motion is simulated until it should repeat. If
 it does, with a word that is not yet frequent, and the orbit is proven, it goes into the list.

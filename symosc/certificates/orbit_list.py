@@ -1,7 +1,7 @@
 """A list of periodic orbits in all damping regimes, which ships as data, and the proof of all of them.
 
-Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the end of a flight. The
-other points are simulated from there; the proof takes them as a guess. `symosc.certificates.collect` made the list.
+Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the end of a flight.
+The other points are simulated from there; the proof takes them as a guess. `symosc.certificates.collect` made it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import OrbitToProve, certify_orbit
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.simulate import simulate
-from symosc.words import MAPS, Word, read_word
+from symosc.words import MAPS, read_word
 
 ORBITS_PER_TASK = 25
 #: A simulation from a listed start goes on for this part of a period after it.

@@ -16,11 +16,17 @@ theorem). So
 2. The multipliers are the eigenvalues of D at the fixed point: the roots of z^2 - T z + d, with its trace T and its
    determinant d (0 if the motion sticks). Both are inside the unit circle if and only if |d| < 1 and |T| < 1 + d.
 
+A "window" states at which phases theta = Omega t a motion that meets a belt with F = 0 turns back there: with g as in
+verify.py, g = g' = 0 at the contact, and m g'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt and -1
+above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the third derivative is not 0 and the
+motion passes. Where |k v| = |B0| Omega, s = 0 at one phase and m times the fourth derivative is Omega^2 side k v there:
+its sign decides in the "full" order; in the "paper" order nothing grazes at that phase.
 """
 
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 
 from flint import arb, arb_mat, fmpq
 
@@ -29,7 +35,7 @@ if __package__:
 else:
     import verify as base
 Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
-require, number = base.require, base.number
+require, number, verify = base.require, base.number, base.verify
 
 LABELS = {
     (1, 4, 1): 1,
@@ -41,18 +47,25 @@ LABELS = {
     (2, 2, 1): 7,
     (1, 2, 2): 8,
 }
+ALL_BUT_ONE, MOST_PARTS = "everywhere but at one phase", 100_000
 
 
-def read(data):
-    """Return parameters, rows and the number of periods of an orbit or a branch; refuse a word that is not the rows'."""
+def parameters(data):
+    """Return the parameters of a file."""
     p = {name: number(data["parameters"][name]) for name in base.NAMES}
     if min(p["m"], p["Omega"], p["v2"] - p["v1"]) <= 0 or min(p[name] for name in ("c", "k", "mu1", "mu2", "FN")) < 0:
         raise Stop(BAD, "parameters out of range")
+    return p
+
+
+def read(data):
+    """Return parameters, rows and the number of periods of an orbit; refuse a word that is not that of the rows."""
+    p = parameters(data)
     periods, rows = data["periods"], data["events"]
     if type(periods) is not int or not 0 < periods < 10_000 or len(rows) < 2:
         raise Stop(BAD, "a number of periods and two events at least")
     modes = [(row["boundary"], MODES.index(row["target"], 1)) for row in rows]
-    labels = [LABELS.get((belt, mode, after[0])) for (belt, mode), after in zip(modes, modes[1:], strict=False)]
+    labels = [LABELS.get((belt, mode, after[0])) for (belt, mode), after in pairwise(modes)]
     word, found = data["word"], "".join(map(str, reversed(labels)))
     if word[0] != "P" or len(word) != len(found) + 1 or word[1:] not in found * 2:
         raise Stop(FALSE, f"the word {word[:40]}, of events that say {found[:40]}")
@@ -140,10 +153,68 @@ def orbit(data):
     return f"an orbit {data['word']} of {periods} periods, {len(rows) - 1} events, alone within its box"
 
 
-base.KINDS.update(orbit=orbit)
+def keeps(bias, swing, low, high, side):
+    """Prove that side (bias + swing sin theta) > 0 for all theta from low to high, in parts that are halved."""
+    parts = [(low, high)]
+    for _ in range(MOST_PARTS):
+        if not parts:
+            return
+        a, b = parts.pop()
+        s = side * (arb(bias) + arb(swing) * a.union(b).sin())
+        if not s > 0:
+            if s < 0:
+                raise Stop(FALSE, "a window with phases on the wrong side of its ends")
+            middle = ((a + b) / 2).mid()
+            parts += [(a, middle), (middle, b)]
+    raise Stop(OPEN, "the sign of s near an end of the window")
+
+
+def window(data):
+    """Prove at which phases a contact with F = 0 grazes."""
+    p, ends, where = parameters(data), data["ends"], data["grazes"]
+    belt, side = {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
+    bias, swing = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"]
+    if data["order"] not in ("full", "paper") or len(ends) != {"on an arc": 2, ALL_BUT_ONE: 1}.get(where, 0):
+        raise Stop(BAD, "an order full or paper, and two ends of an arc, or one phase")
+    touch = swing != 0 and abs(bias) == abs(swing)  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
+    if where in ("nowhere", "everywhere", ALL_BUT_ONE):
+        sign = -1 if where == "nowhere" else 1
+        if where == ALL_BUT_ONE and not (touch and data["order"] == "paper"):
+            raise Stop(FALSE, "a window that leaves out a phase at which nothing is special")
+        if touch and (bias * sign < 0 or (where == "everywhere" and data["order"] == "paper")):
+            raise Stop(FALSE, "a window that is not so at the phase where s is 0, or elsewhere")
+        if not touch and not (bias == swing == 0 and where == "nowhere"):
+            keeps(bias, swing, arb(0), 2 * arb.pi(), sign)
+    elif where == "on an arc":
+        (a, b), (c, d) = ([arb(number(each)) for each in end["phase"]] for end in ends)
+        for x, y in ((a, b), (b, c), (c, d), (d, a + 2 * arb.pi())):
+            require(y - x, "ends in another order")
+        keeps(bias, swing, b, c, 1)
+        keeps(bias, swing, d, a + 2 * arb.pi(), -1)
+    else:
+        raise Stop(BAD, "a window of no known kind")
+    for end in ends:
+        low, high = (arb(number(each)) for each in end["phase"])
+        cosine, sine = end["cosine"], number(end["sine"])
+        if bias + swing * sine != 0 or cosine not in ((0,) if where == ALL_BUT_ONE else (-1, 1)):
+            raise Stop(FALSE, "an end where s is not 0, or where its derivative is")
+        require(high - low, "an enclosure of no width")
+        require(1 - (high - low), "an enclosure of many phases")
+        if cosine:
+            require(cosine * low.union(high).cos(), "the cosine at an end")
+            require(cosine * (high.sin() - arb(sine)), "an end below its enclosure")
+            require(cosine * (arb(sine) - low.sin()), "an end above its enclosure")
+        else:
+            phase = (2 - arb(sine)) * arb.pi() / 2
+            require(phase - low, "a phase below its enclosure")
+            require(high - phase, "a phase above its enclosure")
+    return f"{data['map']} grazes {where}, order {data['order']}, for all phases"
+
+
+base.KINDS.update(orbit=orbit, window=window)
 
 
 if __name__ == "__main__":
-    code, line = base.verify(sys.argv[1]) if len(sys.argv) == 2 else (BAD, "usage: python verify_orbits.py FILE")
+    code, line = verify(sys.argv[1]) if len(sys.argv) == 2 else (BAD, "usage: python verify_orbits.py FILE")
     print(" ".join(line.split()), file=sys.stderr if code else sys.stdout)
     sys.exit(code)
