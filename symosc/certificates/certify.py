@@ -86,7 +86,7 @@ def certify(
     if isinstance(what, str | Path):
         what = load_scene(what)
     if not isinstance(what, Scene):
-        raise ParameterError("what", what, "give a Scene, the name or the path of one, a PeriodicOrbit, a Branch or a window")
+        raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
     scene = what if t_end is None else what.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)

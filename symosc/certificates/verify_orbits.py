@@ -18,8 +18,8 @@ theorem). So
 
 A "window" states at which phases theta = Omega t a motion that meets a belt with F = 0 turns back there: with g as in
 verify.py, g = g' = 0 at the contact, and m g'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt and -1
-above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the third derivative is not 0 and the
-motion passes. Where |k v| = |B0| Omega, s = 0 at one phase and m times the fourth derivative is Omega^2 side k v there:
+above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the third derivative is not 0 and
+the motion passes. Where |k v| = |B0| Omega, s = 0 at one phase, where m times the fourth derivative is Omega^2 side k v:
 its sign decides in the "full" order; in the "paper" order nothing grazes at that phase.
 """
 

@@ -48,10 +48,10 @@ def certify(
 ) -> int:
     """Prove all events of a scene: that each is the next one, of its kind, and between which times and positions.
 
-    Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the structure
-    is that of --orbit, or the scene's. The table shows as many digits as both ends of an enclosure round to. `symosc
-    verify` proves a certificate file again, by other means. If anything stays open, one line says what, and the exit
-    code is 1.
+    Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
+    structure is that of --orbit, or the scene's. The table shows as many digits as both ends of an enclosure round to.
+    `symosc verify` proves a certificate file again, by other means. If anything stays open, one line says what, and the
+    exit code is 1.
 
     \b
     Examples:
