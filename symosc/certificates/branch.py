@@ -25,9 +25,9 @@ from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
-BITS = 128
+BRANCH_BITS = 128
 #: Digits of the enclosures in a file.
-DIGITS = 16
+BRANCH_DIGITS = 16
 #: Half-width of the enclosure of an end, as a part of the range; the first interval near one; growth after a success.
 END_WIDTH = Fraction(1, 10**11)
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
@@ -82,7 +82,7 @@ def prove_branch(branch: Branch, progress: Progress | None = None) -> Certificat
 
 def certify_branch(task: BranchToProve, progress: Progress | None = None) -> Certificate:
     """Prove every orbit between the ends of a branch, and the ends."""
-    with working_bits(BITS):
+    with working_bits(BRANCH_BITS):
         pieces, boxes, ends = pieces_of(Word(task.labels)), [], []
         try:
             for side, (kind, value, points) in zip((-1, 1), task.ends, strict=True):
@@ -183,8 +183,8 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
         rows.append(
             {
                 "value": [show(family.low), show(family.high)],
-                "t": [list(outward(event[4], DIGITS)) for event in events],
-                "x": [list(outward(event[5], DIGITS)) for event in events],
+                "t": [list(outward(event[4], BRANCH_DIGITS)) for event in events],
+                "x": [list(outward(event[5], BRANCH_DIGITS)) for event in events],
                 "near": [_first(family, value) for value in (family.low, family.high)],
             }
         )
@@ -194,7 +194,7 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
     ]
     stable = all(stability(family.wide, points).stable for family, points in boxes)
     statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {BITS} bits",
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {BRANCH_BITS} bits",
         "parameters": task.p.as_dict(),
         "parameter": task.name,
         "range": [show(ends[0].inside), show(ends[1].inside)],

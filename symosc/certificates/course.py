@@ -24,7 +24,7 @@ from symosc.certificates.balls import Ball, Undecided, hull, sure_sign
 from symosc.certificates.closing import ClosingBalls, Values
 from symosc.certificates.flow import Flight, Oscillator
 
-MOST_STEPS = 4000
+MOST_COURSE_STEPS = 4000
 #: First step, as a part of the piece; shortest step.
 FIRST_STEP, SHORTEST_STEP = 1 / 8, 2.0**-60
 
@@ -40,7 +40,7 @@ class Jet(NamedTuple):
 Curve = Callable[[Ball], Jet]
 
 
-class Border(NamedTuple):
+class Margin(NamedTuple):
     """One thing that must stay positive: what it says, the function, and whether it is 0 at its start and its end.
 
     Attributes
@@ -83,7 +83,7 @@ def force_curve(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -> 
     return force
 
 
-def borders(closing: ClosingBalls, i: int, values: Values) -> list[Border]:
+def borders(closing: ClosingBalls, i: int, values: Values) -> list[Margin]:
     """Return what must stay positive on piece i."""
     o, piece = closing.oscillator, closing.pieces[i]
     if piece.sticks:
@@ -92,18 +92,18 @@ def borders(closing: ClosingBalls, i: int, values: Values) -> list[Border]:
             curve = force_curve(o, piece.start, domain, values[2 * i], values[2 * i + 1])
             ends = domain == closing.slipping(i)
             relation = ">" if domain == piece.start else "<"
-            found.append(Border(f"F^({domain}) {relation} 0 during {piece.label}", curve, 0, ends))
+            found.append(Margin(f"F^({domain}) {relation} 0 during {piece.label}", curve, 0, ends))
         return found
     flight, found = closing.flight(i, values), []
     for boundary in (piece.mode - 1, piece.mode):
         if boundary in (1, 2):
             roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
             what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
-            found.append(Border(what, gap_curve(flight, boundary), roots, boundary == piece.end))
+            found.append(Margin(what, gap_curve(flight, boundary), roots, boundary == piece.end))
     return found
 
 
-def prove_positive(border: Border, span: Ball) -> None:
+def prove_positive(border: Margin, span: Ball) -> None:
     """Prove that a border stays positive between 0 and a time that lies in `span`.
 
     Raises
@@ -114,7 +114,7 @@ def prove_positive(border: Border, span: Ball) -> None:
     if border.at_start == 0 and not border.curve(begin).g > 0:
         raise Undecided(f"{border.what} at its start")
     step = (last * FIRST_STEP).mid()
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_COURSE_STEPS):
         end = (begin + step).mid()
         final = bool(end >= last)
         if final:
@@ -130,7 +130,7 @@ def prove_positive(border: Border, span: Ball) -> None:
     raise Undecided(border.what, begin)
 
 
-def _step(border: Border, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
+def _step(border: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
     """Return whether the border is surely positive on a step, its end included unless the border is 0 there."""
     over = hull(begin, end)
     whole = border.curve(over)

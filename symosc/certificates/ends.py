@@ -11,10 +11,10 @@ from flint import arb
 
 from symosc.certificates.balls import Ball, sure_sign
 from symosc.certificates.closing import ClosingBalls, Values
-from symosc.certificates.course import Border, borders, forces_at, starts_with
+from symosc.certificates.course import Margin, borders, forces_at, starts_with
 
 #: Times of a piece that are looked at, and Newton steps from the lowest of them.
-SAMPLES, MOST_STEPS = 96, 12
+LOW_SAMPLES, MOST_LOW_STEPS = 96, 12
 
 
 def violated(closing: ClosingBalls, values: Values) -> str | None:
@@ -39,15 +39,15 @@ def passage_text(closing: ClosingBalls, i: int, domain: int, wanted: int) -> str
     return f"F^({domain}) {'>' if wanted > 0 else '<'} 0 where {closing.pieces[i - 1].label} ends"
 
 
-def falls_below(border: Border, span: Ball) -> bool:
+def falls_below(border: Margin, span: Ball) -> bool:
     """Return whether a border is surely negative somewhere between 0 and `span`."""
     last = span.lower().mid()
     first = border.curve(arb(0))
     if starts_with(first, border.at_start) < 0 or (border.at_end and border.curve(span).dg > 0):
         return True
-    times = [(last * part / SAMPLES).mid() for part in range(1, SAMPLES)]
+    times = [(last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)]
     tau = min(times, key=lambda time: float(border.curve(time).g))
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_LOW_STEPS):
         there = border.curve(tau)
         if there.g < 0:
             return True

@@ -15,6 +15,10 @@ from symosc.certificates.balls import Ball, hull
 from symosc.certificates.closing import ClosingBalls, Values
 
 
+#: Multipliers whose difference squared is less than this are enclosed together.
+NEARLY_DOUBLE = arb(2) ** -90
+
+
 class Multiplier(NamedTuple):
     """Enclosures of the real and the imaginary part of a multiplier."""
 
@@ -40,6 +44,10 @@ class Stability(NamedTuple):
         """Return both, the larger one first if they are real."""
         half, nought = self.trace / 2, arb(0)
         square = half * half - self.determinant
+        if self.determinant.is_zero():
+            return Multiplier(self.trace, nought), Multiplier(nought, nought)
+        if abs(square) < NEARLY_DOUBLE:  # real or complex: who proves it again may not be able to tell
+            square = hull(-NEARLY_DOUBLE, NEARLY_DOUBLE)
         if square < 0:
             turn = (-square).sqrt()
             return Multiplier(half, turn), Multiplier(half, -turn)

@@ -20,12 +20,14 @@ from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
-FIRST_BITS, MOST_BITS = 128, 1024
+LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
 #: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
-DIGITS, MULTIPLIER_DIGITS = 25, 16
-ACCURATE = 10.0 ** (-DIGITS - 2)
+POINT_DIGITS, MULTIPLIER_DIGITS = 25, 16
+ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
 #: A singular system is called so if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
+#: What part of the box in which an orbit is proven to be alone is stated: a way of proof with wider balls needs less.
+STATED = arb(2) ** -13
 #: By how much a hint is more than the first-order value; the least radius in a hint.
 SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
@@ -55,16 +57,16 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
 
 def certify_orbit(task: OrbitToProve) -> Certificate:
     """Prove an orbit near the given points, with as many bits as it takes."""
-    pieces, bits = pieces_of(Word(task.labels)), FIRST_BITS
+    pieces, bits = pieces_of(Word(task.labels)), LEAST_ORBIT_BITS
     while True:
         with working_bits(bits):
             try:
                 closing = ClosingBalls(Oscillator(task.p), pieces, task.periods)
                 proof = prove_with_word(closing, [_exact(each) for point in task.near for each in point])
-                if proof.stability.stable is not None or bits >= MOST_BITS:
+                if proof.stability.stable is not None or bits >= MOST_ORBIT_BITS:
                     return _certificate(task, proof, bits)
             except Undecided as undecided:
-                if bits >= MOST_BITS:
+                if bits >= MOST_ORBIT_BITS:
                     return Certificate("orbit", False, _open(task, undecided, bits))
             bits *= 2
 
@@ -126,7 +128,7 @@ def reaches(closing: ClosingBalls, root: Root) -> list[Ball]:
     """
     n, begin = len(closing.pieces), first_arrival(closing.pieces)
     values = [value.mid() for value in root.points]
-    wide_t, wide_x = (value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
+    wide_t, wide_x = (STATED * value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
     moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]
     for i in range(begin, begin + n):
         at_start, at_end = closing.blocks(i % n, values)
@@ -140,12 +142,12 @@ def statement_of(closing: ClosingBalls, root: Root) -> Record:
     begin = first_arrival(closing.pieces)
     rows = [
         {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        | {"t": list(outward(t, DIGITS)), "x": list(outward(x, DIGITS)), "reach": one_digit(reach)}
+        | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
         for (kind, boundary, source, target, t, x), reach in zip(
             switchings(closing, root.points), reaches(closing, root), strict=True
         )
     ]
-    alone = [one_digit(value.rad()) for value in root.box[2 * begin : 2 * begin + 2]]
+    alone = [one_digit(STATED * value.rad()) for value in root.box[2 * begin : 2 * begin + 2]]
     return {"periods": closing.periods, "events": rows, "alone_within": alone}
 
 
@@ -179,7 +181,7 @@ def _certificate(task: OrbitToProve, proof: OrbitProof, bits: int) -> Certificat
         _message(task, statement, stable, bits),
         events=tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows),
         points=tuple(
-            (outward(root.points[2 * i], DIGITS), outward(root.points[2 * i + 1], DIGITS))
+            (outward(root.points[2 * i], POINT_DIGITS), outward(root.points[2 * i + 1], POINT_DIGITS))
             for i in range(len(closing.pieces))
         ),
         multipliers=tuple(pairs),

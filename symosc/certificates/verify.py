@@ -188,7 +188,8 @@ class Motion:
         if not self.columns or touches:
             return Motion(self.modes, after, belt, [when, z[0, 0], v], (), leaves)
         centre = Motion(self.modes, mode.number, self.belt, self.centre)
-        then, rate, columns = sharper(lambda t: centre.f(end, t), when, slope), mode.M * self.first, []
+        slope, rate, columns = self.f(end, when)[1], mode.M * self.first, []
+        then = sharper(lambda t: centre.f(end, t), when, slope)
         e = step * (mode.M * (self.origin - self.t)).exp()
         for dt, dx, dv in self.columns:  # a later start is one at the same time with another x and v
             dz = e * arb_mat([[dx - rate[0, 0] * dt], [dv - rate[1, 0] * dt], [0], [0], [0]])

@@ -114,7 +114,10 @@ def eigenvalues(T, d):
     if d.is_zero():
         return (T, arb(0)), (arb(0), arb(0))
     square = T * T / 4 - d
-    require(abs(square), "two multipliers that may be one")
+    root = abs(square).upper().sqrt()
+    if not abs(square) > 0:
+        around = root.union(-root)
+        return ((T / 2 + around, around),) * 2
     root = abs(square).sqrt()
     if square < 0:
         return (T / 2, root), (T / 2, -root)

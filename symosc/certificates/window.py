@@ -23,22 +23,22 @@ from symosc.certificates.certificate import Certificate
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 
-BITS, DIGITS = 128, 25
-NOWHERE, EVERYWHERE, ALL_BUT_ONE, ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
+WINDOW_BITS, WINDOW_PLACES = 128, 25
+NOWHERE, EVERYWHERE, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
 
 
 def prove_window(window: GrazingWindow) -> Certificate:
     """Prove a grazing window; see `symosc.certify`."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
-    with working_bits(BITS):
+    with working_bits(WINDOW_BITS):
         where, ends = _where(bias, swing, window.order == "full")
         rows = [
-            {"phase": list(outward(phase, DIGITS)), "sine": show(sine), "cosine": cosine}
+            {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
     statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {BITS} bits",
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {WINDOW_BITS} bits",
         "parameters": p.as_dict(),
         "map": window.mapping,
         "order": window.order,
@@ -59,7 +59,7 @@ def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple
     if abs(bias) == abs(swing):
         if bias < 0 or full:
             return (EVERYWHERE if bias > 0 else NOWHERE), []
-        return ALL_BUT_ONE, [(arb.pi() * (1 if sine > 0 else 3) / 2, sine, 0)]
+        return BUT_ONE_PHASE, [(arb.pi() * (1 if sine > 0 else 3) / 2, sine, 0)]
     rising, falling = ball(sine).asin(), arb.pi() - ball(sine).asin()
     low, high = ((rising, 1), (falling, -1)) if swing > 0 else ((falling, -1), (rising, 1))
     first, second = low[0], high[0]
@@ -70,12 +70,12 @@ def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple
     for sign, phase in ((1, (first + second) / 2), (-1, (first + second) / 2 + arb.pi())):
         if decided_sign(ball(bias) + ball(swing) * phase.sin(), "the sign of the drift", phase) != sign:
             raise ArithmeticError("an arc on the wrong side of its ends")
-    return ARC, [(first, sine, low[1]), (second, sine, high[1])]
+    return ON_AN_ARC, [(first, sine, low[1]), (second, sine, high[1])]
 
 
 def _message(window: GrazingWindow, where: str, ends: list[tuple[Ball, Fraction, int]]) -> str:
     text = f"{window.mapping} grazes {where}, order {window.order}"
-    if where == ARC:
+    if where == ON_AN_ARC:
         text += " from {} to {}".format(*(phase.str(12, radius=False) for phase, _, _ in ends))
     if ends:
         text += f", the sine being {show(ends[0][1])} there"
