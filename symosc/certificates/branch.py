@@ -28,7 +28,7 @@ from symosc.words import Word
 BRANCH_BITS = 128
 #: Digits of the enclosures in a file.
 BRANCH_DIGITS = 16
-#: Half-width of the enclosure of an end, as a part of the range; the first interval near one; growth after a success.
+#: Half-width of the enclosure of an end, as a part of its value or of the range; the first interval near one; growth after a success.
 END_WIDTH = Fraction(1, 10**11)
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
@@ -109,7 +109,7 @@ def _end(
     """
     if kind == END_OF_RANGE:
         return ProvenEnd(kind, "", value, value)
-    width = Fraction(10) ** floor(log10(END_WIDTH * (task.ends[1][1] - task.ends[0][1])))
+    width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), task.ends[1][1] - task.ends[0][1])))
     value = round(value / width) * width
     inside, outside = value - side * width, value + side * width
     family = Family(task.p, task.name, min(inside, outside), max(inside, outside), pieces, task.periods)

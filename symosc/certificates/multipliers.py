@@ -14,7 +14,6 @@ from flint import arb
 from symosc.certificates.balls import Ball, hull
 from symosc.certificates.closing import ClosingBalls, Values
 
-
 #: Multipliers whose difference squared is less than this are enclosed together.
 NEARLY_DOUBLE = arb(2) ** -90
 

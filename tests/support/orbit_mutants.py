@@ -7,6 +7,7 @@ import json
 import random
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from certificate_mutants import CHANGES, Change, Document, digit
@@ -56,7 +57,9 @@ def orbit_is_true(document: Document, original: Document) -> bool:
 
 def _within(value: Any, ends: list[str]) -> bool:
     low, high = (Fraction(end) for end in ends)
-    return low <= Fraction(str(mp.nstr(value, DIGITS - 5, strip_zeros=False))) <= high or low == high == round(value, 30)
+    return low <= Fraction(str(mp.nstr(value, DIGITS - 5, strip_zeros=False))) <= high or low == high == round(
+        value, 30
+    )
 
 
 def _rotated(document: Document) -> str:
@@ -64,7 +67,7 @@ def _rotated(document: Document) -> str:
     maps = {(1, "belt1", 1): 1, (1, "Omega1", 1): 2, (1, "Omega2", 1): 3, (2, "belt2", 2): 4, (2, "Omega2", 2): 5}
     maps |= {(2, "Omega3", 2): 6, (2, "Omega2", 1): 7, (1, "Omega2", 2): 8}
     rows = document["events"]
-    labels = [maps[a["boundary"], a["target"], b["boundary"]] for a, b in zip(rows, rows[1:], strict=False)]
+    labels = [maps[a["boundary"], a["target"], b["boundary"]] for a, b in pairwise(rows)]
     return "P" + "".join(map(str, reversed(labels)))
 
 
