@@ -92,7 +92,8 @@ def _motions() -> Iterator[Any]:
     yield from block(
         "lemma",
         r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, "
-        r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. As a function "
+        r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. As a "
+        r"function "
         r"of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is convex or "
         r"concave.",
         title="a straightened gap",
@@ -115,21 +116,24 @@ def _motions() -> Iterator[Any]:
         )
     )
     yield Prose(
-        r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the ends "
+        r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
+        r"ends "
         r"that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. On a "
         r"belt both forces are monotone between critical phases (Section~\ref{sec:sticks})."
     )
     yield from block(
         "lemma",
         r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the belt. Then "
-        r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g = g' = 0$, $g'' > 0$; or "
+        r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g = g' = 0$, $g'' > 0$; "
+        r"or "
         r"$g' < 0$, $g(b) = 0$ and $b$ itself is left out.",
         title="steps without critical phases",
         label="thm:certificates-steps",
     )
     yield from proof(r"In each case $g$ is monotone, or its sign is what is asked for; integrate once or twice.")
     yield Prose(
-        r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is how "
+        r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is "
+        r"how "
         r"orbits are proven, and all motions once more by the checker. What happens at the event follows from certain "
         r"signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is "
         r"enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set. A "
@@ -148,10 +152,13 @@ def _orbits() -> Iterator[Any]:
     yield Heading("Orbits: existence, uniqueness, word, stability")
     yield Prose(
         r"The unknowns are all switching points, the equations those of \eqref{eq:maps-f1} piece by piece, the last "
-        r"piece ending where the first begins, $N$ periods later. Theorem~\ref{thm:certificates-krawczyk} proves one root "
+        r"piece ending where the first begins, $N$ periods later. Theorem~\ref{thm:certificates-krawczyk} proves one "
+        r"root "
         r"in a box. It is an orbit with its word if each piece ends where it first can "
-        r"(Lemma~\ref{thm:certificates-steps}), if at each crossing both forces have the sign of the passage and at each "
-        r"onset of a stick the signs of Theorem~4, and if both forces hold during the whole stick. All these are certain "
+        r"(Lemma~\ref{thm:certificates-steps}), if at each crossing both forces have the sign of the passage and at "
+        r"each "
+        r"onset of a stick the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
+        r"certain "
         r"signs over the box. The checker proves the same orbit by Theorem~\ref{thm:certificates-newton}, for the map "
         r"from the first event to itself."
     )
@@ -177,8 +184,10 @@ def _orbits() -> Iterator[Any]:
         r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.",
     )
     yield Prose(
-        r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then be applied, with any "
-        r"number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ \cite{csernak2007}, "
+        r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then be applied, with "
+        r"any "
+        r"number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
+        r"\cite{csernak2007}, "
         r"is never proven to be the only one. With damping every orbit is the only one (Section~\ref{sec:orbits})."
     )
 
@@ -186,17 +195,21 @@ def _orbits() -> Iterator[Any]:
 def _branches() -> Iterator[Any]:
     yield Heading("Branches: every value of a parameter")
     yield Prose(
-        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le \rho$, and $p(\delta)$ "
+        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le \rho$, and "
+        r"$p(\delta)$ "
         r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ by its first "
         r"coefficients at 0 and one more over the whole interval; arithmetic with power series of balls gives both. "
-        r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over all $p(\delta) + R$ proves "
+        r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over all $p(\delta) + R$ "
+        r"proves "
         r"one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends continuously on $\delta$. The signs "
-        r"that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring intervals have "
+        r"that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring intervals "
+        r"have "
         r"the same root where they meet: it lies in both tubes."
     )
     yield from block(
         "proposition",
-        r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that one of "
+        r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that one "
+        r"of "
         r"them is violated at $b$. Then between $a$ and $b$ there is a first value at which an inequality of the orbit "
         r"becomes an equality. There the branch ends.",
         title="the end of a branch",
@@ -254,9 +267,13 @@ def _windows() -> Iterator[Any]:
         )
     )
     yield Prose(
-        r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases with "
-        r"$\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase of each "
+        r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases "
+        r"with "
+        r"$\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase of "
+        r"each "
         r"arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with $\cos\theta = 0$ "
-        r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The checker instead covers the "
-        r"circle outside the ends with intervals of certain sign, and shows that the derivative has one sign at the ends."
+        r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The checker instead covers "
+        r"the "
+        r"circle outside the ends with intervals of certain sign, and shows that the derivative has one sign at the "
+        r"ends."
     )
