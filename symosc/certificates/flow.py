@@ -66,9 +66,13 @@ class Oscillator:
             self.growth = self.B0 / (2 * self.m * self.Omega)
         elif p.B0 == 0 and "B0" not in ranges:
             self.steady_c = self.steady_s = arb(0)
+        elif not ranges:
+            pull, drag = p.k / p.m - p.Omega**2, p.c * p.Omega / p.m
+            gain = p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
+            self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
-            if ranges and not level(pull * pull + drag * drag) > 0:
+            if not level(pull * pull + drag * drag) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = gain * drag, -gain * pull

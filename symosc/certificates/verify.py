@@ -59,23 +59,20 @@ def sharper(f, found, slope):
 
 
 class Mode:
-    """One mode of an oscillator: z' = M z, and for each f that ends it rows with f = rows[0] z, f' = rows[1] z, ...
-
-    Parameters are fractions, or balls for all oscillators with parameters in them.
-    """
+    """One mode of an oscillator: z' = M z, and for each f that ends it rows with f = rows[0] z, f' = rows[1] z, ..."""
 
     def __init__(self, p, mode):
         m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
         friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
-        F = {i: [q / m for q in (-k, -c, A0 + friction[i] * FN, B0, 0 * m)] for i in friction}
+        F = {i: [q / m for q in (-k, -c, A0 + friction[i] * FN, B0, fmpq(0))] for i in friction}
         self.p, self.number, self.flies, self.powers = p, mode, mode < 4, {}
         if self.flies:  # the distance from each belt around the domain
             sides = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
             self.ends = {i: [0, side, -side * p[f"v{i}"], 0, 0] for i, side in sides.items()}
         else:  # F below the belt, and -F above it
             self.ends = {mode - 3: F[mode - 3], mode - 2: [-q for q in F[mode - 2]]}
-        self.lines = [[0, 1, 0, 0, 0], F.get(mode, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
-        self.M, self.rows = arb_mat(self.lines), [arb_mat(list(self.ends.values()))]
+        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F.get(mode, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
+        self.M, self.rows = arb_mat(self.exact), [arb_mat(fmpq_mat(list(self.ends.values())))]
         while len(self.rows) < ORDERS:
             self.rows.append(self.rows[-1] * self.M)
         # |f''| after a time is at most `swing` + the sum of |calm z| there: a steady motion, and one that decays.
@@ -83,11 +80,11 @@ class Mode:
         self.calm, self.swing, self.rate = arb_mat(1, 5), arb(abs(B0) * Om * Om / m), arb(Om)
         if self.flies:
             self.rate = arb(Om + c / m) + w0
-            if not (abs(q) > 0 and abs(a) + abs(b) > 0):
+            if q == 0 or a == b == 0:
                 self.swing = arb.pos_inf()
             else:
                 gain, h, w = B0 * Om / (a * a + b * b), arb(c / m / 2), arb(abs(q)).sqrt()
-                y = arb_mat([[0, 1, 0, -gain * b, gain * a]])  # v less the steady one
+                y = arb_mat(fmpq_mat([[0, 1, 0, -gain * b, gain * a]]))  # v less the steady one
                 slow, fast = (w - h, -w - h) if q > 0 else (arb(0), arb(0))
                 pair = [(y * self.M - y * fast) * (slow * slow / w), (y * self.M - y * slow) * (fast * fast / w)]
                 pair = [row / 2 for row in pair] if q > 0 else [y * (k / m), (y * self.M + y * h) / w * (k / m)]
@@ -212,7 +209,7 @@ def begin(p, start, errors):
     for i in (0, 1):
         order, value, z = 0, first[i, 0], fmpq_mat([[x0], [v0], [1], [1], [0]])
         while not any(errors) and (t0 == 0 or p["B0"] == 0) and order < ORDERS and value.contains(0):
-            value, z = arb((row * z)[i, 0]), fmpq_mat(modes[3 + at].lines) * z
+            value, z = arb((row * z)[i, 0]), modes[3 + at].exact * z
             order += value == 0
         require(abs(value), "F on the belt at the start")
         signs.append(1 if value > 0 else -1)
