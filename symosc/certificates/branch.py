@@ -28,8 +28,9 @@ from symosc.words import Word
 BRANCH_BITS = 128
 #: Digits of the enclosures in a file.
 BRANCH_DIGITS = 16
-#: Half-width of the enclosure of an end, as a part of its value or of the range; the first interval near one; growth after a success.
+#: Half-width of the enclosure of an end, as a part of its value or of the range.
 END_WIDTH = Fraction(1, 10**11)
+#: The first interval, as a part of the range; by how much the next one is wider.
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
 END_OF_RANGE = "end of the range"
@@ -114,6 +115,8 @@ def _end(
     inside, outside = value - side * width, value + side * width
     family = Family(task.p, task.name, min(inside, outside), max(inside, outside), pieces, task.periods)
     family.prove(near)
+    within = _closing(task, pieces, inside)
+    prove_course(within, _narrow(within, family, inside))
     thin = _closing(task, pieces, outside)
     points = _narrow(thin, family, outside)
     inequality = violated(thin, points)

@@ -158,8 +158,7 @@ class Motion:
             first, last = 3 * first - 2 * last, 3 * last - 2 * first
             low, high = arb(first).lower(), arb(last).upper()
             require(low - self.t, "the signs around an event")
-        times = low.union(high)
-        slope = self.f(end, times)[1 + touches]
+        slope = self.f(end, times := low.union(high))[1 + touches]
         for value in (self.f(end, low)[0], turn * self.f(end, high)[0], turn * slope):
             require(value, "the signs around an event")
         self.positive(low)
