@@ -26,14 +26,12 @@ its sign decides in the "full" order; in the "paper" order nothing grazes at tha
 from __future__ import annotations
 
 import sys
+from importlib import import_module
 from itertools import pairwise
 
 from flint import arb, arb_mat, fmpq
 
-if __package__:
-    from . import verify as base
-else:
-    import verify as base
+base = import_module(".verify", __package__) if __package__ else import_module("verify")
 Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
 require, number, verify = base.require, base.number, base.verify
 

@@ -36,6 +36,7 @@ SHOWN_DIGITS = 17
 @json_option
 def certify(
     scene: str | None,
+    *,
     t_end: str | None,
     start_error: str | None,
     word: str | None,
