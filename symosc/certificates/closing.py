@@ -23,7 +23,7 @@ from symosc.certificates.balls import Ball, Undecided
 from symosc.certificates.flow import Flight, FlightStart, Oscillator
 from symosc.orbits.closing_equations import OrbitPiece
 
-MOST_NEWTON_STEPS = 12
+MOST_POLISHINGS = 12
 #: Boxes that are tried, as parts of the period and of the largest position: the first one that works is stated.
 BOXES = (1e-7, 1e-9, 1e-12, 1e-16, 1e-20, 1e-26, 1e-34)
 MOST_CONTRACTIONS = 4
@@ -116,7 +116,7 @@ class ClosingBalls:
             If it does not settle.
         """
         values = [value.mid() for value in values]
-        for _ in range(MOST_NEWTON_STEPS):
+        for _ in range(MOST_POLISHINGS):
             try:
                 step = self.jacobian(values).mid().solve(self.residuals(values).mid())
             except ZeroDivisionError:

@@ -21,11 +21,11 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 from symosc.words import MAPS, Word
 
-REGIMES = ("underdamped", "overdamped", "critically damped", "undamped")
+DAMPING = ("underdamped", "overdamped", "critically damped", "undamped")
 #: Orbits of one word; mappings of a word; events that a simulation may have; periods it may take.
-MOST_OF_A_WORD, MOST_MAPPINGS, MOST_EVENTS, MOST_PERIODS = 40, 24, 4000, 60
+MOST_OF_A_WORD, LONGEST_LISTED_WORD, MOST_SIMULATED_EVENTS, MOST_SETTLING_PERIODS = 40, 24, 4000, 60
 #: How near a motion must come to itself after a period, relatively.
-REPEATS = 1e-4
+NEAR_ITSELF = 1e-4
 LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
 
 
@@ -61,10 +61,10 @@ def draw(rng: random.Random, regime: str) -> Parameters:
 def settled(p: Parameters) -> tuple[tuple[str, ...], list[tuple[float, float]]] | None:
     """Return labels and points of the last period of a motion that repeats, or None."""
     period = 2 * math.pi / float(p.Omega)
-    decay = 60 * float(p.m / p.c) / period if p.c else MOST_PERIODS
-    last = math.ceil(min(MOST_PERIODS, max(8.0, decay)))
+    decay = 60 * float(p.m / p.c) / period if p.c else MOST_SETTLING_PERIODS
+    last = math.ceil(min(MOST_SETTLING_PERIODS, max(8.0, decay)))
     middle = (p.v1 + p.v2) / 2
-    motion = simulate(p, t0=0, x0=p.A0 / p.k, v0=middle, t_end=(last + 2) * period, max_events=MOST_EVENTS)
+    motion = simulate(p, t0=0, x0=p.A0 / p.k, v0=middle, t_end=(last + 2) * period, max_events=MOST_SIMULATED_EVENTS)
     events = [event for event in motion.events if event.t > last * period]
     for i, first in enumerate(events):
         for j in range(i + 1, len(events)):
@@ -76,12 +76,12 @@ def settled(p: Parameters) -> tuple[tuple[str, ...], list[tuple[float, float]]] 
                 ]
                 found = tuple(label for label in labels if label)
                 points = [(float(event.t) - shift, float(event.x)) for event in events[i:j]]
-                return (found, points) if len(found) == len(labels) <= MOST_MAPPINGS else None
+                return (found, points) if len(found) == len(labels) <= LONGEST_LISTED_WORD else None
     return None
 
 
 def _same(a: Event, b: Event, period: float) -> bool:
-    near = abs(b.t - a.t - period) < REPEATS * period and abs(b.x - a.x) < REPEATS * (1 + abs(a.x))
+    near = abs(b.t - a.t - period) < NEAR_ITSELF * period and abs(b.x - a.x) < NEAR_ITSELF * (1 + abs(a.x))
     return bool(near and (a.boundary, a.kind, a.target) == (b.boundary, b.kind, b.target))
 
 
@@ -90,7 +90,7 @@ def collect(count: int, seed: int) -> Iterator[ListedOrbit]:
     rng, words, seen = random.Random(seed), Counter[str](), set[Parameters]()
     while len(seen) < count:
         try:
-            p = draw(rng, REGIMES[len(seen) % len(REGIMES)])
+            p = draw(rng, DAMPING[len(seen) % len(DAMPING)])
             found = settled(p)
         except SymoscError:
             continue

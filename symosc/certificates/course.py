@@ -26,7 +26,7 @@ from symosc.certificates.flow import Flight, Oscillator
 
 MOST_COURSE_STEPS = 4000
 #: First step, as a part of the piece; shortest step.
-FIRST_STEP, SHORTEST_STEP = 1 / 8, 2.0**-60
+FIRST_COURSE_STEP, SHORTEST_COURSE_STEP = 1 / 8, 2.0**-60
 
 
 class Jet(NamedTuple):
@@ -113,7 +113,7 @@ def prove_positive(border: Margin, span: Ball) -> None:
     last, begin, first = span.upper().mid(), arb(0), True
     if border.at_start == 0 and not border.curve(begin).g > 0:
         raise Undecided(f"{border.what} at its start")
-    step = (last * FIRST_STEP).mid()
+    step = (last * FIRST_COURSE_STEP).mid()
     for _ in range(MOST_COURSE_STEPS):
         end = (begin + step).mid()
         final = bool(end >= last)
@@ -125,7 +125,7 @@ def prove_positive(border: Margin, span: Ball) -> None:
             begin, first, step = end, False, (step * 1.5).mid()
         else:
             step = ((end - begin) / 2).mid()
-            if step <= last * SHORTEST_STEP:
+            if step <= last * SHORTEST_COURSE_STEP:
                 break
     raise Undecided(border.what, begin)
 

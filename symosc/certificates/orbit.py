@@ -22,7 +22,7 @@ from symosc.words import Word
 
 LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
 #: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
-POINT_DIGITS, MULTIPLIER_DIGITS = 25, 16
+POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
 #: A singular system is called so if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
@@ -152,7 +152,7 @@ def statement_of(closing: ClosingBalls, root: Root) -> Record:
 
 
 def _decimals(value: Ball) -> tuple[str, str]:
-    return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_DIGITS)
+    return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_PLACES)
 
 
 def one_digit(radius: Ball) -> str:

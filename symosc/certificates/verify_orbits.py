@@ -214,7 +214,12 @@ def window(data):
     return f"{data['map']} grazes {where}, order {data['order']}, for all phases"
 
 
-base.KINDS.update(orbit=orbit, window=window)
+def branch(data):
+    """Say that a branch is not proven here: balls for a parameter grow too fast along whole orbits."""
+    raise Stop(FALSE, f"the branch {str(data.get('word'))[:40]}: this checker has no proof of branches")
+
+
+base.KINDS.update(orbit=orbit, window=window, branch=branch)
 
 
 if __name__ == "__main__":

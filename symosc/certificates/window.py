@@ -24,7 +24,7 @@ from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 
 WINDOW_BITS, WINDOW_PLACES = 128, 25
-NOWHERE, EVERYWHERE, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
+NO_PHASE, ALL_PHASES, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
 
 
 def prove_window(window: GrazingWindow) -> Certificate:
@@ -54,11 +54,11 @@ def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple
     An arc goes up from its first end to its second.
     """
     if abs(bias) > abs(swing) or swing == 0:
-        return (EVERYWHERE if bias > 0 else NOWHERE), []
+        return (ALL_PHASES if bias > 0 else NO_PHASE), []
     sine = -bias / swing
     if abs(bias) == abs(swing):
         if bias < 0 or full:
-            return (EVERYWHERE if bias > 0 else NOWHERE), []
+            return (ALL_PHASES if bias > 0 else NO_PHASE), []
         return BUT_ONE_PHASE, [(arb.pi() * (1 if sine > 0 else 3) / 2, sine, 0)]
     rising, falling = ball(sine).asin(), arb.pi() - ball(sine).asin()
     low, high = ((rising, 1), (falling, -1)) if swing > 0 else ((falling, -1), (rising, 1))

@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from symosc import Parameters, certify, grazing_window, load_scene
-from symosc.certificates.window import BUT_ONE_PHASE, EVERYWHERE, NOWHERE, ON_AN_ARC
+from symosc.certificates.window import ALL_PHASES, BUT_ONE_PHASE, NO_PHASE, ON_AN_ARC
 
 CHANGES: tuple[dict[str, int], ...] = ({}, {"B0": 0}, {"k": 0}, {"B0": -3})
 
@@ -17,7 +17,7 @@ CHANGES: tuple[dict[str, int], ...] = ({}, {"B0": 0}, {"k": 0}, {"B0": -3})
 def grazes(parameters: Parameters, mapping: str, order: str, statement: dict[str, object], theta: float) -> bool:
     """Return what a certificate states about a phase."""
     if statement["grazes"] != ON_AN_ARC:
-        return statement["grazes"] != NOWHERE
+        return statement["grazes"] != NO_PHASE
     low, high = (float(end["phase"][0]) for end in statement["ends"])  # type: ignore[attr-defined]
     return (theta - low) % 6.283185307179586 < high - low
 
@@ -35,7 +35,7 @@ def test_windows_say_what_their_phases_do(order: str) -> None:
         for _ in range(10):
             theta = rng.uniform(0, 6.28)
             assert bool(window.contains(theta)) is grazes(window.parameters, mapping, order, proof.statement, theta)
-    assert kinds == {NOWHERE, EVERYWHERE, ON_AN_ARC} | ({BUT_ONE_PHASE} if order == "paper" else set())
+    assert kinds == {NO_PHASE, ALL_PHASES, ON_AN_ARC} | ({BUT_ONE_PHASE} if order == "paper" else set())
 
 
 def test_ends_are_exact() -> None:
@@ -52,5 +52,5 @@ def test_ends_are_exact() -> None:
 def test_the_two_orders_differ_at_a_touch_of_fourth_order() -> None:
     p = load_scene("fig8").parameters
     full, paper = (certify(grazing_window(p, "P3", order)).statement for order in ("full", "paper"))
-    assert (full["grazes"], paper["grazes"]) == (EVERYWHERE, BUT_ONE_PHASE)
+    assert (full["grazes"], paper["grazes"]) == (ALL_PHASES, BUT_ONE_PHASE)
     assert paper["ends"][0]["sine"] == "1"
