@@ -121,6 +121,10 @@ def _motions() -> Iterator[Any]:
         r"that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. On a "
         r"belt both forces are monotone between critical phases (Section~\ref{sec:sticks})."
     )
+    yield from _steps()
+
+
+def _steps() -> Iterator[Any]:
     yield from block(
         "lemma",
         r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the belt. Then "
