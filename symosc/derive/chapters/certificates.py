@@ -83,12 +83,6 @@ def _motions() -> Iterator[Any]:
         r"times in a ball. Two ways show that nothing happens before an event. One uses the gap of "
         r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical phases."
     )
-    C, S, kappa = sp.cos(W * U), sp.sin(W * U) / W, -(W**2)
-    g = sp.Function("g")(U)
-    height = sp.exp(RATE * U) * g / C
-    bent = C**2 * (C**2 * height.diff(U)).diff(U)  # ds = du/C^2
-    operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
-    wanted = C**3 * sp.exp(RATE * U) * operator
     yield from block(
         "lemma",
         r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, "
@@ -101,18 +95,12 @@ def _motions() -> Iterator[Any]:
     )
     yield from proof(
         Prose(
-            r"$ds/du = (S'C - SC')/C^2 = 1/C^2$, and the rest is differentiation. The sign of $L g$ is that of "
+            r"Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is $dH/ds = C^2 q'$ "
+            r"and "
+            r"$d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign of $L g$ is that "
+            r"of "
             r"Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.",
-            (
-                fact((S / C).diff(U), "=", 1 / C**2, Exact(tidy=sp.simplify)),
-                fact(bent, "=", wanted, Exact(tidy=sp.simplify, independent=False)),
-                fact(
-                    _hyperbolic(bent),
-                    "=",
-                    _hyperbolic(wanted),
-                    Exact(tidy=lambda rest: sp.simplify(rest.rewrite(sp.exp)), independent=False),
-                ),
-            ),
+            tuple(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave)),
         )
     )
     yield Prose(
@@ -146,10 +134,18 @@ def _steps() -> Iterator[Any]:
     )
 
 
-def _hyperbolic(expr: Any) -> Any:
-    """Return an expression of the underdamped regime in the overdamped one: w becomes i w."""
-    real = sp.Symbol("w", positive=True)
-    return expr.subs(W, sp.I * real).rewrite(sp.exp)
+def _straightened(wave: Any) -> Iterator[Any]:
+    """Yield the facts of the proof for C = cos or cosh."""
+    C, q = wave(W * U), sp.Function("q")(U)
+    kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
+    g = sp.exp(-RATE * U) * C * q
+    operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
+    letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
+    true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
+    meaning = dict(zip(letters, true, strict=True))
+    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    yield fact(LG, "=", sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check)
+    yield fact(SLOPE, "=", 1 / _C**2, check)
 
 
 def _orbits() -> Iterator[Any]:
