@@ -7,10 +7,8 @@ from fractions import Fraction
 from math import floor, log10
 from typing import NamedTuple
 
-from flint import arb
-
 from symosc.aliases import Record
-from symosc.certificates.balls import FLINT_VERSION, Undecided, outward, working_bits
+from symosc.certificates.balls import FLINT_VERSION, Undecided, ball, outward, working_bits
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.closing import ClosingBalls, Values
 from symosc.certificates.course import prove_course
@@ -74,7 +72,7 @@ def prove_branch(branch: Branch, progress: Progress | None = None) -> Certificat
     """Prove a branch; see `symosc.certify`."""
     ends = []
     for i in (0, -1):
-        points = [arb(float(each)) for t, x in branch.points[i] for each in (t, x)]
+        points = [ball(Fraction(float(each))) for t, x in branch.points[i] for each in (t, x)]
         ends.append((branch.ends[i].kind, Fraction(str(float(branch.values[i]))), points))
     first, last = sorted(ends, key=lambda end: end[1])
     task = BranchToProve(branch.parameters(0), branch.parameter, branch.labels, branch.periods, (first, last))
