@@ -27,7 +27,7 @@ ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
 #: A singular system is called so if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
 #: What part of the box in which an orbit is proven to be alone is stated: a way of proof with wider balls needs less.
-STATED = arb(2) ** -13
+STATED = arb(2) ** -24
 #: By how much a hint is more than the first-order value; the least radius in a hint.
 SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
