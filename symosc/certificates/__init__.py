@@ -11,8 +11,17 @@ How the pieces fit, from below:
     motion       `begin`, `next_event`: Theorems 4 and 5 on enclosures; sets of (t, x) from event to event
     graze        a touch, as a statement about some start within the start's error
     trajectory   all events up to t_end, with as many bits as it takes
+    closing      the closing equations of an orbit, Krawczyk's proof of one root
+    course       that an orbit takes the course of its word, by steps that need no turns
+    multipliers  enclosed; whether they are inside the unit circle
+    orbit        an orbit: exists, alone in a box, word, stability
+    orbit_list   the orbits of orbits.csv, proven in processes; collect made the list
+    family       one root for every value of a parameter, about a curve
+    branch, ends a branch of orbits up to its ends
+    window       a grazing window, for all phases
     certificate  `Certificate` and its JSON
     verify       proves a file again by other means; one file that needs nothing of symosc
+    verify_orbits  the same for orbits and windows; needs verify.py only
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
 and returns the proven event and the set after it; `contact_jacobian` has the derivatives of a flight's end, and

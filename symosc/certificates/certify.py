@@ -2,33 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from symosc.certificates.branch import prove_branch
 from symosc.certificates.certificate import Certificate
+from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
+from symosc.certificates.window import prove_window
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
+from symosc.grazing.window import GrazingWindow
+from symosc.orbits.branch import Branch
+from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
 
 
-def certify(what: Scene | str | Path, *, t_end: Any = None, start_error: Any = None) -> Certificate:
+def certify(
+    what: Any, *, t_end: Any = None, start_error: Any = None, progress: Callable[[float], None] | None = None
+) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
-    Nothing is taken from a simulation. All numbers are enclosed by balls (python-flint); the precision is raised until
-    everything is decided, or a limit is reached.
+    Or an orbit: that it exists, is alone in a box and has its word; its multipliers. Or a branch: such an orbit for
+    every value of its parameter, up to where it ends. Or a grazing window: all phases. Nothing is taken from a
+    simulation; all numbers are balls (python-flint), with as many bits as it takes, up to a limit.
 
     Parameters
     ----------
-    what : Scene, str or Path
-        A scene, the name of one, or the path of a TOML file.
+    what : Scene, str, Path, PeriodicOrbit, Branch or GrazingWindow
+        A scene, the name of one, or the path of a TOML file. Or what `symosc.find_orbit`, `symosc.continue_orbit` or
+        `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
-        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: those of the scene, or exact.
-        Then the proof is for every start within them. Where a contact may be a graze it is for some of them: one that
-        grazes.
+        Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the scene, or exact. The
+        proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
+    progress : callable, optional
+        For a branch: called with the part of it that is proven.
 
     Returns
     -------
@@ -50,14 +62,29 @@ def certify(what: Scene | str | Path, *, t_end: Any = None, start_error: Any = N
     >>> certificate = certify("fig5", t_end=7)
     >>> certificate.proven, certificate.message
     (True, '5 events until t = 7')
-    >>> [event[0] for event in certify("fig7-exact").events]
-    ['graze']
+    >>> from symosc import find_orbit, load_scene
+    >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
+    ('0.181670397924320463014137', '0.18167039792432046301414')
     """
     if isinstance(what, str | Path):
         what = load_scene(what)
-    if not isinstance(what, Scene):
-        raise ParameterError("what", what, "give a Scene, the name of a scene, or the path of a TOML file")
-    scene = what if t_end is None else what.started({"t_end": t_end})
+    if isinstance(what, Scene):
+        return _motion(what, t_end, start_error)
+    for name, value in (("t_end", t_end), ("start_error", start_error)):
+        if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
+            raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
+    if isinstance(what, PeriodicOrbit):
+        return prove_orbit(what)
+    if isinstance(what, Branch):
+        return prove_branch(what, progress)
+    if isinstance(what, GrazingWindow):
+        return prove_window(what)
+    raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
+
+
+def _motion(scene: Scene, t_end: Any, start_error: Any) -> Certificate:
+    if t_end is not None:
+        scene = scene.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT

@@ -8,44 +8,74 @@ resonance are decided in rational numbers.
 
 from __future__ import annotations
 
-from fractions import Fraction
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from flint import arb
+from flint import arb, arb_series
 
-from symosc.certificates.balls import Ball, ball
-from symosc.model import Parameters
+from symosc.certificates.balls import Ball, Undecided, ball, decided_sign
+from symosc.model import PARAMETER_NAMES, Parameters
 
 Entire = tuple[Ball, Ball, Ball]
 
 
-class Oscillator:
-    """The constants of an oscillator as balls of the working precision, and what is exact about them."""
+def level(value: Ball) -> Ball:
+    """Return a ball as it is, and the first coefficient of a power series."""
+    return value[0] if isinstance(value, arb_series) else value
 
-    def __init__(self, p: Parameters) -> None:
-        self.p = p
-        h = p.c / (2 * p.m)
-        square = h * h - p.k / p.m
-        self.h, self.cm, self.km, self.m = ball(h), ball(p.c / p.m), ball(p.k / p.m), ball(p.m)
+
+class Oscillator:
+    """The constants of an oscillator as balls of the working precision, and what is exact about them.
+
+    Parameters
+    ----------
+    p : Parameters
+    ranges : mapping, optional
+        Parameters that are not those of `p`, by name: all numbers of a ball, or a power series in a change of one
+        parameter (arb_series), whose first coefficient may be a ball. That makes a family of oscillators.
+
+    Raises
+    ------
+    Undecided
+        If a family has more than one damping regime, or may be at resonance without damping.
+    """
+
+    def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
+        self.p, ranges = p, ranges or {}
+        b = {name: ranges[name] if name in ranges else ball(getattr(p, name)) for name in PARAMETER_NAMES}
+        self.B0, self.c, self.k, self.m, self.Omega = (b[name] for name in ("B0", "c", "k", "m", "Omega"))
+        self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
+        self.drive = self.B0 * self.Omega / self.m
         #: The sign of (c/2m)^2 - k/m, and the root of its size: the damped frequency, or the overdamped one's twin.
-        self.damping = (square > 0) - (square < 0)
-        self.kappa, self.omega_d = ball(square), ball(abs(square)).sqrt()
+        square = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
+        self.damping, self.kappa = (square > 0) - (square < 0), ball(square)
+        if ranges.keys() & {"m", "c", "k"}:
+            self.kappa = self.h * self.h - self.km
+            self.damping = decided_sign(level(self.kappa), "the damping regime")
+        self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
         if self.damping > 0:
             self.fast = -(self.h + self.omega_d)
             self.slow = self.km / self.fast
-        self.Omega, self.drive = ball(p.Omega), ball(p.B0 * p.Omega / p.m)
-        self.A = {domain: ball(p.A(domain)) for domain in (1, 2, 3)}
-        self.B0, self.c, self.k = ball(p.B0), ball(p.c), ball(p.k)
-        self.speed = {boundary: ball(p.belt(boundary)) for boundary in (1, 2)}
+        friction = {1: b["mu1"] + b["mu2"], 2: b["mu2"] - b["mu1"], 3: -b["mu1"] - b["mu2"]}
+        self.A = {domain: b["A0"] + part * b["FN"] for domain, part in friction.items()}
+        self.speed = {1: b["v1"], 2: b["v2"]}
         #: The jump of the acceleration at each belt, F^(below) - F^(above).
-        self.jump = {1: ball(2 * p.mu1 * p.FN / p.m), 2: ball(2 * p.mu2 * p.FN / p.m)}
-        self.resonant = p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 != 0
+        self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
+        self.resonant = not ranges and p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 != 0
         if self.resonant:
-            self.growth = ball(p.B0 / (2 * p.m * p.Omega))
-        else:
+            self.growth = self.B0 / (2 * self.m * self.Omega)
+        elif p.B0 == 0 and "B0" not in ranges:
+            self.steady_c = self.steady_s = arb(0)
+        elif not ranges:
             pull, drag = p.k / p.m - p.Omega**2, p.c * p.Omega / p.m
-            gain = Fraction(0) if p.B0 == 0 else p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
+            gain = p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
+        else:
+            pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
+            if not level(pull * pull + drag * drag) > 0:
+                raise Undecided("whether the family is at resonance")
+            gain = self.drive / (pull * pull + drag * drag)
+            self.steady_c, self.steady_s = gain * drag, -gain * pull
 
     def entire(self, tau: Ball) -> Entire:
         """Return E, E' and phi at tau."""

@@ -158,8 +158,7 @@ class Motion:
             first, last = 3 * first - 2 * last, 3 * last - 2 * first
             low, high = arb(first).lower(), arb(last).upper()
             require(low - self.t, "the signs around an event")
-        times = low.union(high)
-        slope = self.f(end, times)[1 + touches]
+        slope = self.f(end, times := low.union(high))[1 + touches]
         for value in (self.f(end, low)[0], turn * self.f(end, high)[0], turn * slope):
             require(value, "the signs around an event")
         self.positive(low)
@@ -185,7 +184,8 @@ class Motion:
         if not self.columns or touches:
             return Motion(self.modes, after, belt, [when, z[0, 0], v], (), leaves)
         centre = Motion(self.modes, mode.number, self.belt, self.centre)
-        then, rate, columns = sharper(lambda t: centre.f(end, t), when, slope), mode.M * self.first, []
+        slope, rate, columns = self.f(end, when)[1], mode.M * self.first, []
+        then = sharper(lambda t: centre.f(end, t), when, slope)
         e = step * (mode.M * (self.origin - self.t)).exp()
         for dt, dx, dv in self.columns:  # a later start is one at the same time with another x and v
             dz = e * arb_mat([[dx - rate[0, 0] * dt], [dv - rate[1, 0] * dt], [0], [0], [0]])

@@ -93,12 +93,18 @@ def _pair(text: str, option: str, form: str) -> tuple[str, str]:
 def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
     from symosc.orbits.continuation import continue_orbit
 
+    name, limits = read_span(span, "--continue")
+    return continue_orbit(found.parameters, found.word, name, limits, found, periods=periods)
+
+
+def read_span(span: str, option: str) -> tuple[str, tuple[str, str]]:
+    """Return a parameter's name and two values of it."""
     form = "NAME=LOW:HIGH, such as Omega=3:5"
-    name, limits = _pair(span, "--continue", form)
+    name, limits = _pair(span, option, form)
     low, colon, high = limits.partition(":")
     if not colon:
-        raise click.BadParameter(f"{span!r} is not {form}", param_hint="--continue")
-    return continue_orbit(found.parameters, found.word, name, (low, high), found, periods=periods)
+        raise click.BadParameter(f"{span!r} is not {form}", param_hint=option)
+    return name, (low, high)
 
 
 def _check_suffix(output: str) -> None:

@@ -13,15 +13,16 @@ from symosc.errors import MissingExtraError
 def verify(file: str) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`.
 
-    The checker is one file, symosc/certificates/verify.py. It needs python-flint and nothing of symosc: copy it, read
-    it, and run it alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
+    The checker is symosc/certificates/verify.py, and verify_orbits.py beside it for orbits and windows. They need
+    python-flint and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not
+    proven, 2 no certificate.
 
     \b
     Example:
       symosc verify fig8.json
     """
     try:
-        from symosc.certificates.verify import verify as prove
+        from symosc.certificates.verify_orbits import verify as prove
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     code, line = prove(file)

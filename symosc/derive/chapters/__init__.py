@@ -19,4 +19,5 @@ CHAPTERS = {
     "orbits": "uniqueness, and fixed points of P32 and P4645",
     "errata": "errors and gaps of the paper",
     "literature": "published results that the model contains",
+    "certificates": "why each kind of certificate proves what it says",
 }

@@ -32,6 +32,7 @@ from symosc.paper.checks.contacts import (
     verdict,
 )
 from symosc.paper.checks.flown_again import flown_again
+from symosc.paper.checks.proven import certificate_of
 from symosc.paper.evidence import UNDECIDED, Evidence
 from symosc.paper.graze_search import nearest_graze
 from symosc.scenes import Scene, load_scene
@@ -201,6 +202,7 @@ def tangential(figure: Graze) -> Evidence:
         finding += f" From the printed digits it overshoots and sticks for a time of {text(lasts, 4)}."
     if not printed.events:
         finding += " With the printed parameters there is no contact at all."
+    numbers |= certificate_of(scene)
     as_printed = bool(printed.events) and printed.events[0].kind == "graze"
     return Evidence(verdict(as_printed or (touches and print_is_right(figure)), touches), finding, numbers)
 

@@ -31,6 +31,7 @@ from symosc.paper.checks.contacts import (
 )
 from symosc.paper.checks.flown_again import flown_again
 from symosc.paper.checks.grazing_figures import LAST_HALF_UNIT
+from symosc.paper.checks.proven import certificate_of
 from symosc.paper.checks.stick_figures import sticks_at_start
 from symosc.paper.evidence import NOT_AS_PRINTED, Evidence
 from symosc.scenes import Scene, load_scene
@@ -96,6 +97,7 @@ def orbit_exists(scene: Scene) -> Evidence:
         "distance from grazing, as a velocity": f"{found.grazing_distance:.6g}",
         "|multipliers|": ", ".join(f"{float(abs(value)):.8g}" for value in found.multipliers),
     }
+    numbers |= certificate_of(found)
     return Evidence(verdict(found.periods == 1 and found.stable is True), finding, numbers)
 
 

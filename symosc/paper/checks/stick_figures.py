@@ -27,6 +27,7 @@ from symosc.paper.checks.contacts import (
     verdict,
 )
 from symosc.paper.checks.flown_again import flown_again
+from symosc.paper.checks.proven import certificate_of
 from symosc.paper.evidence import UNDECIDED, Evidence
 from symosc.scenes import Scene, load_scene
 
@@ -68,7 +69,7 @@ def onset_later(scene: Scene, belt: int) -> Evidence:
         "x of the blue point": text(onset.x, 25),
         "ẋ₀, velocity of the belt": f"{text(scene.v0)}, {text(p.belt(belt))}",
     }
-    return Evidence(verdict(wait > 0), finding, numbers)
+    return Evidence(verdict(wait > 0), finding, numbers | certificate_of(scene))
 
 
 @flown_again
@@ -280,7 +281,7 @@ def sticks_at_start(scene: Scene, belt: int) -> Evidence:
         f"{force_name(lo)}, {force_name(hi)} at the start": f"{text(both.below)}, {text(both.above)}",
         "ẋ₀, velocity of the belt": f"{text(scene.v0)}, {text(p.belt(belt))}",
         "first mode of motion": mode_text(motion(scene).segments[0].mode),
-    }
+    } | certificate_of(scene)
     if held:
         return Evidence(verdict(True), f"{where}: the mass sticks at once (Theorem 4).", numbers)
     if first is None:

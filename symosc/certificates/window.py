@@ -1,0 +1,82 @@
+"""A grazing window, proven for all phases: where a motion that meets a belt with F = 0 turns back, and where not.
+
+Let g be the distance of v from the belt, positive on the side of the motion: g = 0 at the contact, and g' = 0 by F = 0.
+Then m g'' = s with s = side (k v + B0 Omega sin theta), side = 1 below the belt and -1 above it. So it grazes where
+s > 0, and leaves its domain where s < 0. The zeros of s are the phases with sin theta = -k v/(B0 Omega), and no others.
+
+- Two of them: between them s keeps its sign, which one phase of each arc shows. At the ends g'' = 0 and g''' != 0: the
+  motion passes.
+- One, if |k v| = |B0| Omega, decided in rational numbers: s has one sign elsewhere. At that phase g'' = g''' = 0, and
+  m g'''' = Omega^2 side k v: there the touch is of fourth order. The paper's order leaves it out.
+- None, or all phases (B0 = 0): one sign.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from flint import arb
+
+from symosc.aliases import Record
+from symosc.certificates.balls import FLINT_VERSION, Ball, ball, decided_sign, outward, working_bits
+from symosc.certificates.certificate import Certificate
+from symosc.exact import show
+from symosc.grazing.window import GrazingWindow
+
+WINDOW_BITS, WINDOW_PLACES = 128, 25
+NO_PHASE, ALL_PHASES, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
+
+
+def prove_window(window: GrazingWindow) -> Certificate:
+    """Prove a grazing window; see `symosc.certify`."""
+    p, place = window.parameters, window.place
+    bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
+    with working_bits(WINDOW_BITS):
+        where, ends = _where(bias, swing, window.order == "full")
+        rows = [
+            {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
+            for phase, sine, cosine in ends
+        ]
+    statement: Record = {
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {WINDOW_BITS} bits",
+        "parameters": p.as_dict(),
+        "map": window.mapping,
+        "order": window.order,
+        "grazes": where,
+        "ends": rows,
+    }
+    return Certificate("window", True, _message(window, where, ends), statement=statement)
+
+
+def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
+    """Return where s = bias + swing sin(theta) > 0, and the ends: the phase, its sine, and the sign of its cosine.
+
+    An arc goes up from its first end to its second.
+    """
+    if abs(bias) > abs(swing) or swing == 0:
+        return (ALL_PHASES if bias > 0 else NO_PHASE), []
+    sine = -bias / swing
+    if abs(bias) == abs(swing):
+        if bias < 0 or full:
+            return (ALL_PHASES if bias > 0 else NO_PHASE), []
+        return BUT_ONE_PHASE, [(arb.pi() * (1 if sine > 0 else 3) / 2, sine, 0)]
+    rising, falling = ball(sine).asin(), arb.pi() - ball(sine).asin()
+    low, high = ((rising, 1), (falling, -1)) if swing > 0 else ((falling, -1), (rising, 1))
+    first, second = low[0], high[0]
+    if first < 0:
+        first = first + 2 * arb.pi()
+    while not second > first:
+        second = second + 2 * arb.pi()
+    for sign, phase in ((1, (first + second) / 2), (-1, (first + second) / 2 + arb.pi())):
+        if decided_sign(ball(bias) + ball(swing) * phase.sin(), "the sign of the drift", phase) != sign:
+            raise ArithmeticError("an arc on the wrong side of its ends")
+    return ON_AN_ARC, [(first, sine, low[1]), (second, sine, high[1])]
+
+
+def _message(window: GrazingWindow, where: str, ends: list[tuple[Ball, Fraction, int]]) -> str:
+    text = f"{window.mapping} grazes {where}, order {window.order}"
+    if where == ON_AN_ARC:
+        text += " from {} to {}".format(*(phase.str(12, radius=False) for phase, _, _ in ends))
+    if ends:
+        text += f", the sine being {show(ends[0][1])} there"
+    return text + ", for all phases"

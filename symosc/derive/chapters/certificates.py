@@ -1,0 +1,279 @@
+"""Why each kind of certificate proves what it says: interval Newton, Krawczyk, Brouwer, Banach; and no event missed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import sympy as sp
+
+from symosc.derive.blocks import block, proof
+from symosc.derive.latex import named
+from symosc.derive.scope import Scope, v_lambda
+from symosc.derive.steps import Exact, Heading, Prose, equation, fact
+from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
+
+TITLE = "Certificates"
+
+U, W = sp.symbols("u w", positive=True)
+RATE = sp.Symbol("h", nonnegative=True)
+ONE, TWO, TRACE, DET = named(r"\lambda_1"), named(r"\lambda_2"), named("T"), named("D")
+SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta")
+
+
+def items(scope: Scope) -> Iterator[Any]:
+    """Yield the chapter."""
+    del scope  # the statements are the same for every scene
+    yield from _balls()
+    yield from _motions()
+    yield from _orbits()
+    yield from _branches()
+    yield from _windows()
+
+
+def _balls() -> Iterator[Any]:
+    yield Heading("What a ball proves")
+    yield Prose(
+        r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
+        r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for exponentials, sines and "
+        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. A certificate is a list of "
+        r"such signs. What they prove is the subject of this chapter. \cite{tucker2011, neumaier1990}"
+    )
+    yield from block(
+        "theorem",
+        r"Let $f$ be continuously differentiable on a box $X$ with the middle $c$, let the ball matrix $J$ contain "
+        r"$f'(x)$ for all $x \in X$, and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - c)$ lies inside $X$, "
+        r"then $f$ has exactly one zero in $X$, and it lies in $K$.",
+        title=r"Krawczyk and Moore, \cite{krawczyk1969, moore1977}",
+        label="thm:certificates-krawczyk",
+    )
+    x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
+    f = sp.Function("f")(x)
+    slope = (x - y * f).diff(x)
+    yield from proof(
+        Prose(
+            r"The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the mean value theorem in each "
+            r"component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By Brouwer's theorem $\Phi$ has a "
+            r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
+            r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points "
+            r"of $\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.",
+            (fact(slope, "=", 1 - y * f.diff(x), Exact(tidy=sp.expand, independent=False)),),
+        )
+    )
+    yield from block(
+        "theorem",
+        r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
+        r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
+        r"then $P$ has exactly one fixed point in $X$, and it lies in $c + w$.",
+        title="interval Newton",
+        label="thm:certificates-newton",
+    )
+    yield from proof(
+        r"For $u \in E$ there is $M(u) \in D$, continuous in $u$, with $P(c + u) = P(c) + M(u) u$: the mean of the "
+        r"derivative along the segment. The map $u \mapsto (1 - M(u))^{-1}(P(c) - c)$ takes $E$ into itself, so it has "
+        r"a fixed point by Brouwer's theorem, and that is a fixed point of $P$. Two of them would differ by a vector "
+        r"$d$ with $(1 - M) d = 0$ for some $M \in D$."
+    )
+
+
+def _motions() -> Iterator[Any]:
+    yield Heading("Motions: every event is the next one")
+    yield Prose(
+        r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls enclose it for all "
+        r"times in a ball. Two ways show that nothing happens before an event. One uses the gap of "
+        r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical phases."
+    )
+    yield from block(
+        "lemma",
+        r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, "
+        r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. As a "
+        r"function "
+        r"of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is convex or "
+        r"concave.",
+        title="a straightened gap",
+        label="thm:certificates-height",
+    )
+    yield from proof(
+        Prose(
+            r"Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is $dH/ds = C^2 q'$ "
+            r"and "
+            r"$d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign of $L g$ is that "
+            r"of "
+            r"Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.",
+            tuple(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave)),
+        )
+    )
+    yield Prose(
+        r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
+        r"ends "
+        r"that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. On a "
+        r"belt both forces are monotone between critical phases (Section~\ref{sec:sticks})."
+    )
+    yield from _steps()
+
+
+def _steps() -> Iterator[Any]:
+    yield from block(
+        "lemma",
+        r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the belt. Then "
+        r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g = g' = 0$, $g'' > 0$; "
+        r"or "
+        r"$g' < 0$, $g(b) = 0$ and $b$ itself is left out.",
+        title="steps without critical phases",
+        label="thm:certificates-steps",
+    )
+    yield from proof(r"In each case $g$ is monotone, or its sign is what is asked for; integrate once or twice.")
+    yield Prose(
+        r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is "
+        r"how "
+        r"orbits are proven, and all motions once more by the checker. What happens at the event follows from certain "
+        r"signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is "
+        r"enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set. A "
+        r"graze is a double zero, which no error allows. It is proven as a statement about some start: for a family of "
+        r"starts the least gap depends continuously on the start, and has opposite signs at the two ends of the family."
+    )
+
+
+def _straightened(wave: Any) -> Iterator[Any]:
+    """Yield the facts of the proof for C = cos or cosh."""
+    C, q = wave(W * U), sp.Function("q")(U)
+    kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
+    g = sp.exp(-RATE * U) * C * q
+    operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
+    letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
+    true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
+    meaning = dict(zip(letters, true, strict=True))
+    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    yield fact(LG, "=", sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check)
+    yield fact(SLOPE, "=", 1 / _C**2, check)
+
+
+def _orbits() -> Iterator[Any]:
+    yield Heading("Orbits: existence, uniqueness, word, stability")
+    yield Prose(
+        r"The unknowns are all switching points, the equations those of \eqref{eq:maps-f1} piece by piece, the last "
+        r"piece ending where the first begins, $N$ periods later. Theorem~\ref{thm:certificates-krawczyk} proves one "
+        r"root "
+        r"in a box. It is an orbit with its word if each piece ends where it first can "
+        r"(Lemma~\ref{thm:certificates-steps}), if at each crossing both forces have the sign of the passage and at "
+        r"each "
+        r"onset of a stick the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
+        r"certain "
+        r"signs over the box. The checker proves the same orbit by Theorem~\ref{thm:certificates-newton}, for the map "
+        r"from the first event to itself."
+    )
+    yield from block(
+        "proposition",
+        r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, with trace $T$ and "
+        r"determinant $D$ of the monodromy matrix.",
+        title="stability from trace and determinant",
+        label="thm:certificates-stable",
+    )
+    meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
+    yield from proof(
+        equation(
+            1 - TRACE + DET,
+            (1 - ONE) * (1 - TWO),
+            r"With $T = \lambda_1 + \lambda_2$ and $D = \lambda_1\lambda_2$",
+            Exact(meaning, sp.expand),
+            label="certificates-minus",
+        ),
+        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), "and", Exact(meaning, sp.expand), label="certificates-plus"),
+        r"A complex pair has $D = |\lambda|^2$, and then both products are positive; so $D < 1$ decides. For real "
+        r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
+        r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.",
+    )
+    yield Prose(
+        r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then be applied, with "
+        r"any "
+        r"number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
+        r"\cite{csernak2007}, "
+        r"is never proven to be the only one. With damping every orbit is the only one (Section~\ref{sec:orbits})."
+    )
+
+
+def _branches() -> Iterator[Any]:
+    yield Heading("Branches: every value of a parameter")
+    yield Prose(
+        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le \rho$, and "
+        r"$p(\delta)$ "
+        r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ by its first "
+        r"coefficients at 0 and one more over the whole interval; arithmetic with power series of balls gives both. "
+        r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over all $p(\delta) + R$ "
+        r"proves "
+        r"one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends continuously on $\delta$. The signs "
+        r"that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring intervals "
+        r"have "
+        r"the same root where they meet: it lies in both tubes."
+    )
+    yield from block(
+        "proposition",
+        r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that one "
+        r"of "
+        r"them is violated at $b$. Then between $a$ and $b$ there is a first value at which an inequality of the orbit "
+        r"becomes an equality. There the branch ends.",
+        title="the end of a branch",
+        label="thm:certificates-end",
+    )
+    yield from proof(
+        r"Each side of each inequality is continuous in the root, or is the least value of a continuous function over "
+        r"a piece, and the root is continuous in the parameter. Use the intermediate value theorem."
+    )
+
+
+def _windows() -> Iterator[Any]:
+    yield Heading("Windows: every phase")
+    path = sp.Function("x")(t)
+    newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
+    velocity, derivatives = path.diff(t), [newton]
+    for _ in range(3):
+        derivatives.append(derivatives[-1].diff(t).subs(path.diff(t, 2), newton))
+    # At the contact x' = v_lambda and x'' = F = 0, which gives x.
+    place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
+    at = [each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta) for each in derivatives]
+    touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
+    yield from block(
+        "lemma",
+        equation(
+            SECOND,
+            -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m,
+            r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
+            Exact({SECOND: sp.simplify(at[1])}, sp.simplify),
+            label="certificates-second",
+        ),
+        equation(
+            FOURTH,
+            -k * Omega**2 * v_lambda / m,
+            r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
+            Exact({FOURTH: sp.simplify(touch)}, sp.simplify),
+            label="certificates-fourth",
+        ),
+        title="a contact without force",
+        label="thm:certificates-window",
+    )
+    yield from proof(
+        Prose(
+            r"Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third derivative "
+            r"is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.",
+            (
+                fact(at[0], "=", 0, Exact(tidy=sp.simplify)),
+                fact(
+                    at[2],
+                    "=",
+                    -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta),
+                    Exact(tidy=sp.simplify),
+                ),
+            ),
+        )
+    )
+    yield Prose(
+        r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases "
+        r"with "
+        r"$\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase of "
+        r"each "
+        r"arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with $\cos\theta = 0$ "
+        r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The checker instead covers "
+        r"the "
+        r"circle outside the ends with intervals of certain sign, and shows that the derivative has one sign at the "
+        r"ends."
+    )
