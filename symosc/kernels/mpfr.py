@@ -12,8 +12,11 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-import gmpy2
-from mpmath.libmp import MPZ, from_man_exp
+from symosc.kernels import interrupts
+
+with interrupts.held_back():
+    import gmpy2
+    from mpmath.libmp import MPZ, from_man_exp
 
 mpfr, mpc = gmpy2.mpfr, gmpy2.mpc
 

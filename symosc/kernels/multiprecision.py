@@ -11,8 +11,11 @@ import math
 from functools import lru_cache
 from typing import Any
 
-from mpmath.ctx_mp import MPContext
-from mpmath.libmp import from_pickable, to_pickable
+from symosc.kernels import interrupts
+
+with interrupts.held_back():
+    from mpmath.ctx_mp import MPContext
+    from mpmath.libmp import from_pickable, to_pickable
 
 from symosc.aliases import Number
 
