@@ -17,6 +17,7 @@ from symosc.engine.arithmetic import SOURCES, Arithmetic
 from symosc.engine.gap_bounds import fourth_derivative_bound
 from symosc.engine.march import Marched
 from symosc.engine.start import Start, first_state
+from symosc.engine.tally import no_tally
 from symosc.kernels import elementary
 from symosc.scenes import load_scene
 from symosc.simulation.run import last_time
@@ -65,7 +66,7 @@ def _search(name: str, way: str, events: int) -> Record:
     def follow(functions: dict[str, Any]) -> float:
         batch = compiled_loop.batch_of(np.array([compiled_loop.row_of(first_state(start, arithmetic), *end)]))
         begin = time.process_time()
-        functions["follow_all"](0, batch, events, inf, compiled_loop.room_for(events), K)
+        functions["follow_all"](0, batch, events, inf, compiled_loop.room_for(events), no_tally(), [K])
         return (time.process_time() - begin) / events
 
     end = last_time(start, arithmetic)

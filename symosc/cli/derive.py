@@ -55,10 +55,10 @@ FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
 def derive(subject: str, output: str | None, form: str, as_json: bool, **options: Any) -> int:
     """Derive SUBJECT step by step, checking each step before it is written.
 
-    Chapters: motion, domains, sticks, switching, maps, jacobians, grazing, events, orbits, errata, or all. Fragments
-    for a paper of your own, printed unless -o names a file: P1 to P8, friction, flow, stick, gfunctions, saltation,
-    theorem4 to theorem7. A step is checked exactly, by a sign, or with 50 digits; a step that fails ends with exit
-    code 1 and nothing is written.
+    Chapters: motion, domains, sticks, switching, maps, jacobians, grazing, events, orbits, errata, literature,
+    certificates, or all. Fragments for a paper of your own, printed unless -o names a file: P1 to P8, friction,
+    flow, stick, gfunctions, saltation, theorem4 to theorem7. A step is checked exactly, by a sign, or with 50
+    digits; a step that fails ends with exit code 1 and nothing is written.
 
     \b
     Examples:

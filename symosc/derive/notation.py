@@ -170,6 +170,12 @@ NOTATION = (
         r"Chapter~\ref{sec:literature}",
         r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
     ),
+    Entry(
+        r"$f$, $X$, $J$, $Y$, $E$, $R$, $C$, $q$, $b$, $N$",
+        "in proofs by balls, each defined where it stands: a map, boxes and matrices, a flight's helpers, periods",
+        r"Chapter~\ref{sec:certificates}",
+        r"[fg]'{1,3}|[CSq]'{1,2}",
+    ),
 )
 
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
@@ -180,7 +186,8 @@ KNOWN = re.compile(
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (
     r"\\(?:left|right|[bB]igg?[lr]?|frac|tfrac|dfrac|sqrt|quad|qquad|text|notag|label|markit|displaystyle|in|ne|le|ge|to|"
-    r"pm|cdot|cup|circ|colon|mapsto|varnothing|times|tilde|begin|end|mathrm|operatorname|limits|hspace|[,;:!| {}\\])"
+    r"pm|cdot|cup|circ|colon|mapsto|varnothing|subset|times|tilde|begin|end|mathrm|operatorname|limits|hspace|"
+    r"[,;:!| {}\\])"
 )
 TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\d+(?:\.\d+)?|[a-zA-Z]|[{}^_']|.", re.DOTALL)
 ACCENTS = (r"\dot", r"\ddot", r"\tilde", r"\bar", r"\mathbf", r"\mathbb", r"\mathcal")

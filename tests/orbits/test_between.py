@@ -192,7 +192,8 @@ def test_the_reason_of_an_end_is_0_there():
     end = branch_of(SHRINKS, "P54", "m", ("0.05", 8)).ends[1]
     assert end.kind == "vanishing of a stick"
     assert end.conditions
-    assert all(abs(condition.value) < 1e-10 for condition in end.conditions)
+    # The stick lasts 0.3 sqrt(end - m): a few units of m's last place are 1e-8 of its duration.
+    assert all(abs(condition.value) < 2e-8 for condition in end.conditions)
     assert end.beyond is None
     assert "ends up in Omega2 and meets no belt" in end.message
     p = SHRINKS.replace(m=end.value + 1e-6)

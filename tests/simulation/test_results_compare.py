@@ -73,6 +73,7 @@ WRONG = TRAJECTORY(TIMES) + np.where(TIMES > 2, 0.01, 0) * np.array([[0], [1]])
 
 #: A call of each public function, by its name; None for those that return no class of symosc.
 CALLS: dict[str, Callable[[], Any] | None] = {
+    "certify": lambda: symosc.certify("fig5", t_end=5),
     "check_grazing": lambda: symosc.check_grazing(FIG9, "P2", n=5),
     "compiled_residual": None,
     "continue_orbit": lambda: symosc.continue_orbit(FIG9, "P32", "Omega", ("3.99", "4.01"), ORBIT),
@@ -93,6 +94,8 @@ CALLS: dict[str, Callable[[], Any] | None] = {
     "simulate_many": lambda: simulate_many(P, [[0, 0, 0]], 5, use_numba=False),
     "solve_grazing": lambda: symosc.solve_grazing(FIG9, "P2", theta_j=3, n=9),
     "solve_map": lambda: symosc.solve_map(FIG9, "P2", ORBIT.points[0].x, float(FIG9.Omega) * ORBIT.points[0].t),
+    "sweep": None,  # its result is xarray's
+    "sweep_status": None,  # tests/sweeps/test_sweep.py
     "theorem7": lambda: symosc.theorem7("P2", *SYMBOLS),
     "values_containing": lambda: symosc.values_containing(None, "P2", "k"),
     "values_empty": lambda: symosc.values_empty(None, "P2", "k"),

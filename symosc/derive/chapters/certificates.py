@@ -17,7 +17,7 @@ TITLE = "Certificates"
 
 U, W = sp.symbols("u w", positive=True)
 RATE = sp.Symbol("h", nonnegative=True)
-ONE, TWO, TRACE, DET = named(r"\lambda_1"), named(r"\lambda_2"), named("T"), named("D")
+ONE, TWO, TRACE, DET = named(r"\rho_1"), named(r"\rho_2"), named("T"), named("D")
 SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta")
 
 
@@ -174,12 +174,12 @@ def _orbits() -> Iterator[Any]:
         equation(
             1 - TRACE + DET,
             (1 - ONE) * (1 - TWO),
-            r"With $T = \lambda_1 + \lambda_2$ and $D = \lambda_1\lambda_2$",
+            r"With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
             Exact(meaning, sp.expand),
             label="certificates-minus",
         ),
         equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), "and", Exact(meaning, sp.expand), label="certificates-plus"),
-        r"A complex pair has $D = |\lambda|^2$, and then both products are positive; so $D < 1$ decides. For real "
+        r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ decides. For real "
         r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
         r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.",
     )
@@ -195,7 +195,7 @@ def _orbits() -> Iterator[Any]:
 def _branches() -> Iterator[Any]:
     yield Heading("Branches: every value of a parameter")
     yield Prose(
-        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le \rho$, and "
+        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le d$, and "
         r"$p(\delta)$ "
         r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ by its first "
         r"coefficients at 0 and one more over the whole interval; arithmetic with power series of balls gives both. "
