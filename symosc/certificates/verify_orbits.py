@@ -153,7 +153,8 @@ def orbit(data):
             require(abs(margin), "whether it is stable")
         if data["stable"] is not bool(abs(d) < 1 and abs(T) < 1 + d):
             raise Stop(FALSE, "an orbit that is not as stable as it is said to be")
-    return f"an orbit {data['word']} of {periods} periods, {len(rows) - 1} events, alone within its box"
+    length = f"{periods} forcing period{'s' * (periods > 1)}, {len(rows) - 1} events"
+    return f"an orbit {data['word']} of {length}, alone within its box"
 
 
 def keeps(bias, swing, low, high, side):

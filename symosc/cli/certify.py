@@ -134,7 +134,8 @@ def _report(certificate: Certificate) -> None:
         write_table(rows, ["t", "x", "kind", "from -> to"])
         write("")
     for i, (re, im) in enumerate(certificate.multipliers, 1):
-        write(f"multiplier {i}: {common(*re)}{'' if im == ('0', '0') else f' + {common(*im)} i'}")
+        imaginary = "" if im == ("0", "0") else f" + {common(*im)} i".replace("+ -", "- ")
+        write(f"multiplier {i}: {common(*re)}{imaginary}")
     if certificate.proven:
         write(f"proven: {certificate.message}")
 
