@@ -15,6 +15,7 @@ import types
 from collections.abc import Callable, Iterable
 from glob import escape
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from symosc.errors import MissingExtraError
@@ -144,8 +145,17 @@ def is_compiled(function: Any) -> bool:
     """Return whether numba has compiled a function of `compiled`, or finds it on disk."""
     if not hasattr(function, "py_func") or function.signatures:
         return True
-    folder, name = Path(function.stats.cache_path), f"*.{escape(function.py_func.__qualname__)}-*.nbi"
-    return any(folder.glob(name))
+    folder, name = function.stats.cache_path, function.py_func.__qualname__
+    there, looked = _ON_DISK.get((folder, name), (False, -LOOK_AGAIN))
+    if not there and monotonic() - looked >= LOOK_AGAIN:
+        there = any(Path(folder).glob(f"*.{escape(name)}-*.nbi"))
+        _ON_DISK[folder, name] = there, monotonic()
+    return there
+
+
+#: Seconds after which a folder is looked through again: that takes as long as thousands of events.
+LOOK_AGAIN = 1.0
+_ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
 
 
 def version(

@@ -115,9 +115,10 @@ def chosen_loops(use_numba: Any) -> Loops:
             raise
         return plain
     ready = Loops(*(functions[name] for name in ("follow_all", "first_rows", "march_rows")))
-    if use_numba or all(is_compiled(function) for function in ready):
+    if use_numba:
         return ready
-    return plain._replace(follow=PatientLoop(ready.follow))
+    there = {name: function for name, function in ready._asdict().items() if is_compiled(function)}
+    return plain._replace(**{"follow": PatientLoop(ready.follow)} | there)
 
 
 class Course(NamedTuple):
