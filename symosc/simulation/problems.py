@@ -17,6 +17,7 @@ from symosc.engine.constant_table import constant_table, table_of
 from symosc.engine.start import Start, first_state
 from symosc.errors import ParameterError
 from symosc.exact import SMALLEST, read_exact, show
+from symosc.kernels.double_double import TWO_PI_PAIR
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.columns import NumberColumn, as_given, same
@@ -28,7 +29,7 @@ FEW_SETS = 16
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
 SETS_AT_ONCE = 16384
 # 2 pi, and what is missing from the two doubles.
-TWO_PI_COLUMN = PairColumn(6.283185307179586, 2.4492935982947064e-16, 6e-33)
+TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR, 6e-33)
 
 
 class Begun(NamedTuple):
@@ -61,7 +62,7 @@ class ParameterSets:
             hint = "give Parameters, a sequence of them, or a mapping of all their names to numbers or columns"
             raise ParameterError("parameters", given, hint)
         self._known, self.count = dict(enumerate(sets)), len(sets)
-        self.columns: dict[str, NumberColumn] | None = None
+        self.columns: dict[str, NumberColumn] = {}
 
     def _of_mapping(self, given: Mapping[str, Any]) -> None:
         for name in given:
@@ -83,11 +84,10 @@ class ParameterSets:
 
     def _checked(self, row: int) -> Parameters:
         """Return the parameters of a row; what is wrong with them is said with its number."""
-        columns = self.columns or {}
         try:
-            return Parameters(**{name: column.exact(row) for name, column in columns.items()})
+            return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
-            raise ParameterError(columns[error.name].called(row), error.value, error.allowed) from None
+            raise ParameterError(self.columns[error.name].called(row), error.value, error.allowed) from None
 
     def __len__(self) -> int:
         return self.count
@@ -100,9 +100,8 @@ class ParameterSets:
 
     def column(self, name: str) -> NumberColumn:
         """Return the numbers of one name."""
-        if self.columns is None:
-            sets = self._known.values()
-            self.columns = {each: NumberColumn(each, [getattr(p, each) for p in sets]) for each in PARAMETER_NAMES}
+        if name not in self.columns:
+            self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
         return self.columns[name]
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:

@@ -12,11 +12,13 @@ import sys
 import types
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from symosc import load_scene
+from symosc.engine import binding
 from symosc.engine.arithmetic import SOURCES, MpArithmetic
 from symosc.engine.binding import bind, compiled, functions_of, version
 
@@ -215,3 +217,21 @@ def test_no_double_constant_gets_into_many_digits() -> None:
     assert all(is_short(value) for value in literals), literals
     for name in ("EPS", "PI", "TWO_PI", "SIXTH", "NEAR"):
         assert namespace[name].context.dps >= 50, name
+
+
+def test_a_folder_is_not_looked_through_at_each_question(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A batch of a few events asks several times; what was compiled meanwhile is found a second later."""
+    looks: list[str] = []
+    glob, clock = Path.glob, [100.0]
+    monkeypatch.setattr(Path, "glob", lambda folder, name: looks.append(name) or glob(folder, name))
+    monkeypatch.setattr(binding, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(binding, "_ON_DISK", {})
+    function = SimpleNamespace(
+        py_func=SimpleNamespace(__qualname__="f-1"), signatures=[], stats=SimpleNamespace(cache_path=str(tmp_path))
+    )
+    assert [binding.is_compiled(function) for _ in range(5)] == [False] * 5
+    assert len(looks) == 1
+    (tmp_path / "module.f-1-2.py311.nbi").touch()
+    clock[0] += 2 * binding.LOOK_AGAIN
+    assert [binding.is_compiled(function) for _ in range(5)] == [True] * 5
+    assert len(looks) == 2
