@@ -10,6 +10,7 @@ import numpy as np
 
 import symosc
 from symosc.aliases import Record
+from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError
 from symosc.exact import show
 from symosc.scenes import Scene
@@ -54,6 +55,8 @@ VARIABLES = {
     "v_max": ("largest velocity", "length/time"),
     "section": ("position and velocity at the last whole forcing periods", ""),
 }
+#: The attribute by which a Dataset has what is ours.
+ACCESSOR = "symosc"
 PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
 #: Axes with more values are not written out in the call; the coordinates have them.
 MOST_WRITTEN = 2000
@@ -71,7 +74,29 @@ def need_xarray() -> ModuleType:
         import xarray
     except ImportError:
         raise MissingExtraError("sweep", "sweep") from None
+    if ACCESSOR not in vars(xarray.Dataset):
+        xarray.register_dataset_accessor(ACCESSOR)(SweptDataset)
     return xarray
+
+
+class SweptDataset(Drawable):
+    """What a sweep's Dataset has of symosc, as ``dataset.symosc``: ``dataset.symosc.plot()`` draws it.
+
+    Examples
+    --------
+    >>> from symosc import sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3"}, t_end="12T", skip="10T")
+    >>> [axes.get_xlabel() for axes in found.symosc.plot().axes]
+    ['$\\\\Omega$']
+    """
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self.dataset = dataset
+
+    @property
+    def call(self) -> str:
+        """The call of `sweep` that gives this result again, as Python source."""
+        return str(self.dataset.attrs.get(CALL_ATTRIBUTE, ""))
 
 
 def dataset_of(plan: SweepPlan, columns: dict[str, np.ndarray], given: Record) -> xarray.Dataset:

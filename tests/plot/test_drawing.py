@@ -24,7 +24,7 @@ from symosc import (
     plot,
     simulate,
 )
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 
 P = load_scene("fig9").parameters
 
