@@ -55,6 +55,8 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "notebooks.judged": ("notebooks/test_pages.py", ONE_FOR_ALL),
     "notebooks.motions": ("notebooks/test_pages.py", ONE_FOR_ALL),
     "notebooks.structures": ("notebooks/test_pages.py", ONE_FOR_ALL),
+    "scenes.quantities": ("scenes/test_units.py", "each quantity is converted there"),
+    "scenes.writing": ("scenes/test_reading.py", "what it writes is read back there"),
     "plot": ("notebooks/test_pages.py", "its names for completion are looked at with those of all answers"),
     "derive.chapters.*": ("derive/test_document.py", CHAPTERS),
     "derive.blocks": ("derive/test_document.py", "theorems and tables are seen in the finished chapters"),

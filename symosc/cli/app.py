@@ -24,6 +24,7 @@ COMMANDS = (
     "simulate",
     "figure",
     "scenes",
+    "new",
     "orbit",
     "grazing",
     "codegen",

@@ -25,6 +25,11 @@ def write(text: str) -> None:
         drop_stdout()
 
 
+def tell(text: str) -> None:
+    """Say something on stderr that is no result and no error."""
+    click.echo(f"symosc: {text}", err=True)
+
+
 def write_json(data: object) -> None:
     """Print plain data as JSON."""
     write(json.dumps(data, indent=1))

@@ -14,30 +14,14 @@ from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError
 from symosc.exact import show
 from symosc.scenes import Scene
+from symosc.scenes.quantities import QUANTITIES
 from symosc.sweeps.grid import SET_AXIS, SWEPT_STARTS, Coordinate
 from symosc.sweeps.plan import SweepPlan
 
 if TYPE_CHECKING:
     import xarray
 
-#: Long name and dimension of every parameter and start value. Any consistent system of units will do for them.
-QUANTITIES = {
-    "m": ("mass", "mass"),
-    "c": ("damping", "mass/time"),
-    "k": ("stiffness", "mass/time^2"),
-    "A0": ("constant force", "force"),
-    "B0": ("amplitude of the excitation", "force"),
-    "Omega": ("frequency of the excitation", "angle/time"),
-    "v1": ("speed of belt 1", "length/time"),
-    "v2": ("speed of belt 2", "length/time"),
-    "mu1": ("friction coefficient of belt 1", "1"),
-    "mu2": ("friction coefficient of belt 2", "1"),
-    "FN": ("normal force", "force"),
-    "t0": ("start time", "time"),
-    "x0": ("start position", "length"),
-    "v0": ("start velocity", "length/time"),
-}
-#: The same of what is recorded.
+#: Long name and dimension of what is recorded; QUANTITIES has those of what is swept.
 VARIABLES = {
     "word": ("mappings of the last forcing period as a cycle, from right to left", "1"),
     "multiplicity": ("forcing periods after which word and section repeat, 0 if they do not", "1"),
