@@ -61,6 +61,8 @@ class Parameters:
     >>> p = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2=0.6, FN="9.81")
     >>> p.mu1, p.replace(k="1/3").k
     (Fraction(4, 5), Fraction(1, 3))
+    >>> eval(repr(p)) == p
+    True
     """
 
     m: Fraction
@@ -135,7 +137,14 @@ class Parameters:
         return f"${terms}$"
 
     def __repr__(self) -> str:
-        return f"Parameters({', '.join(f'{name}={value}' for name, value in self.as_dict().items())})"
+        return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
+
+
+def _source(text: str) -> str:
+    """Return the text of a number as Python source that `Parameters` reads as the same number."""
+    # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
+    exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
+    return text if exact else repr(text)
 
 
 PARAMETER_NAMES = tuple(field.name for field in fields(Parameters))

@@ -16,10 +16,10 @@ ROOT = Path(symosc.__file__).parent
 #: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
 LEVELS = [
     {"aliases", "errors"},
-    {"exact", "files", "drawable"},
+    {"exact", "files", "display"},
     {"model"},
     {"words"},
-    {"scenes", "citation"},
+    {"scenes"},
     {"kernels"},
     {"engine"},
     {"mappings", "simulation"},
@@ -27,7 +27,7 @@ LEVELS = [
     {"orbits", "crosschecks", "sweeps"},
     {"grazing"},
     {"certificates"},
-    {"plot"},
+    {"plot", "notebooks"},
     {"derive", "bench"},
     {"paper"},
     {"cli"},

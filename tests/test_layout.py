@@ -18,6 +18,7 @@ SAME = "one formula in another arithmetic: it must give the same numbers, which 
 QUERIES = "a step of solve_grazing, whose answers are judged by the flow"
 PICTURES = "it draws; what is drawn is looked up in the finished pictures"
 COMMAND = "the command has options of its own subject, and is tested with it"
+ONE_FOR_ALL = "the pages of all answers have to pass the same tests"
 PAPER = "what it makes is a part of the report, and is looked at there"
 
 #: Modules without a test file of their name: where their tests are, and why there.
@@ -50,7 +51,13 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "cli.orbit": ("orbits/test_continuation.py", COMMAND),
     "cli.reproduce": ("paper/test_run.py", COMMAND),
     "cli.verify": ("cli/test_certify.py", "it proves what symosc certify writes"),
-    "drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
+    "display.drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
+    "notebooks.judged": ("notebooks/test_pages.py", ONE_FOR_ALL),
+    "notebooks.motions": ("notebooks/test_pages.py", ONE_FOR_ALL),
+    "notebooks.structures": ("notebooks/test_pages.py", ONE_FOR_ALL),
+    "scenes.quantities": ("scenes/test_units.py", "each quantity is converted there"),
+    "scenes.writing": ("scenes/test_reading.py", "what it writes is read back there"),
+    "plot": ("notebooks/test_pages.py", "its names for completion are looked at with those of all answers"),
     "derive.chapters.*": ("derive/test_document.py", CHAPTERS),
     "derive.blocks": ("derive/test_document.py", "theorems and tables are seen in the finished chapters"),
     "derive.displays": ("derive/test_document.py", "its rows are measured and read back there"),

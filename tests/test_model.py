@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+import random
 import subprocess
 import sys
 from decimal import Decimal
@@ -57,8 +58,19 @@ def test_parameters_are_frozen_hashable_values() -> None:
 
 def test_repr_reads_back_exactly() -> None:
     p = parameters(c=Fraction(1, 3), A0="-1e-20", B0="12345678901234567890.5")
-    assert eval(repr(p).replace("=", "='").replace(",", "',").replace(")", "')")) == p
+    assert eval(repr(p)) == p
     assert Parameters(**p.as_dict()) == p
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_repr_of_any_number_is_python_source(seed: int) -> None:
+    rng = random.Random(seed)
+    size = Fraction(10) ** rng.randint(-40, 40)
+    numbers = [rng.randint(-(10**25), 10**25) * size / 10**25, rng.random() * 10.0 ** rng.randint(-30, 30)]
+    numbers += [Fraction(rng.randint(1, 99), rng.randint(1, 99)), rng.randint(-9, 9), Fraction(rng.random())]
+    for number in numbers:
+        p = parameters(A0=number)
+        assert eval(repr(p)) == p
 
 
 def test_replace_changes_only_what_it_names() -> None:

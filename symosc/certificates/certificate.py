@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from symosc.aliases import Record
+from symosc.display.drawable import Drawable
 from symosc.files import write_text
 
 #: What a certificate file says that it is.
 FORMAT = "symosc certificate 1"
+#: Digits of an enclosure's middle that are shown.
+SHOWN_DIGITS = 17
 
 
 @dataclass(frozen=True, repr=False)
-class Certificate:
+class Certificate(Drawable):
     """What was proven, with enclosures that are rounded outward.
 
     Attributes
@@ -67,3 +71,18 @@ class Certificate:
         count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
         article = "an" if self.kind == "orbit" else "a"
         return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
+
+
+def common_digits(low: str, high: str) -> str:
+    """Return as many digits of a number as both ends of its enclosure round to."""
+    for digits in range(SHOWN_DIGITS, 0, -1):
+        shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
+        if len(shown) == 1:
+            return shown.pop()
+    return f"{low} … {high}"
+
+
+def common_complex(re: tuple[str, str], im: tuple[str, str]) -> str:
+    """Return the same of a complex number; a real one as such."""
+    imaginary = "" if im == ("0", "0") else f" + {common_digits(*im)} i".replace("+ -", "- ")
+    return common_digits(*re) + imaginary

@@ -24,6 +24,7 @@ COMMANDS = (
     "simulate",
     "figure",
     "scenes",
+    "new",
     "orbit",
     "grazing",
     "codegen",
@@ -90,7 +91,7 @@ def _fail(message: str) -> NoReturn:
 def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None:
     if not wanted:
         return
-    from symosc.citation import bibtex
+    from symosc.derive.citation import bibtex
 
     write(bibtex())
     context.exit()

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli.orbit import read_span
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import goes_to_stdout, scene_with, set_option
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from symosc.scenes import Scene
 
 NOT_PROVEN = 1
-#: Digits of an enclosure's middle that the table shows.
-SHOWN_DIGITS = 17
 
 
 @click.command()
@@ -133,16 +131,15 @@ def _report(certificate: Certificate) -> None:
     if rows and rows[0][0]:
         write_table(rows, ["t", "x", "kind", "from -> to"])
         write("")
-    for i, (re, im) in enumerate(certificate.multipliers, 1):
-        imaginary = "" if im == ("0", "0") else f" + {common(*im)} i".replace("+ -", "- ")
-        write(f"multiplier {i}: {common(*re)}{imaginary}")
+    for i, multiplier in enumerate(certificate.multipliers, 1):
+        write(f"multiplier {i}: {common_complex(*multiplier)}")
     if certificate.proven:
         write(f"proven: {certificate.message}")
 
 
 def _ends(event: tuple[Any, ...]) -> tuple[str, str]:
     """Return t and x of an event, "" where it has none: the events of a branch are at other times for each value."""
-    return (common(*event[3]), common(*event[4])) if len(event) > 3 else ("", "")
+    return (common_digits(*event[3]), common_digits(*event[4])) if len(event) > 3 else ("", "")
 
 
 def _list() -> int:
@@ -156,12 +153,3 @@ def _list() -> int:
     for message in done.open:
         click.echo(f"symosc: not proven: {message}", err=True)
     return NOT_PROVEN if done.open else 0
-
-
-def common(low: str, high: str) -> str:
-    """Return as many digits of a number as both ends of its enclosure round to."""
-    for digits in range(SHOWN_DIGITS, 0, -1):
-        shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
-        if len(shown) == 1:
-            return shown.pop()
-    return f"{low} … {high}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from symosc.aliases import Expr, Record
+from symosc.aliases import Record
 from symosc.cli import inverse
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings
@@ -187,22 +187,18 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
 
 
 def _row(window: GrazingWindow) -> list[str]:
-    theta_cr = "none" if window.theta_cr is None else str(window.theta_cr)
+    from symosc.grazing.window_text import critical_text, phases_text
+
     numbers = [show(window.gamma), show(window.amplitude)]
-    return [window.mapping, window.case, *numbers, theta_cr, _set_text(window.phases)]
-
-
-def _set_text(phases: Expr) -> str:
-    """Return a set in the notation of the paper."""
-    from symosc.symbolic.grazing_answers import interval_text
-
-    return "empty" if phases.is_empty else interval_text(phases)
+    return [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
 
 
 def _data(window: GrazingWindow) -> Record:
-    theta_cr = None
-    if window.theta_cr is not None:
-        theta_cr = {"exact": str(window.theta_cr), "value": float(window.critical_phase())}
+    from symosc.grazing.window_text import critical_text, phases_text
+
+    theta_cr, exact = None, critical_text(window)
+    if exact != "none":
+        theta_cr = {"exact": exact, "value": float(window.critical_phase())}
     names = ("low", "high", "low_closed", "high_closed")
     return {
         "map": window.mapping,
@@ -212,7 +208,7 @@ def _data(window: GrazingWindow) -> Record:
         "gamma": show(window.gamma),
         "amplitude": show(window.amplitude),
         "theta_cr": theta_cr,
-        "phases": _set_text(window.phases),
+        "phases": phases_text(window),
         "intervals": [dict(zip(names, interval, strict=True)) for interval in window.intervals],
         "latex": window.latex(),
     }

@@ -9,6 +9,7 @@ import click
 from symosc.aliases import Record
 from symosc.cli.output import FLOAT_FORMAT, json_option, write, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.display.tables import plain_table
 from symosc.exact import show
 
 if TYPE_CHECKING:
@@ -129,15 +130,13 @@ def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
 
 
 def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
-    from tabulate import tabulate
-
     rows = []
     for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
         does = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
         if piece.sticks:
             does = f"sticks to belt {piece.start}"
         rows.append([_number(t, found.digits), _number(x, found.digits), piece.label, does])
-    table = tabulate(rows, ["t", "x", "map", "from here it"], tablefmt="simple", disable_numparse=True)
+    table = plain_table(["t", "x", "map", "from here it"], rows)
     sizes = ", ".join(_complex(value) for value in found.multipliers)
     lines = [table, "", f"{found.word}: {found.message}"]
     lines.append(f"period {_number(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from symosc.display.tables import plain_table
 from symosc.files import drop_stdout
 
 if TYPE_CHECKING:
     from symosc.simulation.trajectory import Trajectory
 
 FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
+#: Columns whose numbers are aligned at their points.
+NUMBER_HEADS = ("t", "x", "v", "theta")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the table.")
 
 
@@ -25,6 +28,11 @@ def write(text: str) -> None:
         drop_stdout()
 
 
+def tell(text: str) -> None:
+    """Say something on stderr that is no result and no error."""
+    click.echo(f"symosc: {text}", err=True)
+
+
 def write_json(data: object) -> None:
     """Print plain data as JSON."""
     write(json.dumps(data, indent=1))
@@ -32,10 +40,7 @@ def write_json(data: object) -> None:
 
 def write_table(rows: list[list[str]], heads: list[str]) -> None:
     """Print a table; numbers are aligned at their points."""
-    from tabulate import tabulate
-
-    align = ["decimal" if head in ("t", "x", "v", "theta") else "left" for head in heads]
-    write(tabulate(rows, heads, tablefmt="simple", disable_numparse=True, colalign=align))
+    write(plain_table(heads, rows, NUMBER_HEADS))
 
 
 def undecidable(trajectory: Trajectory) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from itertools import takewhile
 
 import click
@@ -10,8 +9,8 @@ import click
 from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.exact import show
-from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
+from symosc.scenes.writing import as_toml
 
 
 @click.command()
@@ -30,7 +29,7 @@ def scenes(scene: str | None, as_json: bool) -> None:
         if as_json:
             write_json(_scene_data(chosen))
         else:
-            write(_as_toml(chosen))
+            write(as_toml(chosen))
         return
     listed = [load_scene(name) for name in scene_names()]
     if as_json:
@@ -53,18 +52,3 @@ def _scene_data(scene: Scene) -> Record:
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
     error = None if scene.start_error is None else [show(each) for each in scene.start_error]
     return {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
-
-
-def _as_toml(scene: Scene) -> str:
-    def number(text: str) -> str:
-        return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly
-
-    data = _scene_data(scene)
-    # A JSON string is a TOML string too.
-    lines = [f"{key} = {json.dumps(data[key])}" for key in ("name", "source", "structure") if data[key]]
-    lines += [f"t_end = {number(data['t_end'])}", "", "[parameters]"]
-    lines += [f"{name} = {number(data['parameters'][name])}" for name in PARAMETER_NAMES]
-    lines += ["", "[start]", *(f"{name} = {number(data[name])}" for name in START_NAMES[:3])]
-    if data["start_error"] is not None:
-        lines.append(f"start_error = [{', '.join(map(number, data['start_error']))}]")
-    return "\n".join(lines)

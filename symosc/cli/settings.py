@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from symosc.cli.output import tell
 from symosc.files import STDOUT
 from symosc.scenes import START_NAMES, Scene, load_scene
 
@@ -79,7 +80,9 @@ def folder_name(output: str, option: str = "--output") -> str:
 
 
 def scene_with(name_or_path: str, settings: tuple[str, ...], start: dict[str, str | None]) -> Scene:
-    """Return a scene with ``--set`` parameters and a start from the command line."""
+    """Return a scene with ``--set`` parameters and a start from the command line; what it notes goes to stderr."""
     scene = load_scene(name_or_path)
+    for note in scene.notes:
+        tell(f"{scene.name}: {note}")
     changed = replace(scene, parameters=scene.parameters.replace(**read_settings(settings)))
     return changed.started({name: value for name, value in start.items() if value is not None})

@@ -12,7 +12,7 @@ from symosc.aliases import Record
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 from symosc.simulation.trajectory import Event, Trajectory
 
 EVENTS_LISTED = 5  # events of a kind in a summary

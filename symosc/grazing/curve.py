@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 from symosc.exact import whole_number
 from symosc.grazing.origin import Origins
 from symosc.grazing.phase_runs import PhaseRun, arcs_of, cut, filled, phases_of

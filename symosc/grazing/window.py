@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Expr, Number, NumberLike
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
 from symosc.errors import SymoscError
 from symosc.exact import whole_number
 from symosc.model import Parameters
@@ -173,6 +174,24 @@ class Branch(Drawable):
             "stable": self.stable.tolist(),
             "ends": [plain(end) for end in self.ends],
         }
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per point of the branch; MissingExtraError if pandas is not installed."""
+        columns = {self.parameter: self.values}
+        for i in range(self.points.shape[1]):
+            columns |= {f"t{i}": self.points[:, i, 0], f"x{i}": self.points[:, i, 1]}
+        columns |= {f"multiplier{i}": self.multipliers[:, i] for i in (0, 1)}
+        return imported("pandas").DataFrame(columns | {"stable": self.stable})
+
+    def to_xarray(self) -> Any:
+        """Return a Dataset over `point`, `switching` and `which`; MissingExtraError if xarray is not installed."""
+        columns: Record = {name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))}
+        for name, part in (("re", self.multipliers.real), ("im", self.multipliers.imag)):
+            columns[f"multiplier_{name}"] = ("point", "which"), part  # no file format has complex numbers
+        columns["stable"] = ("point",), self.stable
+        places = {self.parameter: ("point", self.values), "map": ("switching", list(self.labels))}
+        about = {"word": self.word, "periods": self.periods, "ends": [end.kind for end in self.ends]}
+        return imported("xarray").Dataset(columns, coords=places, attrs=about)
 
     def __eq__(self, other: object) -> bool:
         """Whether both are the same branch: word, parameters, points, multipliers and ends."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.aliases import Number, Record
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
 from symosc.model import Parameters

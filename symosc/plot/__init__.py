@@ -1,9 +1,11 @@
 """Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves, cross-checks and sweeps.
 
-May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
+May import: everything up to certificates. matplotlib is loaded with a figure's module,
+and with nothing before it.
 
-One more figure: a module of its own that returns a matplotlib Figure; its function is named here, and registered for
-the answer whose ``.plot()`` it is (`symosc.drawable`).
+One more figure: a module of its own that returns a matplotlib Figure; its function is named in ``__init__.pyi``, and
+here for the answer whose ``.plot()`` it is (`symosc.display.drawable`). A figure loads what it needs alone: scipy's
+parts take longer to load than a figure takes to draw.
 
 Examples
 --------
@@ -13,52 +15,36 @@ Examples
 4
 """
 
-from symosc.crosschecks.report import CrossCheck
-from symosc.drawable import register
-from symosc.grazing.curve import GrazingCurve
-from symosc.grazing.window import GrazingWindow
-from symosc.orbits.branch import Branch
-from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.plot.bifurcation import bifurcation_figure, curve_figure
-from symosc.plot.branch import branch_figure
-from symosc.plot.crosscheck import figure as crosscheck_figure
-from symosc.plot.curve import figure_grazing_curve
-from symosc.plot.drawing import check_suffix, save
-from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
-from symosc.plot.maps import basin_figure, map_figure
-from symosc.plot.region import region_figure
-from symosc.plot.sweep import sweep_figure
-from symosc.plot.swept import swept_figure
-from symosc.plot.windows import window_figure
-from symosc.simulation.trajectory import Trajectory
+from collections.abc import Callable
+from functools import partial
+from typing import Any
 
-__all__ = [
-    "MOST_DRAWN_EVENTS",
-    "basin_figure",
-    "bifurcation_figure",
-    "branch_figure",
-    "check_panels",
-    "check_suffix",
-    "crosscheck_figure",
-    "curve_figure",
-    "default_panels",
-    "figure",
-    "figure_grazing_curve",
-    "map_figure",
-    "orbit_figure",
-    "region_figure",
-    "save",
-    "simulated",
-    "sweep_figure",
-    "swept_figure",
-    "window_figure",
-]
+import lazy_loader
 
-# What ``.plot()`` of an answer calls.
-register(Trajectory, figure)
-register(PeriodicOrbit, orbit_figure)
-register(Branch, branch_figure)
-register(GrazingWindow, window_figure)
-register(GrazingCurve, figure_grazing_curve)
-register(CrossCheck, crosscheck_figure)
-register("symosc.symbolic.grazing_answers.ParameterRegion", region_figure)  # by name: it would load sympy
+from symosc.display.drawable import register
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+#: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for it.
+DRAWN_BY = {
+    "symosc.simulation.trajectory.Trajectory": "figure",
+    "symosc.simulation.event_table.EventTable": "events_figure",
+    "symosc.simulation.summary.Summary": "summary_figure",
+    "symosc.orbits.periodic_orbit.PeriodicOrbit": "orbit_figure",
+    "symosc.orbits.branch.Branch": "branch_figure",
+    "symosc.grazing.window.GrazingWindow": "window_figure",
+    "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
+    "symosc.symbolic.grazing_answers.ParameterRegion": "region_figure",
+    "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
+    "symosc.certificates.certificate.Certificate": "certificate_figure",
+    "symosc.sweeps.dataset.SweptDataset": "swept_figure",
+}
+
+
+def _draw(name: str, answer: object, **options: Any) -> Any:
+    draw: Callable[..., Any] = __getattr__(name)
+    return draw(answer, **options)
+
+
+for _kind, _name in DRAWN_BY.items():
+    register(_kind, partial(_draw, _name))

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from scipy.interpolate import Akima1DInterpolator
 
 from symosc.errors import ParameterError
 from symosc.orbits.branch import Branch, BranchEnd
@@ -150,6 +149,8 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     steps = np.linalg.norm(
         np.diff(columns, axis=0) / (np.ptp(columns, axis=0) + (np.ptp(columns, axis=0) == 0)), axis=1
     )
+    from scipy.interpolate import Akima1DInterpolator  # takes longer to load than most figures to draw
+
     keep = np.concatenate([[True], steps > 1e-12])
     along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
     if len(along) > 2:

@@ -20,7 +20,7 @@ POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d71
 FLOOR = 1e-17
 
 
-def figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a cross-check against time: global errors, defects of the steps, and the velocity.
 
     Events are vertical lines: matched ones grey, missed ones red and dashed, invented ones orange and dotted. The
@@ -91,7 +91,7 @@ def _entries(axes: Iterable[Axes]) -> dict[str, list[Any]]:
 
 def write(check: CrossCheck, path: str | Path) -> Path:
     """Draw a cross-check into a PDF, SVG or PNG file; raises OutputError if it cannot be written."""
-    return save(figure(check), path)
+    return save(crosscheck_figure(check), path)
 
 
 def _global_errors(ax: Axes, check: CrossCheck) -> None:

@@ -17,7 +17,6 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from scipy.ndimage import distance_transform_edt
 
 from symosc.errors import ParameterError
 from symosc.plot.columns import label, read_axes, read_column, typeset, undecided
@@ -208,6 +207,8 @@ def _hatch(axes: Axes, edges: tuple[np.ndarray, np.ndarray], inside: np.ndarray,
 
 def _name_place(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
     """Write the name of a class where its cells reach farthest from its border."""
+    from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
+
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
     i, j = np.unravel_index(np.argmax(depth), depth.shape)
     if depth[i, j] > NAME_ROOM:

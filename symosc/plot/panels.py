@@ -34,6 +34,13 @@ SHAPES = {
     "grazing point": ("*", 8.0),
     "contact": ("*", 8.0),
 }
+#: Name and colour of the mark of each kind of event.
+EVENT_MARKS = {
+    "stick": ("onset of stick", ONSET_COLOR),
+    "slip": ("end of stick", END_COLOR),
+    "cross": ("crossing", SWITCH_COLOR),
+    "graze": ("grazing point", SWITCH_COLOR),
+}
 # With more marks than this they shrink, so that together they cover no more of the curves; down to this size.
 ROOMY, LEAST_SCALE = 16, 0.2
 
@@ -155,13 +162,7 @@ def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
     on_belt = trajectory.segments[0].mode.startswith("belt")
     belt = int(trajectory.segments[0].mode[-1])
     marks = [Mark("onset of stick", ONSET_COLOR, start, belt) if on_belt else Mark("start", "white", start)]
-    kinds = {
-        "stick": ("onset of stick", ONSET_COLOR),
-        "slip": ("end of stick", END_COLOR),
-        "cross": ("crossing", SWITCH_COLOR),
-        "graze": ("grazing point", SWITCH_COLOR),
-    }
-    marks += [Mark(*kinds[event.kind], float(event.t), event.boundary) for event in trajectory.events]
+    marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in trajectory.events]
     return tuple(marks)
 
 

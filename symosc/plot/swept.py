@@ -24,7 +24,8 @@ def swept_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     Parameters
     ----------
     dataset : xarray.Dataset
-        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``.
+        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``; it is drawn by
+        ``dataset.symosc.plot()`` too.
     name : str, optional
         The column. Default: the section if there is one, else the first that was recorded.
     ax : matplotlib.axes.Axes, optional
@@ -46,6 +47,7 @@ def swept_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
+    dataset = getattr(dataset, "dataset", dataset)  # of the accessor
     column = read_column(dataset, name)
     axes = axes_of(column)
     if column.name == "section":

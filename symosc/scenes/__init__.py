@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
-from dataclasses import dataclass, replace
-from decimal import Decimal
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from os.path import isfile
 from pathlib import Path
@@ -12,12 +10,12 @@ from pathlib import Path
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SceneError
 from symosc.exact import read_exact, read_start_error, show
-from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.words import read_word
+from symosc.model import Parameters
+from symosc.scenes.reading import SceneFile, read_scene_file
+from symosc.words import WordError, read_word
 
 SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
-TABLES = ("parameters", "start")
 
 
 @dataclass(frozen=True)
@@ -38,6 +36,8 @@ class Scene:
         Where the numbers come from.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; kept as three Fractions. None: the start is exact.
+    notes : tuple of str
+        What is to be said about its numbers, such as that one is known to 40 digits; not compared.
 
     Raises
     ------
@@ -63,6 +63,7 @@ class Scene:
     structure: str | None = None
     source: str = ""
     start_error: tuple[Fraction, Fraction, Fraction] | None = None
+    notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("name", "source"):
@@ -102,14 +103,20 @@ def scene_names() -> list[str]:
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """Load a shipped scene by name, or a TOML file of the same form by path.
+    """Load a shipped scene by name, or a TOML file of the same form by path; `symosc new` writes one to begin with.
+
+    In a file a number may be an expression such as "3*pi/2", which is read to 40 digits (`Scene.notes` says so, and a
+    start is then known to these only), and may have a unit, such as "2.5 cm" (extra `units`), which is converted to
+    kg, m, s, N and rad.
 
     Raises
     ------
     SceneError
-        If there is no such scene, or the file is not TOML, or a key is missing or unknown.
+        If there is no such scene, or the file is not TOML, or a key is missing or unknown; with the line.
     ParameterError
-        If a number is out of range.
+        If a number is out of range; with the line and the table.
+    MissingExtraError
+        If a number has a unit, and pint is not installed.
 
     Examples
     --------
@@ -125,45 +132,27 @@ def load_scene(name_or_path: str | Path) -> Scene:
     if path.suffix != ".toml" and not isfile(path):
         raise SceneError(text, f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file")
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"), parse_float=Decimal)
+        content = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise SceneError(text, "is not UTF-8 text") from None
-    except RecursionError:
-        raise SceneError(text, "is not valid TOML: nested too deeply") from None
-    except ValueError as error:  # TOMLDecodeError, and an int of more digits than Python converts
-        raise SceneError(text, f"is not valid TOML: {error}") from None
-    return _scene_from(data, default_name=path.stem, where=text)
+    return _scene_from(read_scene_file(content, text), default_name=path.stem)
 
 
-def _scene_from(data: Record, default_name: str, where: str) -> Scene:
-    if not data:
-        raise SceneError(where, "is empty; `symosc scenes fig5` prints an example")
-    _check_keys(where, "", data, required=("start", "t_end", "parameters"), optional=("name", "structure", "source"))
-    for table in TABLES:
-        if not isinstance(data[table], dict):
-            raise SceneError(where, f"[{table}] must be a table")
-    _check_keys(where, "parameters.", data["parameters"], required=PARAMETER_NAMES, optional=())
-    _check_keys(where, "start.", data["start"], required=START_NAMES[:3], optional=("start_error",))
-    for key in ("name", "structure", "source"):
-        if key in data and not isinstance(data[key], str):
-            raise SceneError(where, f"{key} must be text")
-    return Scene(
-        name=data.get("name", default_name),
-        parameters=Parameters(**data["parameters"]),
-        t_end=data["t_end"],
-        structure=data.get("structure"),
-        source=data.get("source", ""),
-        **data["start"],
-    )
-
-
-def _check_keys(where: str, prefix: str, table: Record, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
-    for key in required:
-        if key not in table:
-            table_name = f": give it in a table [{key}]" if not prefix and key in TABLES else ""
-            raise SceneError(where, f"{prefix}{key} is missing{table_name}")
-    for key in table:
-        if key not in required + optional:
-            raise SceneError(where, f"{prefix}{key} is unknown; known are {', '.join(required + optional)}")
+def _scene_from(file: SceneFile, default_name: str) -> Scene:
+    data = file.data
+    try:
+        return Scene(
+            name=data.get("name", default_name),
+            parameters=Parameters(**data["parameters"]),
+            t_end=data["t_end"],
+            structure=data.get("structure"),
+            source=data.get("source", ""),
+            notes=file.notes(),
+            **data["start"],
+        )
+    except ParameterError as error:
+        raise file.located(error) from None
+    except WordError as error:
+        raise SceneError(file.where, f"{file.place('structure')}: structure: {error}") from None

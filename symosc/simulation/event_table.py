@@ -5,15 +5,15 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
 from symosc.engine.compiled_loop import FLOAT_COLUMNS, INT_COLUMNS, EventRows, room_for
-from symosc.errors import MissingExtraError
 from symosc.files import write_whole
 from symosc.model import MODE_NAMES
 from symosc.simulation.run import EVENT_KINDS
@@ -24,7 +24,7 @@ KIND_NAMES = EVENT_KINDS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EventTable:
+class EventTable(Drawable):
     """Events of many trajectories, one row per event, in order of trajectory and time.
 
     Attributes
@@ -146,20 +146,6 @@ def rows_of(i: int, events: Sequence[Event]) -> EventRows:
         rows.floats[n] = [getattr(event, name) for name in FLOAT_COLUMNS]
         rows.ints[n] = i, codes[event.kind], event.boundary, codes[event.source], codes[event.target]
     return rows
-
-
-def imported(name: str) -> Any:
-    """Return a package that not everybody has.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    """
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingExtraError(f"a table of {name}", "sweep") from None
 
 
 def counted(count: int, what: str) -> str:

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
 from symosc.engine import tally as kept
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.state import MOVED, ON_BELT, Covariance, NextEvent, State
@@ -19,7 +21,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.model import MODE_NAMES
 from symosc.simulation.columns import NumberColumn, as_given
-from symosc.simulation.event_table import counted, imported, statuses
+from symosc.simulation.event_table import counted, statuses
 from symosc.simulation.problems import Problems
 from symosc.simulation.run import EVENT_KINDS
 from symosc.simulation.trajectory import Trajectory
@@ -37,7 +39,7 @@ MISSING: Any = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Summary:
+class Summary(Drawable):
     """What became of many motions, one row each.
 
     Attributes

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from symosc.drawable import Drawable
+from symosc.aliases import Record
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
 from symosc.engine.flow import Constants, constants
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, whole_number
@@ -236,6 +238,22 @@ class Trajectory(Drawable):
         writer.writeheader()
         writer.writerows(self.table())
         write_text(path, text.getvalue())
+
+    def to_pandas(self) -> Any:
+        """Return the events as a DataFrame, a row each; MissingExtraError if pandas is not installed."""
+        return imported("pandas").DataFrame(self.table(), columns=list(EVENT_COLUMNS))
+
+    def to_xarray(self) -> Any:
+        """Return the events as a Dataset over `event`; MissingExtraError if xarray is not installed."""
+        rows = self.table()
+        numbers = float if self.digits is None else str
+        kinds = {"t": numbers, "x": numbers, "v": numbers, "theta": numbers, "boundary": int}
+        columns: Record = {}
+        for name in EVENT_COLUMNS:
+            kind = kinds.get(name, float if name.endswith("error") else str)
+            columns[name] = ("event",), np.array([row[name] for row in rows], dtype=kind)
+        about = {"status": self.status, "message": self.message, "word": " ".join(self.word)}
+        return imported("xarray").Dataset(columns, attrs=about | self.parameters.as_dict())
 
     def as_dict(self) -> dict[str, Any]:
         """Return parameters, status and events as plain values.

@@ -10,33 +10,18 @@ import numpy as np
 
 import symosc
 from symosc.aliases import Record
+from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError
 from symosc.exact import show
 from symosc.scenes import Scene
+from symosc.scenes.quantities import QUANTITIES
 from symosc.sweeps.grid import SET_AXIS, SWEPT_STARTS, Coordinate
 from symosc.sweeps.plan import SweepPlan
 
 if TYPE_CHECKING:
     import xarray
 
-#: Long name and dimension of every parameter and start value. Any consistent system of units will do for them.
-QUANTITIES = {
-    "m": ("mass", "mass"),
-    "c": ("damping", "mass/time"),
-    "k": ("stiffness", "mass/time^2"),
-    "A0": ("constant force", "force"),
-    "B0": ("amplitude of the excitation", "force"),
-    "Omega": ("frequency of the excitation", "angle/time"),
-    "v1": ("speed of belt 1", "length/time"),
-    "v2": ("speed of belt 2", "length/time"),
-    "mu1": ("friction coefficient of belt 1", "1"),
-    "mu2": ("friction coefficient of belt 2", "1"),
-    "FN": ("normal force", "force"),
-    "t0": ("start time", "time"),
-    "x0": ("start position", "length"),
-    "v0": ("start velocity", "length/time"),
-}
-#: The same of what is recorded.
+#: Long name and dimension of what is recorded; QUANTITIES has those of what is swept.
 VARIABLES = {
     "word": ("mappings of the last forcing period as a cycle, from right to left", "1"),
     "multiplicity": ("forcing periods after which word and section repeat, 0 if they do not", "1"),
@@ -54,6 +39,8 @@ VARIABLES = {
     "v_max": ("largest velocity", "length/time"),
     "section": ("position and velocity at the last whole forcing periods", ""),
 }
+#: The attribute by which a Dataset has what is ours.
+ACCESSOR = "symosc"
 PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
 #: Axes with more values are not written out in the call; the coordinates have them.
 MOST_WRITTEN = 2000
@@ -71,7 +58,29 @@ def need_xarray() -> ModuleType:
         import xarray
     except ImportError:
         raise MissingExtraError("sweep", "sweep") from None
+    if ACCESSOR not in vars(xarray.Dataset):
+        xarray.register_dataset_accessor(ACCESSOR)(SweptDataset)
     return xarray
+
+
+class SweptDataset(Drawable):
+    """What a sweep's Dataset has of symosc, as ``dataset.symosc``: ``dataset.symosc.plot()`` draws it.
+
+    Examples
+    --------
+    >>> from symosc import sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3"}, t_end="12T", skip="10T")
+    >>> [axes.get_xlabel() for axes in found.symosc.plot().axes]
+    ['$\\\\Omega$']
+    """
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self.dataset = dataset
+
+    @property
+    def call(self) -> str:
+        """The call of `sweep` that gives this result again, as Python source."""
+        return str(self.dataset.attrs.get(CALL_ATTRIBUTE, ""))
 
 
 def dataset_of(plan: SweepPlan, columns: dict[str, np.ndarray], given: Record) -> xarray.Dataset:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.aliases import Expr
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.mappings.latex import table

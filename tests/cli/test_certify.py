@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from cli_runs import good, run
 
-from symosc.cli.certify import common
+from symosc.certificates.certificate import common_digits
 
 
 def test_a_proven_motion(tmp_path: Path) -> None:
@@ -69,6 +69,6 @@ def test_a_false_file_and_no_certificate(tmp_path: Path) -> None:
 
 
 def test_as_many_digits_as_both_ends_have() -> None:
-    assert common("1.2345", "1.2346") == "1.23"
-    assert common("0.99999999", "1.00000001") == "1.000000"
-    assert common("-1", "1") == "-1 … 1"
+    assert common_digits("1.2345", "1.2346") == "1.23"
+    assert common_digits("0.99999999", "1.00000001") == "1.000000"
+    assert common_digits("-1", "1") == "-1 … 1"

@@ -11,7 +11,8 @@ from careful_solver import TIGHT, Run, solve
 
 from symosc import load_scene
 from symosc.crosschecks.compare import CrossCheck, crosscheck
-from symosc.plot.crosscheck import figure, write
+from symosc.plot.crosscheck import crosscheck_figure as figure
+from symosc.plot.crosscheck import write
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from bad_values import refused
 from matplotlib import rcParams
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from symosc import (
     continue_orbit,
@@ -24,7 +26,7 @@ from symosc import (
     plot,
     simulate,
 )
-from symosc.drawable import Drawable
+from symosc.display.drawable import Drawable
 
 P = load_scene("fig9").parameters
 
@@ -121,3 +123,25 @@ def test_the_first_plot_loads_what_draws() -> None:
     )
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert run.stdout == "3\n"
+
+
+def test_numbers_at_ticks_are_plain_text_and_say_the_same() -> None:
+    drawing = plot.figure(simulate("fig5", t_end=7), panels="b")
+    (axes,) = drawing.axes
+    drawing.draw_without_rendering()
+    plain = [text.get_text() for text in axes.get_yticklabels()]
+    axes.yaxis.set_major_formatter(ScalarFormatter(useMathText=True))
+    drawing.draw_without_rendering()
+    set_by_mathtext = [text.get_text() for text in axes.get_yticklabels()]
+    assert len(plain) > 3
+    assert [rf"$\mathdefault{{{text}}}$".replace("\N{MINUS SIGN}", "-") for text in plain] == set_by_mathtext
+
+
+def test_a_layout_is_the_same_saved_and_drawn(tmp_path: Path) -> None:
+    for panels in ("a", "cd"):
+        saved, drawn = plot.figure("fig5", panels=panels), plot.figure("fig5", panels=panels)
+        plot.save(saved, tmp_path / "saved.png")
+        drawn.set_dpi(200)
+        drawn.draw_without_rendering()
+        for one, other in zip(saved.axes, drawn.axes, strict=True):
+            assert one.get_position().bounds == pytest.approx(other.get_position().bounds, abs=0.01)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from bad_values import refused
+from matplotlib.figure import Figure
 from small_sweeps import made_up
 
 from symosc import plot
@@ -33,3 +34,12 @@ def test_what_has_no_form() -> None:
     refused(lambda: labels({"mu1": "0:1:5", "k": "1:2:3", "c": "1:2:3"}, "sticks"), "dataset")
     refused(lambda: labels({"mu1": "0:1:5"}, "word"), "name")
     refused(lambda: plot.swept_figure(5), "dataset")  # type: ignore[arg-type]
+
+
+def test_a_result_draws_itself() -> None:
+    dataset = made_up({"mu1": "0:1:5"}, sticks=lambda cells: np.arange(len(cells["mu1"])))
+    axes = Figure().add_subplot()
+    assert dataset.symosc.plot(name="sticks", ax=axes) is axes.figure
+    assert axes.get_ylabel() == "sticks"
+    assert dataset.isel(mu1=slice(3)).symosc.plot(name="sticks").axes[0].has_data()
+    refused(lambda: dataset.symosc.plot(name="word"), "name")

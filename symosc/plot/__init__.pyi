@@ -1,0 +1,23 @@
+# The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
+from .bifurcation import bifurcation_figure as bifurcation_figure
+from .bifurcation import curve_figure as curve_figure
+from .branch import branch_figure as branch_figure
+from .crosscheck import crosscheck_figure as crosscheck_figure
+from .curve import figure_grazing_curve as figure_grazing_curve
+from .drawing import check_suffix as check_suffix
+from .drawing import save as save
+from .figures import MOST_DRAWN_EVENTS as MOST_DRAWN_EVENTS
+from .figures import check_panels as check_panels
+from .figures import default_panels as default_panels
+from .figures import figure as figure
+from .figures import orbit_figure as orbit_figure
+from .figures import simulated as simulated
+from .many import events_figure as events_figure
+from .many import summary_figure as summary_figure
+from .maps import basin_figure as basin_figure
+from .maps import map_figure as map_figure
+from .proof import certificate_figure as certificate_figure
+from .region import region_figure as region_figure
+from .sweep import sweep_figure as sweep_figure
+from .swept import swept_figure as swept_figure
+from .windows import window_figure as window_figure

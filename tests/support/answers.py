@@ -1,0 +1,53 @@
+"""One answer of each kind, small ones, for tests of what answers look like."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from symosc import continue_orbit, crosscheck, find_orbit, grazing_window, load_scene, simulate, simulate_many
+from symosc.certificates.certificate import Certificate
+
+P = load_scene("fig9").parameters
+STARTS = [(0, x, 1) for x in range(12)]
+#: What a certificate of `fig6` says of its first event; no python-flint is needed for it.
+PROVEN = Certificate(
+    "trajectory",
+    True,
+    "1 event until t = 2",
+    (("slip", "belt2", "Omega2", ("1.58260582141", "1.58260582143"), ("7.91302910705", "7.91302910706")),),
+    multipliers=((("-0.0168", "-0.0167"), ("0", "0")), (("0.25", "0.2500001"), ("-0.5", "-0.4999999"))),
+    stable=True,
+    statement={"made_by": "a test"},
+)
+
+
+def _check(shift: float) -> Any:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    return crosscheck("fig5", t, x, v + shift * (t > 5))
+
+
+@cache
+def answers() -> dict[str, Any]:
+    """Return the answers by names that say what they are."""
+    many = {"t_end": 9, "use_numba": False}
+    return {
+        "trajectory": simulate("fig5", t_end=7),
+        "trajectory without events": simulate("fig5", t_end="0.1"),
+        "trajectory in digits": simulate("fig8-exact", digits=30, t_end=6),
+        "orbit": find_orbit(P, "P32"),
+        "branch": continue_orbit(P, "P32", "Omega", (3.9, 4.1)),
+        "window": grazing_window(P, "P2"),
+        "empty window": grazing_window(P.replace(k=0, B0=0), "P2"),
+        "check": _check(0.0),
+        "failed check": _check(0.1),
+        "certificate": PROVEN,
+        "open certificate": Certificate("branch", False, "open at Omega = 4", (("cross", "Omega2", "Omega1"),)),
+        "events": simulate_many(P, STARTS, **many),
+        "no events": simulate_many(P, (0, 0, 0), t_end="0.001", use_numba=False),
+        "summary": simulate_many(P, STARTS, record="summary", sections=2, **many),
+        "summary of words": simulate_many(P, STARTS[:2], record="word", **many),
+    }
