@@ -22,14 +22,14 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.bench import ours
-from symosc.bench.compare import compare, window_of
-from symosc.bench.condition import conditions, distance
-from symosc.bench.hard_cases import HardCase, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.machine import machine
 from symosc.bench.peers import SOLVERS
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
+from symosc.reference.compare import FoundEvents, compare, window_of
+from symosc.reference.condition import conditions, distance
+from symosc.reference.hard_cases import HardCase, hard_cases
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 

@@ -90,7 +90,7 @@ def _fail(message: str) -> NoReturn:
 def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None:
     if not wanted:
         return
-    from symosc.citation import bibtex
+    from symosc.derive.citation import bibtex
 
     write(bibtex())
     context.exit()

@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-from symosc.citation import bibtex
+from symosc.derive.citation import bibtex
 from symosc.derive.numbering import CITATION
 
 ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)

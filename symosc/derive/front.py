@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import symosc
-from symosc.citation import SYMOSC, paper_reference
 from symosc.derive import bibliography, notation
 from symosc.derive.blocks import KINDS
+from symosc.derive.citation import SYMOSC, paper_reference
 from symosc.derive.latex_pages import HEADER
 from symosc.derive.numbering import Numbering, resolved
 from symosc.derive.scope import Scope

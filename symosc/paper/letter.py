@@ -6,7 +6,7 @@ from datetime import date
 from typing import Any
 
 from symosc import __version__
-from symosc.citation import paper_reference
+from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES
 from symosc.paper.rendering import render
 from symosc.paper.run import Results

@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from project_files import PROJECT, cff, text
 
 import symosc
-from symosc import citation
 from symosc.cli.app import main
+from symosc.derive import citation
 from symosc.scenes import load_scene, scene_names
 
 
