@@ -16,6 +16,7 @@ from .errors import (
 from .errors import (
     ParameterError as ParameterError,
 )
+from .errors import ResultError as ResultError
 from .errors import (
     SceneError as SceneError,
 )

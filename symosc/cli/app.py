@@ -30,6 +30,8 @@ COMMANDS = (
     "check",
     "certify",
     "verify",
+    "cases",
+    "score",
     "derive",
     "sweep",
     "bench",

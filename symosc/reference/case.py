@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 from math import inf, pi
 from typing import Any, NamedTuple
 
@@ -141,7 +141,7 @@ class ReferenceCase:
 
     @property
     def status(self) -> str:
-        """"proven", or "computed, not proven"."""
+        """Whether its events are "proven", or "computed, not proven"."""
         return PROVEN if self.proven else COMPUTED
 
     @property
@@ -169,14 +169,14 @@ class ReferenceCase:
         return f"<ReferenceCase {self.name}: {count}, {self.status}>"
 
 
-@lru_cache(maxsize=None)
+@cache
 def _certificate(case: ReferenceCase) -> Certificate:
     if case.periods:
         return Certificate("trajectory", False, case.open, statement={"events": []})
     return certify(case.scene, digits=GIVEN_DIGITS)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _events(case: ReferenceCase) -> tuple[KnownEvent, ...]:
     if case.proven:
         rows = case.certificate.statement["events"]
@@ -198,7 +198,7 @@ def _with_words(case: ReferenceCase, rows: Iterable[Any]) -> Iterable[KnownEvent
     before = next((boundary for boundary in (1, 2) if p.belt(boundary) == case.v0), 0)
     for row in rows:
         boundary, source = row[3], row[4]
-        yield KnownEvent(*row, MAP_LABELS.get((before, source, boundary), ""))
+        yield KnownEvent._make((*row, MAP_LABELS.get((before, source, boundary), "")))
         before = boundary
 
 
@@ -209,7 +209,7 @@ def _rounded(value: Any) -> tuple[str, str]:
     return f"{low:f}", f"{high:f}"
 
 
-@lru_cache(maxsize=None)
+@cache
 def _conditions(case: ReferenceCase) -> tuple[float, ...]:
     """Return the condition of all events; of a neighbour, contacts beside a graze are left out with the graze."""
     near = NEAR_A_GRAZE * 2 * pi / float(case.parameters.Omega)

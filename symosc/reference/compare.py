@@ -12,7 +12,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
 from symosc.crosschecks.events import WINDOW
@@ -33,6 +33,18 @@ class FoundEvents(NamedTuple):
     x: float
     kind: str
     boundary: int
+
+
+class OfAKind(Protocol):
+    """What an event of a reference must have to be aligned."""
+
+    @property
+    def kind(self) -> str:
+        """What happens."""
+
+    @property
+    def boundary(self) -> int:
+        """At which belt."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +136,7 @@ def _error(value: float, exact: Number) -> float:
 
 
 def align(
-    found: Sequence[FoundEvents], reference: Sequence[Event], times: list[float], window: float
+    found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment, in order.
 

@@ -24,7 +24,9 @@ DEN_HARTOG = "Den Hartog, Phil. Mag. 9 (1930) and Trans. ASME 53 (1931)"
 BORDER = "Den Hartog (1931); Hong and Liu, J. Sound Vib. 229 (2000)"
 CSERNAK = "Csernak, Stepan and Shaw, Nonlinear Dynamics 50 (2007), doi:10.1007/s11071-006-9145-6"
 BALANCE = "the energy of a free or resonant oscillator with constant friction, half a cycle at a time"
-AT_A_TURN = "contacts are exactly where the drift of the belt turns, between two pieces of the proof; see the closed form"
+AT_A_TURN = (
+    "contacts are exactly where the drift of the belt turns, between two pieces of the proof; see the closed form"
+)
 FAR_BELT = 10**6
 #: Digits of a start on an orbit whose amplitude is not rational.
 ORBIT_DIGITS = 60
@@ -93,7 +95,9 @@ def _borders() -> Iterator[ReferenceCase]:
     """Yield motions on both sides of the border of those without stops, F*/P = 0.64657909 and 0.81740639."""
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):
-            hard = f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
+            hard = (
+                f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
+            )
             yield _case(f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER, ())
 
 

@@ -47,8 +47,7 @@ def _creeping() -> Iterator[ReferenceCase]:
 
     Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     """
-    pushes = (("meets late", "-1e-1"), ("meets very late", "-1e-9"), ("never meets, just so", "0"), ("no", "1e-9"))
-    for number, (says, push) in enumerate(pushes, 1):
+    for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):
             u = Fraction(push)
             if r1 == r2 and -u < Fraction(1, 1000) and u < 0:
@@ -79,7 +78,9 @@ def _on_a_belt() -> Iterator[ReferenceCase]:
     p = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
     for number, x0 in enumerate((0, "1/2", "-3/5", "-4/5", 1), 1):
         edge = x0 in ("-4/5", 1)
-        hard = "rest on a belt: nothing may happen, for ever" + ("; on the edge, where the force just falls to 0" * edge)
+        hard = "rest on a belt: nothing may happen, for ever" + (
+            "; on the edge, where the force just falls to 0" * edge
+        )
         yield _case(f"rest-{number}", p, (x0, 0), 200, hard, UNIQUENESS, reason=AT_THE_EDGE if edge else "")
     hard = "the force reaches the edge of friction by 1e-9 or misses it by that, on a belt at rest"
     for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1

@@ -33,7 +33,7 @@ CASE_GROUPS = {
     RESTS: "velocities that creep to a belt's speed, and rest on a belt",
     COULOMB: "published closed forms: amplitudes, growth and decay, the border of motions without stops",
     CONTINUUM: "orbits that no motion returns to after an error",
-    LONG: "hundreds of events, all of them proven",
+    LONG: "hundreds of events: errors that add up",
 }
 
 

@@ -140,7 +140,13 @@ def load_scene(name_or_path: str | Path) -> Scene:
 def _scene_from(data: Record, default_name: str, where: str) -> Scene:
     if not data:
         raise SceneError(where, "is empty; `symosc scenes fig5` prints an example")
-    _check_keys(where, "", data, required=("start", "t_end", "parameters"), optional=("name", "structure", "source"))
+    _check_keys(
+        where,
+        "",
+        data,
+        required=("start", "t_end", "parameters"),
+        optional=("name", "structure", "source", "reference"),
+    )
     for table in TABLES:
         if not isinstance(data[table], dict):
             raise SceneError(where, f"[{table}] must be a table")
