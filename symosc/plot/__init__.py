@@ -1,6 +1,6 @@
-"""Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves, cross-checks and sweeps.
+"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks, sweeps, scores.
 
-May import: everything up to grazing. matplotlib is loaded with this package, and with nothing before it.
+May import: everything up to reference. matplotlib is loaded with this package, and with nothing before it.
 
 One more figure: a module of its own that returns a matplotlib Figure; its function is named here, and registered for
 the answer whose ``.plot()`` it is (`symosc.drawable`).
@@ -27,6 +27,7 @@ from symosc.plot.drawing import check_suffix, save
 from symosc.plot.figures import MOST_DRAWN_EVENTS, check_panels, default_panels, figure, orbit_figure, simulated
 from symosc.plot.maps import basin_figure, map_figure
 from symosc.plot.region import region_figure
+from symosc.plot.score import score_figure
 from symosc.plot.sweep import sweep_figure
 from symosc.plot.swept import swept_figure
 from symosc.plot.windows import window_figure
@@ -48,6 +49,7 @@ __all__ = [
     "orbit_figure",
     "region_figure",
     "save",
+    "score_figure",
     "simulated",
     "sweep_figure",
     "swept_figure",

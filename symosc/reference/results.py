@@ -35,10 +35,11 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """What a solver has for a case: its events in order of time, and its seconds if given."""
+    """What a solver has for a case: its events in order of time, its seconds if given, or a note why it has none."""
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
+    note: str = ""
 
 
 Results = dict[str, CaseResult]

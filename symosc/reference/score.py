@@ -47,8 +47,8 @@ class Wrong(NamedTuple):
 
     def __str__(self) -> str:
         """Return the fault in words."""
-        said = {"missed": self.wanted, "invented": self.found}.get(self.fault, f"{self.found} for {self.wanted}")
-        return f"{self.fault} {said} at t = {self.t:.10g}"
+        said = {"missed": self.wanted, "invented": self.found, "wrong kind": f"{self.found}, not {self.wanted}"}
+        return f"{self.fault}: {said.get(self.fault, self.wanted)} at t = {self.t:.10g}"
 
 
 @dataclass
@@ -71,6 +71,8 @@ class CaseScore:
         Largest errors of time and position, and the largest of both in units; None without any event found. Positions
         may be missing.
     seconds : float or None
+    note : str
+        Why there are no results, if that is known.
     wrong : list of Wrong
         The faults, in order of time.
     """
@@ -90,6 +92,7 @@ class CaseScore:
     error_x: float | None = None
     units: float | None = None
     seconds: float | None = None
+    note: str = ""
     wrong: list[Wrong] = field(default_factory=list)
 
     @property
@@ -163,9 +166,10 @@ def score(name: str, cases: Sequence[StoredCase], results: Results, tolerance: f
 def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) -> CaseScore:
     """Judge the results of a case; None if there are none."""
     condition = max((each for each in case.conditions if each < inf), default=0.0)
-    judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None)
+    judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None and not result.note)
     judged.grazes = sum(event.kind == "graze" for event in case.events)
-    if result is None:
+    if result is None or result.note:
+        judged.note = "" if result is None else result.note
         return judged
     judged.seconds = result.seconds
     _Judge(case, judged, tolerance).judge(result.events)
@@ -274,14 +278,14 @@ class _Judge:
         )
         for i, j in pairs:
             wanted, event = self.case.events[lost[i]], found[extra[j]]
-            self._fault("kind", times[i], _words(wanted), _words(event))
+            self._fault("wrong kind", times[i], _words(wanted), _words(event))
         left, right = {i for i, _ in pairs}, {j for _, j in pairs}
         return [each for i, each in enumerate(lost) if i not in left], [
             each for j, each in enumerate(extra) if j not in right
         ]
 
     def _fault(self, fault: str, t: float, wanted: str, found: str) -> None:
-        name = {"kind": "kinds"}.get(fault, fault)
+        name = {"wrong kind": "kinds"}.get(fault, fault)
         setattr(self.judged, name, getattr(self.judged, name) + 1)
         self.judged.wrong.append(Wrong(fault, t, wanted, found))
 
