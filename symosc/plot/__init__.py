@@ -1,4 +1,4 @@
-"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks, sweeps, scores.
+"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks and so on.
 
 May import: everything up to reference. matplotlib is loaded with this package, and with nothing before it.
 

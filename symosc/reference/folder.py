@@ -50,7 +50,7 @@ EVENT_FILE_COLUMNS = (
     "word",
     "condition",
 )
-TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_COLUMNS, "events", "periods", "condition", "status")
+TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_COLUMNS, "events", "periods", "condition", "proven")
 
 
 def write_cases(
@@ -116,7 +116,7 @@ def case_texts(case: ReferenceCase) -> Record:
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
-    about |= {"condition": condition_text(case.condition), "status": case.status}
+    about |= {"condition": condition_text(case.condition), "proven": "yes" if case.proven else "no"}
     about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_COLUMNS}
     return {"texts": {f"{case.name}/{name}": text for name, text in found.items()}, "row": about}
 
@@ -205,7 +205,7 @@ def _readme(rows: Sequence[Record]) -> str:
     numbers = {
         "VERSION": SET_VERSION,
         "COUNT": len(rows),
-        "PROVEN": sum(row["status"] == "proven" for row in rows),
+        "PROVEN": sum(row["proven"] == "yes" for row in rows),
         "SHOWN_PERIODS": SHOWN_PERIODS,
         "GROUPS": tabulate(counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True),
     }
@@ -216,9 +216,10 @@ def _readme(rows: Sequence[Record]) -> str:
 
 
 def _manifest(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
-    names = ("name", "group", "events", "condition", "status")
+    names = ("name", "group", "events", "condition", "proven")
     content: Record = {"format": SET_FORMAT, "set_version": SET_VERSION, "made_by": f"symosc {symosc.__version__}"}
-    content["cases"] = [{name: row[name] for name in names} | {"condition": float(row["condition"])} for row in rows]
+    numbers = [row | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"} for row in rows]
+    content["cases"] = [{name: row[name] for name in names} for row in numbers]
     content["files"] = {name: checksum(text.encode()) for name, text in sorted(texts.items())}
     return json.dumps(content, indent=1) + "\n"
 
