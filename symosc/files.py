@@ -77,6 +77,15 @@ def read_path(path: object) -> str:
     return text
 
 
+def check_folder_of(path: str | Path) -> None:
+    """Raise OutputError unless a file of that name can be made, so that long work is not lost at its end."""
+    folder = Path(read_path(path)).resolve().parent
+    if not folder.is_dir():
+        raise OutputError(str(path), "No such file or directory")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(str(path), "Permission denied")
+
+
 def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"

@@ -153,12 +153,11 @@ def run(
     chunks = [[Job(i, conditions_of, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]
     plan = {s.name: [i for i, case in enumerate(chosen) if case.quick or not s.raw] for s in able}
     steps = iter(progress(range(len(chosen) + sum(map(len, plan.values())))))
-    known = {i: _value(outcome) for i, outcome, _ in _in_parallel(chunks, FIRST_LIMIT, None, steps)}
+    known = {i: _value(outcome) for i, outcome, _ in in_parallel(chunks, FIRST_LIMIT, None, steps)}
     allowed = [[bound(condition) for condition in known[i]] for i in range(len(chosen))]
     chunks = [[Job((i, s.name), judge, (s, chosen[i], allowed[i])) for i in plan[s.name]] for s in able]
     cells = {
-        key: _cell(outcome) | {"seconds": time}
-        for key, outcome, time in _in_parallel(chunks, limit, FIRST_LIMIT, steps)
+        key: _cell(outcome) | {"seconds": time} for key, outcome, time in in_parallel(chunks, limit, FIRST_LIMIT, steps)
     }
     next(steps, None)  # lets a progress bar come to its end
     rows = [
@@ -180,7 +179,7 @@ def run(
     }
 
 
-def _in_parallel(
+def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Any
 ) -> list[tuple[Any, Outcome, float]]:
     """Run each chunk of jobs in a worker of its own, PROCESSES at a time; return keys, outcomes and seconds.

@@ -47,7 +47,10 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _look(i: int) -> Record:
-    colour, mark = SOLVER_COLOURS[i % len(SOLVER_COLOURS)], SOLVER_MARKS[i % len(SOLVER_MARKS)]
+    colour, mark = (
+        SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
+        SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)],
+    )
     return {"color": colour, "marker": mark, "markersize": 3.2, "markeredgewidth": 0}
 
 
@@ -71,7 +74,7 @@ def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
     begin, ticks, names = 0, [], []
     for number, (group, members) in enumerate(by_group(cases)):
         if number % 2:
-            ax.axvspan(begin - 0.5, begin + len(members) - 0.5, color="0.94", linewidth=0)
+            ax.axvspan(begin - 0.5, begin + len(members) - 0.5, color="0.94", linewidth=0, zorder=-1)
         ticks.append(begin + (len(members) - 1) / 2)
         names.append(group)
         begin += len(members)

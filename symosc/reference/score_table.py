@@ -134,12 +134,14 @@ def _listed(score: Score) -> list[str]:
     return ["\n".join([f"{score.name}, faults:", *(f"  {line}" for line in lines)])] if lines else []
 
 
-def as_markdown(scores: Sequence[Score], title: str, version: int, more: Sequence[str] = ()) -> str:
+def as_markdown(
+    scores: Sequence[Score], title: str, version: int, more: Sequence[str] = (), with_faults: bool = True
+) -> str:
     """Return a page in Markdown."""
     parts = [f"# {title}", f"Set of reference cases: version {version}.", *more]
     parts += ["\n".join(f"- {verdict(score)}" for score in scores), *legend(scores[0])]
     parts += [group_table(scores, "github"), "## All cases", case_table(scores, "github")]
-    for score in scores:
+    for score in scores if with_faults else ():
         lines = faults(score)
         if lines:
             parts += [f"## Faults of {score.name}", "\n".join(f"- {line}" for line in lines)]

@@ -16,7 +16,7 @@ from symosc.aliases import Record
 from symosc.errors import ResultError
 from symosc.exact import read_exact
 from symosc.files import read_path
-from symosc.reference.case import KnownEvent
+from symosc.reference.case import KnownEvent, ReferenceCase
 from symosc.reference.folder import CASE_FILE, EVENT_FILE_COLUMNS, EVENTS_FILE, MANIFEST, SET_FORMAT, checksum
 
 
@@ -114,4 +114,18 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
         events,
         tuple(float(row["condition"]) for row in rows),
         about["reference"]["events"],
+    )
+
+
+def stored(case: ReferenceCase) -> StoredCase:
+    """Return a case as its files would have it."""
+    return StoredCase(
+        case.name,
+        case.group,
+        case.parameters.Omega,
+        case.t0,
+        case.v0 in (case.parameters.v1, case.parameters.v2),
+        case.events,
+        case.conditions,
+        case.count,
     )
