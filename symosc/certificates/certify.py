@@ -83,6 +83,11 @@ def certify(
     for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits)):
         if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
+    return _of_an_answer(what, progress)
+
+
+def _of_an_answer(what: Any, progress: Callable[[float], None] | None) -> Certificate:
+    """Prove what is no scene."""
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)
     if isinstance(what, Branch):

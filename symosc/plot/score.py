@@ -16,8 +16,8 @@ from symosc.reference.score import CaseScore, Score, by_group
 SOLVER_COLOURS = ("#2166ac", "#b2182b", "#1b7837", "#e08214", "#762a83", "#8c510a", "#4d4d4d", "#01665e")
 SOLVER_MARKS = "os^DvPX*"
 #: Errors below are drawn at the first, above at the second; where faults and missing results are; where it ends.
-LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT, TOP = 1e-3, 1e10, 1e12, 1e14, 1e15
-WIDTH, HEIGHT = 10.0, 4.2
+LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT, TOP_OF_ALL = 1e-3, 1e10, 1e12, 1e14, 1e15
+SCORE_WIDTH, SCORE_HEIGHT = 10.0, 4.2
 
 
 def score_figure(scores: Sequence[Score]) -> Figure:
@@ -35,7 +35,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         the cases with events missed, invented or of a wrong kind, or too large an error, and those without results.
     """
     with rc_context(STYLE):
-        drawing = Drawing(figsize=(WIDTH, HEIGHT), layout="constrained")
+        drawing = Drawing(figsize=(SCORE_WIDTH, SCORE_HEIGHT), layout="constrained")
         ax = drawing.subplots()
         for i, score in enumerate(scores):
             _draw_solver(ax, score, i, len(scores))
@@ -85,7 +85,7 @@ def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
 
 def _label_heights(ax: Axes) -> None:
     ax.set_yscale("log")
-    ax.set_ylim(LEAST_UNITS / 2, TOP)
+    ax.set_ylim(LEAST_UNITS / 2, TOP_OF_ALL)
     marks = [10.0**n for n in (-3, 0, 3, 6, 9)]
     ax.set_yticks([*marks, FAULTY, ABSENT], [*(f"$10^{{{n}}}$" for n in (-3, 0, 3, 6, 9)), "wrong", "no result"])
     ax.minorticks_off()

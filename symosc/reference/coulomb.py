@@ -21,7 +21,7 @@ from symosc.scenes import Scene
 
 COULOMB, CONTINUUM = "Coulomb oscillator", "continuum"
 DEN_HARTOG = "Den Hartog, Phil. Mag. 9 (1930) and Trans. ASME 53 (1931)"
-BORDER = "Den Hartog (1931); Hong and Liu, J. Sound Vib. 229 (2000)"
+BORDER_SOURCE = "Den Hartog (1931); Hong and Liu, J. Sound Vib. 229 (2000)"
 CSERNAK = "Csernak, Stepan and Shaw, Nonlinear Dynamics 50 (2007), doi:10.1007/s11071-006-9145-6"
 BALANCE = "the energy of a free or resonant oscillator with constant friction, half a cycle at a time"
 AT_A_TURN = (
@@ -98,7 +98,9 @@ def _borders() -> Iterator[ReferenceCase]:
             hard = (
                 f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
             )
-            yield _case(f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER, ())
+            yield _case(
+                f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE, ()
+            )
 
 
 def _resonance() -> Iterator[ReferenceCase]:

@@ -37,7 +37,7 @@ SAMPLE_STEPS, SHOWN_PERIODS = 400, 20
 MOST_DIGITS = 400
 #: So few cases are written without processes.
 CASES_IN_LINE = 8
-START_COLUMNS = ("t0", "x0", "v0", "t_end")
+START_AND_END = ("t0", "x0", "v0", "t_end")
 EVENT_FILE_COLUMNS = (
     "t_low",
     "t_high",
@@ -50,7 +50,7 @@ EVENT_FILE_COLUMNS = (
     "word",
     "condition",
 )
-TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_COLUMNS, "events", "periods", "condition", "proven")
+TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
 
 
 def write_cases(
@@ -117,7 +117,7 @@ def case_texts(case: ReferenceCase) -> Record:
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
     about |= {"condition": condition_text(case.condition), "proven": "yes" if case.proven else "no"}
-    about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_COLUMNS}
+    about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
     return {"texts": {f"{case.name}/{name}": text for name, text in found.items()}, "row": about}
 
 
@@ -158,7 +158,7 @@ def _csv(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 def _toml(case: ReferenceCase) -> str:
     scene = case.scene
-    start: Record = {name: exact_text(getattr(scene, name)) for name in START_COLUMNS[:3]}
+    start: Record = {name: exact_text(getattr(scene, name)) for name in START_AND_END[:3]}
     if scene.start_error is not None:
         start["start_error"] = [show(error) for error in scene.start_error]
     about: Record = {"set_version": SET_VERSION, "group": case.group, "hard": case.hard, "source": case.source}

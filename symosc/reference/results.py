@@ -63,10 +63,12 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     source = Path(read_path(path))
     if source.is_dir():
         found = _of_folder(source, names)
-    elif source.suffix.lower() in READERS:
-        found = READERS[source.suffix.lower()](source, None)
+    elif source.suffix.lower() in RESULT_READERS:
+        found = RESULT_READERS[source.suffix.lower()](source, None)
     else:
-        raise ResultError(str(source), "must be a folder, a .csv file or a .json file" if source.exists() else MISSING)
+        raise ResultError(
+            str(source), "must be a folder, a .csv file or a .json file" if source.exists() else NOT_THERE
+        )
     for name in found:
         if name not in names:
             raise ResultError(str(source), f"has results for {brief(name)!r}, which is no case of this set")
@@ -77,7 +79,7 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     return found
 
 
-MISSING = "does not exist"
+NOT_THERE = "does not exist"
 
 
 def _of_folder(folder: Path, names: Container[str]) -> Results:
@@ -86,13 +88,13 @@ def _of_folder(folder: Path, names: Container[str]) -> Results:
         inside = [each for each in (path / "events.csv", path / "events.json") if each.is_file()]
         for file in inside if path.is_dir() else [path]:
             name = path.name if path.is_dir() else path.stem
-            if file.suffix.lower() not in READERS or (name in NO_RESULTS and name not in names):
+            if file.suffix.lower() not in RESULT_READERS or (name in NO_RESULTS and name not in names):
                 continue
             if name not in names:
                 raise ResultError(str(file), f"is named {brief(name)!r}, which is no case of this set")
             if name in found:
                 raise ResultError(str(file), f"is the second file with results for {name}")
-            found[name] = READERS[file.suffix.lower()](file, name).get(name, CaseResult())
+            found[name] = RESULT_READERS[file.suffix.lower()](file, name).get(name, CaseResult())
     return found
 
 
@@ -230,4 +232,4 @@ def _seconds(path: Path, where: str, value: Any) -> float:
     return float(seconds)
 
 
-READERS: dict[str, Callable[[Path, str | None], Results]] = {".csv": _read_csv, ".json": _read_json}
+RESULT_READERS: dict[str, Callable[[Path, str | None], Results]] = {".csv": _read_csv, ".json": _read_json}

@@ -11,7 +11,7 @@ from tabulate import tabulate
 from symosc.reference.score import UNITS_ALLOWED, CaseScore, Score, by_group
 
 #: Faults of a solver that are listed one by one.
-MOST_FAULTS = 40
+MOST_LISTED_FAULTS = 40
 NO_RESULT = "no result"
 
 
@@ -99,8 +99,8 @@ def _small(value: float | None) -> str:
 def faults(score: Score) -> list[str]:
     """Return the faults of a solver, one a line; of very many the first."""
     found = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
-    more = [f"and {len(found) - MOST_FAULTS} more; --json has all"] if len(found) > MOST_FAULTS else []
-    return [*found[:MOST_FAULTS], *more]
+    more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"] if len(found) > MOST_LISTED_FAULTS else []
+    return [*found[:MOST_LISTED_FAULTS], *more]
 
 
 def verdict(score: Score) -> str:

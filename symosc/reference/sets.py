@@ -19,7 +19,7 @@ from symosc.scenes import Scene, load_scene, scene_names
 
 #: One more whenever a case is added or changed, so that scores name what they are scores of.
 SET_VERSION = 1
-PAPER, LONG = "paper", "long run"
+PAPER_SCENES, LONG_RUNS = "paper", "long run"
 TOO_LONG = "of so many events no proof is tried; those of the last period are computed on the orbit, with 60 digits"
 TOUCHES_FOR_EVER = "an undamped motion without a drive comes back, so that a near miss comes again in every turn"
 AT_A_SLIP = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
@@ -27,13 +27,13 @@ HARD_SOURCE = "a scene of the paper with numbers that make it hard"
 
 #: What is hard about each group, in order.
 CASE_GROUPS = {
-    PAPER: "the scenes of Chen and Fan (2016), and the orbits and exact grazes that belong to them",
+    PAPER_SCENES: "the scenes of Chen and Fan (2016), and the orbits and exact grazes that belong to them",
     **GROUPS,
     GRAZES: "double roots of the velocity, in each regime of damping, at each belt and from each side",
     RESTS: "velocities that creep to a belt's speed, and rest on a belt",
     COULOMB: "published closed forms: amplitudes, growth and decay, the border of motions without stops",
     CONTINUUM: "orbits that no motion returns to after an error",
-    LONG: "hundreds of events: errors that add up",
+    LONG_RUNS: "hundreds of events: errors that add up",
 }
 
 
@@ -80,7 +80,7 @@ def _paper() -> Iterator[ReferenceCase]:
     for name in scene_names():
         scene = load_scene(name)
         reason = AT_A_SLIP if name == "fig10-orbit" else ""
-        yield ReferenceCase(f"paper-{name}", PAPER, scene, f"the paper's {name}", scene.source, open=reason)
+        yield ReferenceCase(f"paper-{name}", PAPER_SCENES, scene, f"the paper's {name}", scene.source, open=reason)
 
 
 def _hard() -> Iterator[ReferenceCase]:
@@ -101,13 +101,13 @@ def _long_runs() -> Iterator[ReferenceCase]:
         scene = load_scene(base)
         end = scene.t0 + Fraction(f"{(periods + 0.05) * 2 * pi / float(scene.parameters.Omega):.8g}")
         name = f"long-{base}"
-        yield ReferenceCase(name, LONG, replace(scene, name=name, t_end=end), hard, scene.source)
+        yield ReferenceCase(name, LONG_RUNS, replace(scene, name=name, t_end=end), hard, scene.source)
     name, start = "long-resonance", Fraction(1, 2) - Fraction("0.4")
     scene = Scene(name, wall("0.4", 1), Fraction(0), start, Fraction(5), Fraction(630))
     hard = "200 turning points at undamped resonance, each farther out"
-    yield ReferenceCase(name, LONG, scene, hard, BALANCE, ("t[199] = 199*pi + pi/2",))
+    yield ReferenceCase(name, LONG_RUNS, scene, hard, BALANCE, ("t[199] = 199*pi + pi/2",))
     name = "long-continuum"
     scene = Scene(name, wall("0.1", "1/2"), Fraction(0), Fraction(1, 5) + Fraction(4, 3), Fraction(0), Fraction(1260))
     hard = "200 turning points on a continuum of orbits: errors add up and nothing draws them back"
     closed = ("x[199] = 1/5 + 4/3", "t[199] = 400*pi")
-    yield ReferenceCase(name, LONG, scene, hard, CSERNAK, closed, AT_A_TURN)
+    yield ReferenceCase(name, LONG_RUNS, scene, hard, CSERNAK, closed, AT_A_TURN)
