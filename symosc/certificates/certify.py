@@ -48,7 +48,7 @@ def certify(
         Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the scene, or exact. The
         proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
     digits : int, optional
-        Digits of the enclosures of a scene's events; default 25. More are given where events are closer to each other.
+        Digits of a scene's enclosures; default 25, and more where events are closer to each other.
     progress : callable, optional
         For a branch: called with the part of it that is proven.
 
@@ -68,11 +68,10 @@ def certify(
 
     Examples
     --------
-    >>> from symosc import certify
+    >>> from symosc import certify, find_orbit, load_scene
     >>> certificate = certify("fig5", t_end=7)
     >>> certificate.proven, certificate.message
     (True, '5 events until t = 7')
-    >>> from symosc import find_orbit, load_scene
     >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
     ('0.181670397924320463014137', '0.18167039792432046301414')
     """

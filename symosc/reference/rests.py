@@ -17,7 +17,7 @@ AT_THE_EDGE = "the force on the belt is 0 where it turns; it is never beyond, by
 ELEMENTARY = "the solution of the linear equation in one domain"
 
 #: Overdamped, no drive, belt 1 at rest, far from belt 2; the roots are -1 and -3.
-OVERDAMPED = Parameters(m=1, c=4, k=3, A0=0, B0=0, Omega=1, v1=0, v2=50, mu1="0.2", mu2="0.1", FN=1)
+CREEPER = Parameters(m=1, c=4, k=3, A0=0, B0=0, Omega=1, v1=0, v2=50, mu1="0.2", mu2="0.1", FN=1)
 GAP = Fraction(1)
 
 
@@ -52,7 +52,7 @@ def _creeping() -> Iterator[ReferenceCase]:
             u = Fraction(push)
             if r1 == r2 and -u < Fraction(1, 1000) and u < 0:
                 continue  # a contact after 1e9 time constants, where nothing is left of the velocity
-            p = OVERDAMPED.replace(c=r1 + r2, k=r1 * r2)
+            p = CREEPER.replace(c=r1 + r2, k=r1 * r2)
             a0 = -(u - r2 * GAP)
             x0 = (p.A(1) + p.c * GAP - p.m * a0) / p.k
             expression = "log(1 + 2/(%s))/2" if r1 != r2 else "1/(%s)"
@@ -65,7 +65,7 @@ def _creeping() -> Iterator[ReferenceCase]:
 def _towards_a_limit() -> Iterator[ReferenceCase]:
     """Yield flights without spring and drive: v tends to A/c, which is `beyond` past the belt's speed 1."""
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
-        p = OVERDAMPED.replace(c=2, k=0, v1=1, A0=2 + 2 * Fraction(beyond) - Fraction("0.3"))
+        p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * Fraction(beyond) - Fraction("0.3"))
         b = Fraction(beyond)
         closed = (f"t[0] = log((1 + {beyond})/({beyond}))/2",) if b > 0 else ()
         hard = "the velocity tends to a limit " + (
