@@ -136,13 +136,8 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
     OutputError
         If the folder cannot be written, or has files that are not of an earlier run.
     """
-    name = read_path(path)
-    target, draft = Path(name).resolve(), None
-    if name == STDOUT:
-        raise ParameterError("path", name, "must be the name of a folder")
+    target, draft = check_folder(path, earlier), None
     try:
-        if target.exists():
-            _check_replaceable(target, name, earlier)
         draft = Path(tempfile.mkdtemp(prefix=".symosc-", dir=target.parent))
         for each, text in texts.items():
             (draft / each).parent.mkdir(parents=True, exist_ok=True)
@@ -150,21 +145,30 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
         draft.chmod(0o777 & ~_umask())
         _put_in_place(draft, target)
     except OSError as error:
-        raise OutputError(name, error.strerror or str(error)) from None
+        raise OutputError(str(path), error.strerror or str(error)) from None
     finally:
         if draft is not None:
             shutil.rmtree(draft, ignore_errors=True)
-    return Path(name)
+    return Path(path)
 
 
-def _check_replaceable(target: Path, name: str, earlier: Callable[[Path], Container[str]]) -> None:
+def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
+    """Return where `write_folder` would write; it raises what that would raise, before the work."""
+    name = read_path(path)
+    if name == STDOUT:
+        raise ParameterError("path", name, "must be the name of a folder")
+    check_folder_of(name)
+    target = Path(name).resolve()
+    if not target.exists():
+        return target
     if not target.is_dir():
-        raise NotADirectoryError(None, "is not a folder")
+        raise OutputError(name, "is not a folder")
     known = earlier(target)
     for each in sorted(target.rglob("*")):
         inside = each.relative_to(target).as_posix()
         if not each.is_dir() and inside not in known:
             raise OutputError(name, f"has a file that would be lost: {inside}; name another folder")
+    return target
 
 
 def _put_in_place(draft: Path, target: Path) -> None:

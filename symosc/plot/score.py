@@ -33,6 +33,15 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     matplotlib.figure.Figure
         A column per case, in groups. In the lower part the largest error in units of the problem's rounding; above,
         the cases with events missed, invented or of a wrong kind, or too large an error, and those without results.
+
+    Examples
+    --------
+    >>> from symosc import plot, reference_cases
+    >>> from symosc.reference.score import score
+    >>> from symosc.reference.stored import stored
+    >>> drawing = plot.score_figure([score("nobody", [stored(reference_cases()[1])], {})])
+    >>> [label.get_text() for label in drawing.axes[0].get_xticklabels()]
+    ['paper']
     """
     with rc_context(STYLE):
         drawing = Drawing(figsize=(SCORE_WIDTH, SCORE_HEIGHT), layout="constrained")

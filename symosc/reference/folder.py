@@ -1,4 +1,4 @@
-"""Reference cases as files that any language reads; `formats.md` says what is in them."""
+"""Reference cases as files that any language reads; `formats.txt` says what is in them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tabulate import tabulate
 import symosc
 from symosc.aliases import Record
 from symosc.exact import show
-from symosc.files import write_folder
+from symosc.files import check_folder, write_folder
 from symosc.model import PARAMETER_NAMES
 from symosc.reference.case import GIVEN_DIGITS, ReferenceCase
 from symosc.reference.sets import CASE_GROUPS, SET_VERSION, reference_cases
@@ -78,6 +78,7 @@ def write_cases(
         If the folder cannot be written, or has files of somebody.
     """
     wanted = reference_cases() if cases is None else cases
+    check_folder(path, _of_an_earlier_run)  # before the work
     texts, rows = {}, []
     for each in _computed(wanted, workers):
         texts.update(each["texts"])
@@ -209,7 +210,7 @@ def _readme(rows: Sequence[Record]) -> str:
         "SHOWN_PERIODS": SHOWN_PERIODS,
         "GROUPS": tabulate(counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True),
     }
-    text = (files("symosc.reference") / "formats.md").read_text(encoding="utf-8")
+    text = (files("symosc.reference") / "formats.txt").read_text(encoding="utf-8")
     for name, value in numbers.items():
         text = text.replace(f"@{name}@", str(value))
     return text

@@ -1,4 +1,4 @@
-"""Somebody's events, read from CSV or JSON: a folder with a file per case, or one file. `formats.md` has the rules."""
+"""Somebody's events, read from CSV or JSON: a folder with a file per case, or one file. `formats.txt` has the rules."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import pytest
@@ -179,3 +180,16 @@ def test_rests_stay_and_what_is_beyond_the_edge_slips() -> None:
 
 def test_the_papers_scenes_are_all_there() -> None:
     assert len(chosen(PAPER_SCENES)) == 11
+
+
+def test_the_page_about_the_set_counts_right() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "cases.md").read_text(encoding="utf-8")
+    unproven = sum(bool(case.open) for case in CASES.values())
+    assert f"There are {len(CASES)}, in version {SET_VERSION} of the set. Of {len(CASES) - unproven} the list" in text
+    assert f"The other {unproven} are computed" in text
+    counts = {row[0]: int(row[1]) for row in re.findall(r"^\| ([^|]+) \| (\d+) \|", text, re.MULTILINE)}
+    assert sum(counts.values()) == len(CASES)
+    hard = {case.group for case in hard_cases()}
+    for group in set(CASE_GROUPS) - hard:
+        assert counts[group] == len(chosen(group))
+    assert counts[f"hard cases, {len(hard)} groups"] == len(hard_cases())
