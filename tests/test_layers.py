@@ -27,6 +27,7 @@ LEVELS = [
     {"orbits", "crosschecks", "sweeps"},
     {"grazing"},
     {"certificates"},
+    {"reference"},
     {"plot", "notebooks"},
     {"derive", "bench"},
     {"paper"},

@@ -31,6 +31,8 @@ COMMANDS = (
     "check",
     "certify",
     "verify",
+    "cases",
+    "score",
     "derive",
     "sweep",
     "bench",
