@@ -28,7 +28,7 @@ LEVELS = [
     {"grazing"},
     {"certificates"},
     {"reference"},
-    {"plot", "notebooks"},
+    {"plot"},
     {"derive", "bench"},
     {"paper"},
     {"cli"},
