@@ -1,0 +1,43 @@
+"""The text of the API pages: the public names of each package, as directives of autodoc."""
+
+from __future__ import annotations
+
+import inspect
+from collections import defaultdict
+
+import symosc
+from symosc import plot
+
+
+def public() -> dict[str, object]:
+    """Return all public names with what they are."""
+    found = {f"symosc.{name}": getattr(symosc, name) for name in symosc.__all__ if name not in ("plot", "__version__")}
+    return found | {f"symosc.plot.{name}": getattr(plot, name) for name in plot.__all__}
+
+
+def package_of(name: str, subject: object) -> str:
+    """Return the package that a public name comes from, the page where it is described; `model` for the modules."""
+    parts = getattr(subject, "__module__", "symosc.plot.figures").split(".")
+    return "plot" if name.startswith("symosc.plot.") else parts[1] if len(parts) > 2 else "model"
+
+
+def pages() -> dict[str, str]:
+    """Return for each page what stands on it: a table of names, then all of them, functions first."""
+    grouped: dict[str, list[str]] = defaultdict(list)
+    for name, subject in public().items():
+        grouped[package_of(name, subject)].append(name)
+    return {f"api_{package}": _page(names) for package, names in grouped.items()}
+
+
+def _page(names: list[str]) -> str:
+    subjects = public()
+    names = sorted(names, key=lambda name: (inspect.isclass(subjects[name]), name.lower()))
+    table = "".join(f"   ~{name}\n" for name in names)
+    entries = "".join(f".. auto{_kind(subjects[name])}:: {name}\n\n" for name in names)
+    return f"```{{eval-rst}}\n.. autosummary::\n   :nosignatures:\n\n{table}\n{entries}```"
+
+
+def _kind(subject: object) -> str:
+    if inspect.isclass(subject):
+        return "exception" if issubclass(subject, Exception) else "class"
+    return "function" if callable(subject) else "data"

@@ -1,0 +1,80 @@
+"""The documentation site: `nox -s docs` builds it, and a warning is an error.
+
+Pages with `file_format: mystnb` are run at the build, each in a process of its own. Blocks `{console}` are shell
+commands that are run as well. So no number and no figure of a page is pasted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import symosc
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+
+import api  # noqa: E402  it is in the folder that was just named
+
+# The programs of this environment come first in the commands of pages; nothing is coloured.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ["NO_COLOR"] = "1"
+
+project, author, copyright = "symosc", "the symosc developers", "the symosc developers"
+version = release = symosc.__version__
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_click",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "console",
+    "mathml",
+]
+exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
+source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
+suppress_warnings = ["toc.empty_glob"]
+default_role = "py:obj"
+pygments_style = "tango"
+
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist", "substitution"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache" if os.environ.get("SYMOSC_DOCS_CACHE") else "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_merge_streams = True
+nb_render_markdown_format = "myst"
+myst_substitutions = api.pages()  # the pages in reference/api are these
+
+autodoc_default_options = {"members": True, "inherited-members": True}
+autodoc_typehints = "none"
+autosummary_generate = False
+numpydoc_show_class_members = False
+
+html_theme = "pydata_sphinx_theme"
+html_title = "symosc"
+html_static_path = ["_static"]
+html_css_files = ["symosc.css"]
+html_math_renderer = "mathml"
+html_show_sourcelink = False
+html_copy_source = False
+html_theme_options = {
+    "navbar_align": "left",
+    "navbar_end": ["theme-switcher"],
+    "header_links_before_dropdown": 8,
+    "show_prev_next": True,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": ["sphinx-version"],
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+}
+html_sidebars = {"index": []}
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
+copybutton_only_copy_prompt_lines = True
