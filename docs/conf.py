@@ -32,6 +32,7 @@ extensions = [
     "sphinx_click",
     "sphinx_copybutton",
     "sphinx_design",
+    "api",
     "console",
     "mathml",
 ]
@@ -57,6 +58,7 @@ autosummary_generate = False
 numpydoc_show_class_members = False
 
 html_theme = "pydata_sphinx_theme"
+html_context = {"default_mode": "auto"}
 html_title = "symosc"
 html_static_path = ["_static"]
 html_css_files = ["symosc.css"]

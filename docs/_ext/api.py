@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections import defaultdict
+from typing import Any
+
+from sphinx.application import Sphinx
 
 import symosc
 from symosc import plot
@@ -41,3 +45,17 @@ def _kind(subject: object) -> str:
     if inspect.isclass(subject):
         return "exception" if issubclass(subject, Exception) else "class"
     return "function" if callable(subject) else "data"
+
+
+def keep_bars(*about: Any) -> None:
+    """Let bars in docstrings and in the help of commands, as in |x|, be bars: for Sphinx they would be substitutions."""
+    lines: list[str] = about[-1]
+    lines[:] = [line if ">>>" in line else re.sub(r"(?<![\\`])\|(?!`)", r"\\|", line) for line in lines]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Let texts be changed after numpydoc and sphinx-click have read them."""
+    app.connect("autodoc-process-docstring", keep_bars, priority=900)
+    for part in ("description", "options", "arguments"):
+        app.connect(f"sphinx-click-process-{part}", keep_bars)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
