@@ -52,7 +52,9 @@ nb_merge_streams = True
 nb_render_markdown_format = "myst"
 myst_substitutions = api.pages()  # the pages in reference/api are these
 
-autodoc_default_options = {"members": True, "inherited-members": True}
+autodoc_default_options = {"members": True, "inherited-members": "tuple,BaseException"}
+toc_object_entries_show_parents = "hide"
+smartquotes = False  # two dashes are two dashes
 autodoc_typehints = "none"
 autosummary_generate = False
 numpydoc_show_class_members = False
@@ -68,7 +70,7 @@ html_copy_source = False
 html_theme_options = {
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
-    "header_links_before_dropdown": 8,
+    "header_links_before_dropdown": 7,
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
@@ -76,7 +78,7 @@ html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,
 }
-html_sidebars = {"index": []}
+html_sidebars = dict.fromkeys(("index", "quickstart", "tasks", "changes", "citing"), [])
 copybutton_prompt_text = r"\$ |>>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 copybutton_only_copy_prompt_lines = True

@@ -48,14 +48,29 @@ def _kind(subject: object) -> str:
 
 
 def keep_bars(*about: Any) -> None:
-    """Let bars in docstrings and in the help of commands, as in |x|, be bars: for Sphinx they would be substitutions."""
+    """Let bars in docstrings, as in |x|, be bars: for Sphinx they would be substitutions."""
     lines: list[str] = about[-1]
     lines[:] = [line if ">>>" in line else re.sub(r"(?<![\\`])\|(?!`)", r"\\|", line) for line in lines]
+
+
+def show_examples(app: Sphinx, context: Any, lines: list[str]) -> None:
+    """Make a block of the examples in the help of a command; what is above it may have bars."""
+    at = next((n for n, line in enumerate(lines) if line.startswith("| Example")), len(lines))
+    about, examples = lines[:at], [line.removeprefix("| ").strip() for line in lines[at + 1 :]]
+    keep_bars(about)
+    block = [".. code-block:: console", "", *(f"   $ {line}" for line in examples if line), ""]
+    lines[:] = about + (block if examples else [])
+
+
+def skip_fields(app: Sphinx, kind: str, name: str, subject: object, skip: bool, options: object) -> bool | None:
+    """Leave out the fields of a named tuple: its docstring has them, in words."""
+    return True if (inspect.getdoc(subject) or "").startswith("Alias for field number") else None
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Let texts be changed after numpydoc and sphinx-click have read them."""
     app.connect("autodoc-process-docstring", keep_bars, priority=900)
-    for part in ("description", "options", "arguments"):
-        app.connect(f"sphinx-click-process-{part}", keep_bars)
+    app.connect("autodoc-skip-member", skip_fields)
+    app.connect("sphinx-click-process-description", show_examples)
+    app.connect("sphinx-click-process-options", keep_bars)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -33,6 +33,7 @@ class Console(SphinxDirective):
     option_spec: ClassVar[dict[str, Any]] = {
         "exit": directives.nonnegative_int,  # the exit code of the last command
         "lines": directives.positive_int,  # show so many lines of each output
+        "wrap": directives.flag,  # break long lines
         "files": directives.unchanged,  # files of docs/examples that the commands need
     }
 
@@ -52,7 +53,8 @@ class Console(SphinxDirective):
             wanted = self.options.get("exit", 0) if command == commands[-1] else 0
             shown.append(f"$ {command}\n{self._output(command, folder, wanted)}".rstrip("\n"))
         text = "\n".join(shown)
-        return [nodes.literal_block(text, text, language="console")]
+        block = nodes.literal_block(text, text, language="console")
+        return [nodes.container("", block, classes=["wrap"]) if "wrap" in self.options else block]
 
     def _output(self, command: str, folder: Path, wanted: int) -> str:
         done = subprocess.run(
