@@ -63,11 +63,18 @@ def codegen(session: nox.Session) -> None:
 
 
 @nox.session
-def docs(session: nox.Session) -> None:
+def examples(session: nox.Session) -> None:
     """Run the examples of docstrings and README, and check the derivations."""
     session.install("-e", ".[dev]")
     session.run("pytest", "--doctest-modules", "symosc", "tests/test_readme.py")
     session.run("symosc", "derive", "all", "-o", session.create_tmp())
+
+
+@nox.session
+def docs(session: nox.Session) -> None:
+    """Build the site in build/docs, running all its pages; a warning is an error."""
+    session.install("-e", ".[docs]")
+    session.run("sphinx-build", "-W", "-j", "2", "docs", "build/docs", *session.posargs)
 
 
 if __name__ == "__main__":

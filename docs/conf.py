@@ -78,7 +78,7 @@ html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,
 }
-html_sidebars = dict.fromkeys(("index", "quickstart", "tasks", "changes", "citing"), [])
+html_sidebars = {page: [] for page in ("index", "quickstart", "tasks", "changes", "citing")}
 copybutton_prompt_text = r"\$ |>>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 copybutton_only_copy_prompt_lines = True

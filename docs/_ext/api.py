@@ -5,12 +5,13 @@ from __future__ import annotations
 import inspect
 import re
 from collections import defaultdict
-from typing import Any
-
-from sphinx.application import Sphinx
+from typing import TYPE_CHECKING, Any
 
 import symosc
 from symosc import plot
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 
 def public() -> dict[str, object]:

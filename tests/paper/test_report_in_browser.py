@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 import pytest
+from browsing import chromium
 
 from symosc.derive.errata import read_errata
 from symosc.paper.claims import read_claims
@@ -20,7 +19,6 @@ from symosc.paper.evidence import CONFIRMED, CORRECTED, NOT_AS_PRINTED
 from symosc.paper.pictures import PICTURES
 from symosc.paper.report import BADGES
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 #: What a page must not have; returns complaints. Boxes that scroll must show that they do, by their shadows.
 LOOK = """BESIDE => {
   const complaints = [], tell = (what, element) => complaints.push(
@@ -74,17 +72,8 @@ LOOK = """BESIDE => {
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    found = [path for path in map(shutil.which, BROWSERS) if path]
-    if not found:
-        pytest.skip(f"no browser here; looked for {', '.join(BROWSERS)}")
-    from playwright.sync_api import sync_playwright
-
-    # Chromium's sandbox does not work for the superuser, who is who runs tests in containers.
-    flags = ["--no-sandbox"] if os.geteuid() == 0 else []
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=found[0], args=flags)
-        yield chromium
-        chromium.close()
+    with chromium() as browser:
+        yield browser
 
 
 def look_at(browser: Any, path: Path, width: int, scheme: str) -> list[str]:

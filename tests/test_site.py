@@ -1,0 +1,165 @@
+"""The documentation site: each task takes ten lines, each public name has a place, and no page is broken.
+
+The site is built once, as `nox -s docs` does it; a warning is an error, and so is a page whose code fails.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from browsing import chromium
+
+import symosc
+
+DOCS = Path(__file__).parents[1] / "docs"
+BLOCK = re.compile(r"^```\{(?:code-cell\} python|console\})\n((?::[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: What is wrong with a page as the browser shows it; links are looked at without a browser.
+LOOK = """() => {
+  const complaints = [], page = document.scrollingElement;
+  if (page.scrollWidth > innerWidth) complaints.push(`the page is ${page.scrollWidth} wide`);
+  for (const image of document.images) if (!image.naturalWidth) complaints.push(`no image ${image.src}`);
+  for (const each of document.querySelectorAll('article p, article li, article h1, article h2, article dt')) {
+    const box = each.getBoundingClientRect(), scroller = each.closest('table, pre, .formula, .cell_output');
+    if (!scroller && box.right > innerWidth + 1) complaints.push(`beyond the edge: ${each.textContent.slice(0, 40)}`);
+  }
+  return complaints;
+}"""
+
+
+def tasks() -> dict[str, str]:
+    """Return the ten tasks of `tasks.md`, and the page that does each."""
+    first_table = (DOCS / "tasks.md").read_text(encoding="utf-8").split("## ")[0]
+    return dict(re.findall(r"^\| (?!I want)([^|]+) \| \[.*?\]\((\S+?)\) \|$", first_table, re.MULTILINE))
+
+
+def test_there_are_ten_tasks() -> None:
+    assert len(tasks()) == 10
+
+
+@pytest.mark.parametrize("page", tasks().values(), ids=str)
+def test_a_task_takes_ten_lines_at_most(page: str) -> None:
+    """The first block of its page does it; the build runs it first in a fresh process."""
+    found = BLOCK.search((DOCS / page).read_text(encoding="utf-8"))
+    assert found
+    assert "remove-input" not in found[1]
+    lines = [line for line in found[2].splitlines() if line.strip()]
+    assert 1 <= len(lines) <= 10
+    assert max(map(len, lines)) <= 88
+
+
+def test_every_public_name_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    import api
+
+    pages = "".join(path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md"))
+    assert sorted(re.findall(r"\{\{ (\w+) \}\}", pages)) == sorted(api.pages())
+    entries = "\n".join(api.pages().values())
+    for name in set(symosc.__all__) - {"plot", "__version__"}:
+        assert len(re.findall(rf"^\.\. auto\w+:: symosc\.{name}$", entries, re.MULTILINE)) == 1, name
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the built site; SYMOSC_SITE names one that was just built."""
+    pytest.importorskip("sphinx_design", reason="the extra docs is not installed")
+    if made := os.environ.get("SYMOSC_SITE"):
+        return Path(made)
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(folder)]
+    result = subprocess.run([*command, "-d", f"{folder}-trees"], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr[-5000:]
+    return folder
+
+
+class Page(HTMLParser):
+    """The ids of a page, and what it refers to."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.ids += [found["id"]] if found.get("id") else []
+        for name in ("href", "src"):
+            self.links += [found[name] or ""] if name in found else []
+
+
+def pages_of(site: Path) -> dict[Path, Page]:
+    return {path.resolve(): Page(path) for path in sorted(site.rglob("*.html")) if "_static" not in path.parts}
+
+
+def dangling(pages: dict[Path, Page]) -> Iterator[str]:
+    """Find links to files and anchors that are not there."""
+    for path, page in pages.items():
+        for link in page.links:
+            target = urlsplit(link)
+            if target.scheme or link in ("", "#"):
+                continue
+            file = (path.parent / unquote(target.path)).resolve() if target.path else path
+            if not file.is_file():
+                yield f"{path.name}: {link} is not there"
+            elif target.fragment and file in pages and unquote(target.fragment) not in pages[file].ids:
+                yield f"{path.name}: {link} is no anchor"
+
+
+@pytest.mark.slow
+def test_internal_links_and_anchors(site: Path) -> None:
+    pages = pages_of(site)
+    assert len(pages) > 45
+    assert list(dangling(pages)) == []
+
+
+@pytest.mark.slow
+def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
+    """The site can be read without a network: its scripts, styles, fonts and pictures are its own."""
+    for path in site.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert not re.findall(r"<(?:script|img|link)[^>]+(?:src|href)=\"https?:[^\"]*", text), path
+
+
+def look_at(browser: Any, paths: list[Path], width: int) -> list[str]:
+    """Open pages one after the other, and return what is wrong with them."""
+    page = browser.new_page(viewport={"width": width, "height": 800})
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("requestfailed", lambda request: complaints.append(f"not loaded: {request.url[:80]}"))
+    found = []
+    for path in paths:
+        complaints.clear()
+        page.goto(path.as_uri(), wait_until="load")
+        found += [f"{path.name}: {each}" for each in [*complaints, *page.evaluate(LOOK)]]
+    page.close()
+    return found
+
+
+@pytest.mark.slow
+def test_all_pages_on_a_phone(site: Path) -> None:
+    with chromium() as browser:
+        assert look_at(browser, list(pages_of(site)), 360) == []
+
+
+@pytest.mark.slow
+def test_a_bad_page_is_noticed(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.html"
+    bad.write_text(
+        '<!DOCTYPE html><article><p style="width: 500px">wide</p><img src="none.png">'
+        '<a href="gone.html">a</a><a href="#gone">b</a><a href="#">c</a></article><script>throw Error("oh")</script>'
+    )
+    assert len(list(dangling(pages_of(tmp_path)))) == 3
+    with chromium() as browser:
+        complaints = "\n".join(look_at(browser, [bad], 360))
+    for word in ("the page is 5", "no image", "beyond the edge: wide", "not loaded", "oh"):
+        assert word in complaints, word
