@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections import defaultdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import symosc
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 
+PAGES = {path.stem for path in (Path(__file__).parents[1] / "reference" / "api").glob("*.md")} - {"index"}
+
+
 def public() -> dict[str, object]:
     """Return all public names with what they are."""
     found = {f"symosc.{name}": getattr(symosc, name) for name in symosc.__all__ if name not in ("plot", "__version__")}
@@ -21,9 +25,9 @@ def public() -> dict[str, object]:
 
 
 def package_of(name: str, subject: object) -> str:
-    """Return the package that a public name comes from, the page where it is described; `model` for the modules."""
-    parts = getattr(subject, "__module__", "symosc.plot.figures").split(".")
-    return "plot" if name.startswith("symosc.plot.") else parts[1] if len(parts) > 2 else "model"
+    """Return the package that a public name comes from, if it has a page; else `model`, which is for all modules."""
+    package = (getattr(subject, "__module__", "") + ".").split(".")[1]
+    return "plot" if name.startswith("symosc.plot.") else package if package in PAGES else "model"
 
 
 def pages() -> dict[str, str]:
