@@ -6,8 +6,11 @@ commands that are run as well. So no number and no figure of a page is pasted.
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 import symosc
@@ -20,6 +23,12 @@ import api  # noqa: E402  it is in the folder that was just named
 # The programs of this environment come first in the commands of pages; nothing is coloured.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["NO_COLOR"] = "1"
+# Pages run as for everybody: without one's own settings of IPython, and without its warnings about a network.
+ipython = tempfile.mkdtemp(prefix="symosc-docs-")
+atexit.register(shutil.rmtree, ipython, ignore_errors=True)
+os.environ["IPYTHONDIR"] = ipython
+Path(ipython, "profile_default").mkdir()
+Path(ipython, "profile_default", "ipython_kernel_config.py").write_text("c.IPKernelApp.log_level = 40\n")
 
 project, author, copyright = "symosc", "the symosc developers", "the symosc developers"
 version = release = symosc.__version__
@@ -38,7 +47,6 @@ extensions = [
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
-suppress_warnings = ["toc.empty_glob"]
 default_role = "py:obj"
 pygments_style = "tango"
 
