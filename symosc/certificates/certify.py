@@ -12,6 +12,7 @@ from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.certificates.window import prove_window
+from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
 from symosc.grazing.window import GrazingWindow
@@ -21,7 +22,7 @@ from symosc.scenes import Scene, load_scene
 
 
 def certify(
-    what: Any, *, t_end: Any = None, start_error: Any = None, progress: Callable[[float], None] | None = None
+    what: Any, *, t_end: Any = None, start_error: Any = None, progress: Callable[[float], None] | bool | None = None
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
@@ -39,8 +40,8 @@ def certify(
     start_error : number or three numbers, optional
         Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the scene, or exact. The
         proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
-    progress : callable, optional
-        For a branch: called with the part of it that is proven.
+    progress : bool or callable, optional
+        For a branch. True: a bar on stderr, on a terminal. Or what is called with the part of it that is proven.
 
     Returns
     -------
@@ -76,7 +77,10 @@ def certify(
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)
     if isinstance(what, Branch):
-        return prove_branch(what, progress)
+        if not isinstance(progress, bool):
+            return prove_branch(what, progress)
+        with reporting(progress, 0, 1, "proven", "") as report:
+            return prove_branch(what, lambda part: report(part, 1))
     if isinstance(what, GrazingWindow):
         return prove_window(what)
     raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
