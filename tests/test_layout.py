@@ -52,6 +52,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "cli.reproduce": ("paper/test_run.py", COMMAND),
     "cli.verify": ("cli/test_certify.py", "it proves what symosc certify writes"),
     "display.drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
+    "display.terminal": ("cli/test_terminal.py", "its tables are looked at on a real terminal"),
     "notebooks.judged": ("notebooks/test_pages.py", ONE_FOR_ALL),
     "notebooks.motions": ("notebooks/test_pages.py", ONE_FOR_ALL),
     "notebooks.structures": ("notebooks/test_pages.py", ONE_FOR_ALL),

@@ -12,7 +12,6 @@ from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import prove_orbit
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.certificates.window import prove_window
-from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error
 from symosc.grazing.window import GrazingWindow
@@ -77,10 +76,7 @@ def certify(
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)
     if isinstance(what, Branch):
-        if not isinstance(progress, bool):
-            return prove_branch(what, progress)
-        with reporting(progress, 0, 1, "proven", "") as report:
-            return prove_branch(what, lambda part: report(part, 1))
+        return prove_branch(what, progress)
     if isinstance(what, GrazingWindow):
         return prove_window(what)
     raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")

@@ -9,7 +9,7 @@ import click
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli.orbit import read_span
 from symosc.cli.output import complain, json_option, write, write_json, write_table
-from symosc.cli.settings import goes_to_stdout, scene_with, set_option
+from symosc.cli.settings import complete_scene, goes_to_stdout, scene_with, set_option
 from symosc.display.progress import bar
 from symosc.exact import read_start_error
 
@@ -22,7 +22,7 @@ NOT_PROVEN = 1
 
 
 @click.command()
-@click.argument("scene", required=False)
+@click.argument("scene", required=False, shell_complete=complete_scene)
 @click.option("--t-end", metavar="T", help="End time in place of the scene's.")
 @click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")

@@ -21,7 +21,7 @@ Report = Callable[[float, float], Any]
 #: How much is told: results and errors alone; notes, and bars on a terminal; what was done and how long it took too.
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 #: Seconds until work of unknown length shows that it goes on, and between two pictures of a bar.
-PATIENCE, LEAST_PAUSE = 2.0, 0.1
+SECONDS_UNTOLD, LEAST_PAUSE = 2.0, 0.1
 
 _level = NORMAL
 
@@ -131,7 +131,7 @@ class _Working:
     def __init__(self, label: str) -> None:
         self.label, self.lock, self.over = label, Lock(), False
         self.status: Any = None
-        self.timer = Timer(PATIENCE, self.begin)
+        self.timer = Timer(SECONDS_UNTOLD, self.begin)
         self.timer.daemon = True
         self.timer.start()
 

@@ -55,7 +55,7 @@ def simulate_many(
     workers : int, optional
         Threads; None: one for each core. The result is the same for any number.
     progress : bool or callable, optional
-        True: a bar on a terminal. Or what is called now and then with the number of motions done, and of all.
+        True: a bar on a terminal. Or what is called with the number of motions done, and of all.
 
     Returns
     -------
@@ -70,8 +70,7 @@ def simulate_many(
     Examples
     --------
     >>> from symosc import load_scene, simulate_many
-    >>> starts = [(0, 0, 0), (0, 1, 2)]  # so few are not worth compiling
-    >>> simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False).trajectory.tolist()
+    >>> simulate_many(load_scene("fig9").parameters, [(0, 0, 0), (0, 1, 2)], 3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
@@ -79,7 +78,6 @@ def simulate_many(
     task = BatchTask(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
     part = read_record(record, skip, sections, task)
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
-    asked = False if progress is None else progress
-    with reporting(asked, 0, len(problems), "simulate_many") as report:
+    with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, report)
     return table_of_parts(parts) if is_events(record) else summary_from(parts)
