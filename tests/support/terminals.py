@@ -20,7 +20,11 @@ ROOT = Path(symosc.__file__).parents[1]
 
 
 class Shown(NamedTuple):
-    """What a terminal showed, and how the program ended."""
+    """What a terminal showed, and how the program ended, as a shell says it.
+
+    Where an interrupt came while CPython ran a string (namedtuples are made so), it lets the signal end the program at
+    its exit, whoever has handled it: to a shell that is 130 as well.
+    """
 
     text: str
     code: int
@@ -46,7 +50,8 @@ def on_terminal(
     finally:
         os.close(master)  # what still runs then is told that its terminal is gone
     _, status = os.waitpid(process, 0)
-    return Shown(shown.decode(errors="replace"), os.waitstatus_to_exitcode(status))
+    code = os.waitstatus_to_exitcode(status)
+    return Shown(shown.decode(errors="replace"), code if code >= 0 else 128 - code)
 
 
 def _pieces(master: int) -> Iterator[bytes]:
