@@ -72,6 +72,8 @@ def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(name: str, tm
 @pytest.mark.parametrize("seconds", [0.02, 0.05, 0.08, 0.12, 0.16, 0.2, 0.3])
 def test_an_interrupt_while_it_loads(seconds: float, tmp_path: Path) -> None:
     shown = on_terminal("figure", "fig5", "-o", "fig5.pdf", folder=tmp_path, interrupt=seconds)
+    if shown.code == 0:
+        return  # it came before there was a program to take it
     assert list(tmp_path.iterdir()) == []
     if "KeyboardInterrupt" in shown.text:  # Python's own words, before it comes to the command line
         assert "symosc/cli" not in shown.text
