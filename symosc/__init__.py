@@ -10,9 +10,9 @@ What calls what, from a scene to its events:
             basis       kernels                 the closed form, printed by sympy (symbolic.codegen)
 
 The packages, each using only those before it: kernels, engine, mappings and simulation, symbolic, orbits, crosschecks,
-grazing, certificates, plot and notebooks, derive and bench, paper, cli. What stands beside them (errors, exact, files,
-display, model, words, scenes) is for all. The public names are listed in ``__init__.pyi`` and loaded on first use:
-importing symosc loads neither sympy nor matplotlib nor numba.
+grazing, certificates, reference, plot, derive and bench, paper, cli. What stands beside them (errors,
+exact, files, display, model, words, scenes) is for all. The public names are listed in ``__init__.pyi`` and loaded on
+first use: importing symosc loads neither sympy nor matplotlib nor numba.
 """
 
 from functools import partial
@@ -25,6 +25,6 @@ from symosc.display import drawable
 __version__ = "0.1.0"
 
 drawable.loaders.append(partial(import_module, "symosc.plot"))
-drawable.page_loaders.append(partial(import_module, "symosc.notebooks"))
+drawable.page_loaders.append(partial(import_module, "symosc.plot.notebooks"))
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -16,6 +16,7 @@ from .errors import (
 from .errors import (
     ParameterError as ParameterError,
 )
+from .errors import ResultError as ResultError
 from .errors import (
     SceneError as SceneError,
 )
@@ -79,6 +80,9 @@ from .orbits.periodic_orbit import (
 from .orbits.periodic_orbit import (
     SwitchingPoint as SwitchingPoint,
 )
+from .reference.case import KnownEvent as KnownEvent
+from .reference.case import ReferenceCase as ReferenceCase
+from .reference.sets import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names

@@ -161,3 +161,26 @@ class SweepError(SymoscError, RuntimeError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.reason,)
+
+
+class ResultError(SymoscError, ValueError):
+    """Results of a solver, or a folder of reference cases, that cannot be read.
+
+    Attributes
+    ----------
+    path : str
+        The file or folder.
+
+    Examples
+    --------
+    >>> from symosc import ResultError
+    >>> print(ResultError("mine.csv", "has no column t; its columns are time, kind"))
+    mine.csv: has no column t; its columns are time, kind
+    """
+
+    def __init__(self, path: str, reason: str) -> None:
+        self.path, self.reason = path, reason
+        super().__init__(f"{brief(path) or repr(path)}: {reason}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.path, self.reason)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -76,6 +77,15 @@ def read_path(path: object) -> str:
     return text
 
 
+def check_folder_of(path: str | Path) -> None:
+    """Raise OutputError unless a file of that name can be made, so that long work is not lost at its end."""
+    folder = Path(read_path(path)).resolve().parent
+    if not folder.is_dir():
+        raise OutputError(str(path), "No such file or directory")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(str(path), "Permission denied")
+
+
 def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
@@ -105,6 +115,75 @@ def write_text(path: str | Path, text: str) -> Path:
 
 def _fill(text: str, draft: Path) -> None:
     draft.write_text(text, encoding="utf-8")
+
+
+def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
+    """Write a folder of text files whole or not at all, in place of an earlier one.
+
+    Parameters
+    ----------
+    path : str or Path
+    texts : mapping of str to str
+        Names inside the folder, with ``/``, and contents.
+    earlier : callable
+        ``earlier(folder)`` returns the names of the files that an earlier run has written there. A folder with any
+        other file is not touched.
+
+    Raises
+    ------
+    ParameterError
+        If `path` is not the name of a folder.
+    OutputError
+        If the folder cannot be written, or has files that are not of an earlier run.
+    """
+    target, draft = check_folder(path, earlier), None
+    try:
+        draft = Path(tempfile.mkdtemp(prefix=".symosc-", dir=target.parent))
+        for each, text in texts.items():
+            (draft / each).parent.mkdir(parents=True, exist_ok=True)
+            (draft / each).write_bytes(text.encode())
+        draft.chmod(0o777 & ~_umask())
+        _put_in_place(draft, target)
+    except OSError as error:
+        raise OutputError(str(path), error.strerror or str(error)) from None
+    finally:
+        if draft is not None:
+            shutil.rmtree(draft, ignore_errors=True)
+    return Path(path)
+
+
+def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
+    """Return where `write_folder` would write; it raises what that would raise, before the work."""
+    name = read_path(path)
+    if name == STDOUT:
+        raise ParameterError("path", name, "must be the name of a folder")
+    check_folder_of(name)
+    target = Path(name).resolve()
+    if not target.exists():
+        return target
+    if not target.is_dir():
+        raise OutputError(name, "is not a folder")
+    known = earlier(target)
+    for each in sorted(target.rglob("*")):
+        inside = each.relative_to(target).as_posix()
+        if not each.is_dir() and inside not in known:
+            raise OutputError(name, f"has a file that would be lost: {inside}; name another folder")
+    return target
+
+
+def _put_in_place(draft: Path, target: Path) -> None:
+    """Rename a draft to its final name; what was there goes last, and comes back if that fails."""
+    if not target.exists():
+        draft.rename(target)
+        return
+    away = draft.with_name(f"{draft.name}-old")
+    target.rename(away)
+    try:
+        draft.rename(target)
+    except OSError:
+        away.rename(target)
+        raise
+    shutil.rmtree(away, ignore_errors=True)
 
 
 def _umask() -> int:

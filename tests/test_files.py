@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from symosc.errors import OutputError, ParameterError
-from symosc.files import write_text, write_whole
+from symosc.files import check_folder_of, write_folder, write_text, write_whole
 
 
 @pytest.mark.parametrize(
@@ -81,3 +81,59 @@ def test_a_closed_pipe_is_quiet() -> None:
     with os.fdopen(writer, "w") as out:
         result = subprocess.run([sys.executable, "-c", program], stdout=out, stderr=subprocess.PIPE, text=True)
     assert (result.returncode, result.stderr) == (0, "")
+
+
+def nothing(folder: Path) -> set[str]:
+    return set()
+
+
+def test_a_folder_is_written_whole(tmp_path: Path) -> None:
+    target = tmp_path / "set"
+    write_folder(target, {"a.txt": "1\n", "sub/b.txt": "2\n"}, nothing)
+    assert {each.relative_to(target).as_posix() for each in target.rglob("*")} == {"a.txt", "sub", "sub/b.txt"}
+    assert (target / "sub" / "b.txt").read_bytes() == b"2\n"
+    assert target.stat().st_mode & 0o700 == 0o700
+    write_folder(target, {"c.txt": "3\n"}, lambda folder: {"a.txt", "sub/b.txt"})
+    assert [each.name for each in target.iterdir()] == ["c.txt"]
+    assert [each.name for each in tmp_path.iterdir()] == ["set"]
+
+
+def test_a_folder_with_other_files_stays(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(OutputError, match=r"would be lost: mine\.txt"):
+        write_folder(tmp_path, {"a.txt": ""}, nothing)
+    with pytest.raises(OutputError, match="is not a folder"):
+        write_folder(tmp_path / "mine.txt", {"a.txt": ""}, nothing)
+    with pytest.raises(OutputError, match="No such file or directory"):
+        write_folder(tmp_path / "no" / "folder", {"a.txt": ""}, nothing)
+    for name in ("", "-"):
+        with pytest.raises(ParameterError, match="path"):
+            write_folder(name, {"a.txt": ""}, nothing)
+    assert [each.name for each in tmp_path.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize("failing", [1, 2])
+def test_a_folder_that_cannot_be_put_in_place_is_the_old_one(
+    failing: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "set"
+    write_folder(target, {"a.txt": "old"}, nothing)
+    rename, calls = Path.rename, []
+
+    def broken(self: Path, to: Path) -> Path:
+        calls.append(self)
+        if len(calls) == failing:
+            raise OSError(28, "No space left on device")
+        return rename(self, to)
+
+    monkeypatch.setattr(Path, "rename", broken)
+    with pytest.raises(OutputError, match="No space left"):
+        write_folder(target, {"a.txt": "new"}, lambda folder: {"a.txt"})
+    assert (target / "a.txt").read_text() == "old"
+    assert [each.name for each in tmp_path.iterdir()] == ["set"]
+
+
+def test_a_place_for_a_file_is_looked_for_before_the_work(tmp_path: Path) -> None:
+    check_folder_of(tmp_path / "page.md")
+    with pytest.raises(OutputError, match="No such file or directory"):
+        check_folder_of(tmp_path / "no" / "page.md")

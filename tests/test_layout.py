@@ -19,6 +19,7 @@ QUERIES = "a step of solve_grazing, whose answers are judged by the flow"
 PICTURES = "it draws; what is drawn is looked up in the finished pictures"
 COMMAND = "the command has options of its own subject, and is tested with it"
 ONE_FOR_ALL = "the pages of all answers have to pass the same tests"
+CASES = "its cases are part of the set, and their closed forms are evaluated there"
 PAPER = "what it makes is a part of the report, and is looked at there"
 
 #: Modules without a test file of their name: where their tests are, and why there.
@@ -36,6 +37,11 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "bench.plot_work": ("bench/test_work_precision.py", PICTURES),
     "bench.scalar_logic": ("bench/test_peers_heyoka.py", SOLVERS),
     "bench.solvers": ("bench/test_peers_scipy.py", SOLVERS),
+    "reference.grazes": ("reference/test_sets.py", CASES),
+    "reference.rests": ("reference/test_sets.py", CASES),
+    "reference.coulomb": ("reference/test_sets.py", CASES),
+    "reference.score_table": ("reference/test_score.py", "the tables are those of the scores"),
+    "reference.stored": ("reference/test_folder.py", "it reads what is written there"),
     "bench.work_table": ("bench/test_work_precision.py", "the table is that of the run"),
     "engine.first_rows": ("simulation/test_problems.py", "its rows are compared with starts that are made one by one"),
     "engine.tally": ("simulation/test_summary.py", "what it counts is compared with trajectories there"),
@@ -53,12 +59,12 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "cli.verify": ("cli/test_certify.py", "it proves what symosc certify writes"),
     "display.drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
     "display.terminal": ("cli/test_terminal.py", "its tables are looked at on a real terminal"),
-    "notebooks.judged": ("notebooks/test_pages.py", ONE_FOR_ALL),
-    "notebooks.motions": ("notebooks/test_pages.py", ONE_FOR_ALL),
-    "notebooks.structures": ("notebooks/test_pages.py", ONE_FOR_ALL),
+    "plot.notebooks.judged": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),
+    "plot.notebooks.motions": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),
+    "plot.notebooks.structures": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),
     "scenes.quantities": ("scenes/test_units.py", "each quantity is converted there"),
     "scenes.writing": ("scenes/test_reading.py", "what it writes is read back there"),
-    "plot": ("notebooks/test_pages.py", "its names for completion are looked at with those of all answers"),
+    "plot": ("plot/notebooks/test_pages.py", "its names for completion are looked at with those of all answers"),
     "derive.chapters.*": ("derive/test_document.py", CHAPTERS),
     "derive.blocks": ("derive/test_document.py", "theorems and tables are seen in the finished chapters"),
     "derive.displays": ("derive/test_document.py", "its rows are measured and read back there"),

@@ -219,7 +219,7 @@ def test_a_scene_without_a_name_is_called_like_its_file(scene_file: Path) -> Non
         ("t0 = 0\n", "t0 = 0\ny0 = 0\n", "start.y0 is unknown"),
         ("t_end = 2.5\n", "", "t_end is missing"),
         ("t_end = 2.5\n", "t_end = 2.5\ntend = 3\n", "tend is unknown"),
-        ("[start]\n", "[begin]\n", "start is missing"),
+        ("[start]\n", "[begin]\n", "begin is unknown"),
         ("m = 1\n", "m = \n", "not valid TOML"),
         ("m = 1\n", "m = 1\nm = 2\n", "not valid TOML"),
         ('name = "mine"', "name = 3", "name must be text"),

@@ -15,10 +15,10 @@ from fractions import Fraction
 from math import cos, pi, sin, sqrt
 from typing import NamedTuple
 
-from symosc.bench.solvers import FoundEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 State = Sequence[float]

@@ -22,14 +22,14 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.bench import ours
-from symosc.bench.compare import compare, window_of
-from symosc.bench.condition import conditions, distance
-from symosc.bench.hard_cases import HardCase, hard_cases
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.machine import machine
 from symosc.bench.peers import SOLVERS
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
+from symosc.reference.compare import FoundEvents, compare, window_of
+from symosc.reference.condition import conditions, distance
+from symosc.reference.hard_cases import HardCase, hard_cases
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -153,12 +153,11 @@ def run(
     chunks = [[Job(i, conditions_of, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]
     plan = {s.name: [i for i, case in enumerate(chosen) if case.quick or not s.raw] for s in able}
     steps = iter(progress(range(len(chosen) + sum(map(len, plan.values())))))
-    known = {i: _value(outcome) for i, outcome, _ in _in_parallel(chunks, FIRST_LIMIT, None, steps)}
+    known = {i: _value(outcome) for i, outcome, _ in in_parallel(chunks, FIRST_LIMIT, None, steps)}
     allowed = [[bound(condition) for condition in known[i]] for i in range(len(chosen))]
     chunks = [[Job((i, s.name), judge, (s, chosen[i], allowed[i])) for i in plan[s.name]] for s in able]
     cells = {
-        key: _cell(outcome) | {"seconds": time}
-        for key, outcome, time in _in_parallel(chunks, limit, FIRST_LIMIT, steps)
+        key: _cell(outcome) | {"seconds": time} for key, outcome, time in in_parallel(chunks, limit, FIRST_LIMIT, steps)
     }
     next(steps, None)  # lets a progress bar come to its end
     rows = [
@@ -180,7 +179,7 @@ def run(
     }
 
 
-def _in_parallel(
+def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Any
 ) -> list[tuple[Any, Outcome, float]]:
     """Run each chunk of jobs in a worker of its own, PROCESSES at a time; return keys, outcomes and seconds.

@@ -8,9 +8,9 @@ from tabulate import tabulate
 
 from symosc.aliases import Record
 from symosc.bench.event_logic import PeerError
-from symosc.bench.hard_cases import GROUPS
 from symosc.bench.machine import sentence
 from symosc.bench.time_limit import HANG
+from symosc.reference.hard_cases import GROUPS
 
 #: Forms of tabulate that are Markdown.
 MARKDOWN = ("github", "pipe")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from symosc.bench.solvers import FoundEvents, Late, Solver
+from symosc.bench.solvers import Late, Solver
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate

@@ -19,8 +19,9 @@ import numpy as np
 
 from symosc.bench.event_logic import CHATTER, Exit, Motion, PeerError, Phase, follow
 from symosc.bench.scalar_logic import ONE_STEP_OFFSET
-from symosc.bench.solvers import FoundEvents, Late, Solver
+from symosc.bench.solvers import Late, Solver
 from symosc.model import NEIGHBOURS
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.

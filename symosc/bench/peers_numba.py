@@ -21,8 +21,9 @@ from symosc.aliases import Record
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, Motion
 from symosc.bench.scalar_logic import LAST_BIT, ONE_STEP_OFFSET, UNSOLVED, force, margins, root, runner, scalars, turn
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.engine import binding
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages

@@ -20,8 +20,9 @@ from symosc.aliases import Record
 from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
 from symosc.bench.scalar_logic import UNSOLVED, Scalars, margins, root, runner, scalars
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.engine import binding
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 SCAN_SAMPLES, MANY_SCAN_SAMPLES = 20, 200

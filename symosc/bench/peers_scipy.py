@@ -38,7 +38,8 @@ from symosc.bench.event_logic import (
     follow,
     watching,
 )
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 

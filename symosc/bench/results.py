@@ -9,10 +9,10 @@ from pathlib import Path
 from symosc import plot
 from symosc.aliases import Record
 from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work, speed, work_precision, work_table
-from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.machine import sentence
 from symosc.errors import OutputError
 from symosc.files import write_text
+from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.

@@ -16,9 +16,10 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
-from symosc.bench.solvers import FoundEvents, Late
+from symosc.bench.solvers import Late
 from symosc.engine.next_event import CROSS, GRAZE, SLIP, STICK, TWO_PI
 from symosc.model import MODE_NAMES
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.run import EVENT_KINDS
 

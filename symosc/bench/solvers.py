@@ -6,18 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import Any
 
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
-
-
-class FoundEvents(NamedTuple):
-    """A switching event as a solver reports it, in the words of `symosc.Event`."""
-
-    t: float
-    x: float
-    kind: str
-    boundary: int
 
 
 class Late(Sequence[FoundEvents]):

@@ -20,11 +20,11 @@ from typing import Any
 
 from symosc.aliases import Number, Record
 from symosc.bench import formulas, gains
-from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.formulas import best
 from symosc.bench.machine import machine, sentence
 from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
+from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import simulate

@@ -15,13 +15,13 @@ from statistics import median
 from typing import Any
 
 from symosc.aliases import Record
-from symosc.bench.compare import REFERENCE_DIGITS, compare, window_of
 from symosc.bench.machine import machine
 from symosc.bench.peers import OURS, SOLVERS
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.bench.speed import floor_s
 from symosc.bench.time_limit import FIRST_LIMIT, Outcome, Worker
 from symosc.exact import read_exact
+from symosc.reference.compare import REFERENCE_DIGITS, FoundEvents, compare, window_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event

@@ -7,8 +7,8 @@ from math import inf
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.bench.time_limit import HANG
+from symosc.reference.compare import REFERENCE_DIGITS
 
 
 def table(result: Record, markdown: bool = False) -> str:

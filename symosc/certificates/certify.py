@@ -10,18 +10,26 @@ from typing import Any
 from symosc.certificates.branch import prove_branch
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import prove_orbit
-from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
+from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 from symosc.certificates.window import prove_window
 from symosc.errors import ParameterError
-from symosc.exact import read_start_error
+from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, load_scene
 
+#: Digits of enclosures that may be asked for.
+MOST_PROVEN_DIGITS = 500
+
 
 def certify(
-    what: Any, *, t_end: Any = None, start_error: Any = None, progress: Callable[[float], None] | bool | None = None
+    what: Any,
+    *,
+    t_end: Any = None,
+    start_error: Any = None,
+    digits: Any = None,
+    progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
@@ -39,6 +47,8 @@ def certify(
     start_error : number or three numbers, optional
         Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the scene, or exact. The
         proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
+    digits : int, optional
+        Digits of a scene's enclosures; default 25, and more where events are closer to each other.
     progress : bool or callable, optional
         For a branch. True: a bar on stderr, on a terminal. Or what is called with the part of it that is proven.
 
@@ -58,21 +68,25 @@ def certify(
 
     Examples
     --------
-    >>> from symosc import certify
+    >>> from symosc import certify, find_orbit, load_scene
     >>> certificate = certify("fig5", t_end=7)
     >>> certificate.proven, certificate.message
     (True, '5 events until t = 7')
-    >>> from symosc import find_orbit, load_scene
     >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
     ('0.181670397924320463014137', '0.18167039792432046301414')
     """
     if isinstance(what, str | Path):
         what = load_scene(what)
     if isinstance(what, Scene):
-        return _motion(what, t_end, start_error)
-    for name, value in (("t_end", t_end), ("start_error", start_error)):
+        return _motion(what, t_end, start_error, digits)
+    for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits)):
         if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
+    return _of_an_answer(what, progress)
+
+
+def _of_an_answer(what: Any, progress: Callable[[float], None] | None) -> Certificate:
+    """Prove what is no scene."""
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)
     if isinstance(what, Branch):
@@ -82,10 +96,11 @@ def certify(
     raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
 
 
-def _motion(scene: Scene, t_end: Any, start_error: Any) -> Certificate:
+def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
     if t_end is not None:
         scene = scene.started({"t_end": t_end})
     if start_error is not None:
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
-    return prove_trajectory(ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end))
+    wanted = read_digits(digits, MOST_PROVEN_DIGITS) or DIGITS
+    return prove_trajectory(ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted))

@@ -26,12 +26,13 @@ EXACT = (Fraction(0),) * 3
 
 
 class ToProve(NamedTuple):
-    """What is to be proven: parameters, t0, x0, v0, their errors, and t_end."""
+    """What is to be proven: parameters, t0, x0, v0, their errors, t_end, and how many digits enclosures have."""
 
     p: Parameters
     start: tuple[Fraction, Fraction, Fraction]
     errors: tuple[Fraction, Fraction, Fraction]
     t_end: Fraction
+    digits: int = DIGITS
 
     @property
     def exact(self) -> bool:
@@ -54,6 +55,7 @@ def first_bits(task: ToProve) -> int:
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
     spare = max(0, *(-_log2(each) for each in small)) + max(0, _log2(turns))
+    spare += ceil((task.digits - DIGITS) / log10(2))
     return FIRST_BITS + 32 * ceil(spare / 32)
 
 
@@ -102,7 +104,7 @@ def _events(problem: Problem, state: Moving, task: ToProve) -> Iterator[tuple[Pr
         event, state = following
         if not event.t < t_end:
             raise Undecided("an event at the end", event.t)
-        if task.exact and not (_accurate(event.t) and _accurate(event.x)):
+        if task.exact and not (_accurate(event.t, task.digits) and _accurate(event.x, task.digits)):
             raise Undecided("the digits of an event", event.t)
         yield following
         count += 1
@@ -110,8 +112,8 @@ def _events(problem: Problem, state: Moving, task: ToProve) -> Iterator[tuple[Pr
             raise Undecided(f"what comes after {count} events", event.t)
 
 
-def _accurate(value: Ball) -> bool:
-    return size(value.rad()) < 10.0 ** (-DIGITS - 1) * max(1.0, size(value))
+def _accurate(value: Ball, digits: int) -> bool:
+    return size(value.rad()) < 10.0 ** (-digits - 1) * max(1.0, size(value))
 
 
 def _with_a_touch(task: ToProve, proof: Proof, touch_near: tuple[int, Ball]) -> Proof:
@@ -182,7 +184,7 @@ def _message(task: ToProve, proof: Proof, bits: int) -> str:
 
 
 def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
-    digits = DIGITS
+    digits = task.digits
     since = event.t - before
     if since > 0:
         scale = max(1.0, size(event.t))

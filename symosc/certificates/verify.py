@@ -35,7 +35,7 @@ NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)"
 NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
 MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
-MOST_STEPS, ORDERS, TINY, (OPEN, FALSE, BAD) = 50_000, 7, Fraction(1, 10**100), range(3)
+MOST_STEPS, SHORT_STEPS, ORDERS, TINY, (OPEN, FALSE, BAD) = 50_000, 1000, 7, Fraction(1, 10**100), range(3)
 
 
 class Stop(Exception):
@@ -143,7 +143,7 @@ class Motion:
                 a, P, n, leaves = a + 2 * h, whole * whole * P, n - 1, {}
             else:
                 n = max(n, -frexp(float(h))[1]) + 1
-            if n > 2 * ctx.prec:
+            if n > 2 * ctx.prec or (2 * n > ctx.prec and step > SHORT_STEPS):  # short for want of bits
                 raise Stop(OPEN, "a touch or a near miss")
         raise Stop(BAD, f"an event or t_end is more than {MOST_STEPS} steps away")
 

@@ -34,6 +34,8 @@ COMMANDS = (
     "check",
     "certify",
     "verify",
+    "cases",
+    "score",
     "derive",
     "sweep",
     "bench",

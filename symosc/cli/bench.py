@@ -23,7 +23,10 @@ from symosc.display.progress import bar
     "-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout."
 )
 @click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
-def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None) -> int:
+@click.option("--scores", "page", metavar="FILE", help="Score all solvers on the reference cases: a Markdown page.")
+def bench(
+    quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None, page: str | None
+) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
     Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
@@ -31,6 +34,9 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
     is shown as such. With --hard all solvers get cases that are hard to get right. The exit code is 1 if symosc itself
     misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition * 1e-16).
     Then -o draws the error of symosc's kernels over damping ratio and drive.
+
+    --scores lets all solvers follow the reference cases (`symosc cases`), which takes some ten minutes, and writes what
+    `symosc score` says of them, with a picture beside it.
 
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
     and full tables go to docs/results beside it.
@@ -41,11 +47,16 @@ def bench(quick: bool, hard_cases: bool, as_json: bool, output: str | None, read
       symosc bench -o work.svg --json > bench.json
       symosc bench --hard
       symosc bench --results README.md
+      symosc bench --scores docs/results/scores.md
     """
     piped = goes_to_stdout(output, "--output", as_json)
     from symosc import plot
     from symosc.bench import results
 
+    if page is not None:
+        if quick or hard_cases or as_json or output is not None or readme is not None:
+            raise click.UsageError("--scores is a run of its own: leave out the other options")
+        return _scores(page)
     if readme is not None and (hard_cases or output is not None):
         raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
     if output is not None:
@@ -91,6 +102,18 @@ def _hard(quick: bool, with_map: bool) -> Record:
     if with_map:
         result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
     return result
+
+
+def _scores(page: str) -> int:
+    from symosc.bench import scores
+    from symosc.files import check_folder_of
+
+    if not page.endswith(".md"):
+        raise click.BadParameter(f"{page!r} must end in .md", param_hint="--scores")
+    check_folder_of(page)  # before the work
+    for path in scores.write(page, scores.run(progress=partial(_bar, "reference cases"))):
+        write(f"wrote {click.format_filename(path)}")
+    return 0
 
 
 def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:

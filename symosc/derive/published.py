@@ -23,6 +23,7 @@ from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.reference.coulomb import wall
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution
@@ -31,15 +32,9 @@ from symosc.symbolic.solution import BASIS, Omega, c, k, m, tau
 from symosc.symbolic.theorem7 import rational
 
 MP = CONTEXT.clone()
-FAR_BELT = 10**6
 GRID = 4001
 #: What a maximum of B inside must be above its limit at the turning point, relative to it: far above rounding errors.
 ABOVE = 1e-10
-
-
-def wall(F: Any, Omega: Any, c: Any = 0, P: Any = 1) -> Parameters:
-    """Return the parameters of a mass on a spring that rubs on a wall; m = k = F_N = 1."""
-    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=FAR_BELT, mu1=F, mu2=0, FN=1)
 
 
 # --- the formulas as numbers ---

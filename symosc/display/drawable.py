@@ -1,6 +1,6 @@
 """Answers that show themselves: drawn by ``.plot()``, and as a page in notebooks.
 
-What draws them is in `symosc.plot`, and their pages are in `symosc.notebooks`, both above the answers: they register a
+What draws them is in `symosc.plot`, and their pages are in `symosc.plot.notebooks`, above the answers: they register a
 function for each kind of them here, and no answer needs to know of figures. `symosc` itself says what is to be loaded
 for that, when the first one is shown.
 """
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 Show = Callable[..., Any]
-#: What draws each kind of answer, and what makes its page; filled when `symosc.plot` and `symosc.notebooks` are loaded.
+#: What draws each kind of answer, and what makes its page; filled by `symosc.plot` and `symosc.plot.notebooks`.
 _drawers: dict[str, Show] = {}
 _pages: dict[str, Show] = {}
 #: Called before the first drawing or page; they load what registers.

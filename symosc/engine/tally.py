@@ -10,6 +10,7 @@ All functions are scalar and run on floats (CPython, numba).
 
 from __future__ import annotations
 
+from functools import cache
 from math import cos, inf, sin, sqrt
 from typing import Any, NamedTuple
 
@@ -53,6 +54,7 @@ class Tally(NamedTuple):
     labels: np.ndarray  # (n, 2, longest word): mappings of the word now, and of the last whole one
 
 
+@cache
 def no_tally() -> Tally:
     """Return a tally of no motion: events are recorded."""
     return begun_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, 1, 1))

@@ -157,10 +157,13 @@ class Curve:
         ahead = self.of(current) + length * current.tangent
         value = self.split(ahead)[1]
         if self.low < value < self.high:
-            return self.accepted(self.correct(ahead, current.tangent), current)
+            point = self.accepted(self.correct(ahead, current.tangent), current)
+            if point is None or self.low <= point.value <= self.high:
+                return point
+            ahead, value = self.of(point), point.value  # the curve bends over the end of the range
         value = self.high if value >= self.high else self.low
         part = (value - current.value) / (ahead[-1] * self.scale[-1] - current.value)
-        guess, _ = self.split(self.of(current) + part * length * current.tangent)
+        guess, _ = self.split(self.of(current) + part * (ahead - self.of(current)))
         solution = solve(self.equations(value), guess)
         return self.accepted(self.joined(solution.points, value), current) if solution.converged else None
 

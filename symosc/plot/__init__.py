@@ -1,7 +1,6 @@
-"""Figures: of motions in the paper's panels (`figure`), of branches, windows, grazing curves, cross-checks and sweeps.
+"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks and so on.
 
-May import: everything up to certificates. matplotlib is loaded with a figure's module,
-and with nothing before it.
+May import: everything up to reference. matplotlib is loaded with a figure's module, and with nothing before it.
 
 One more figure: a module of its own that returns a matplotlib Figure; its function is named in ``__init__.pyi``, and
 here for the answer whose ``.plot()`` it is (`symosc.display.drawable`). A figure loads what it needs alone: scipy's

@@ -18,6 +18,7 @@ from .maps import basin_figure as basin_figure
 from .maps import map_figure as map_figure
 from .proof import certificate_figure as certificate_figure
 from .region import region_figure as region_figure
+from .score import score_figure as score_figure
 from .sweep import sweep_figure as sweep_figure
 from .swept import swept_figure as swept_figure
 from .windows import window_figure as window_figure

@@ -17,7 +17,7 @@ from symosc.scenes.positions import line_of
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.
 TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "": (("start", "t_end", "parameters"), ("name", "structure", "source")),
+    "": (("start", "t_end", "parameters"), ("name", "structure", "source", "reference")),
     "parameters": (PARAMETER_NAMES, ()),
     "start": (("t0", "x0", "v0"), ("start_error",)),
 }

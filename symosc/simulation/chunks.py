@@ -11,10 +11,11 @@ import numpy as np
 from symosc.engine import tally as kept
 from symosc.engine.compiled_loop import EventRows, state_of
 from symosc.engine.start import settles
-from symosc.engine.state import DOUBTFUL, END, FULL, REST
+from symosc.engine.state import END, FULL, REST
+from symosc.errors import ParameterError
 from symosc.simulation.batch_loop import Loops, joined
 from symosc.simulation.event_table import EventTable, rows_of, table_from
-from symosc.simulation.ladder import Ladder, Limits, without
+from symosc.simulation.ladder import Ladder, Limits, is_doubtful, without
 from symosc.simulation.problems import Problems
 from symosc.simulation.run import MOST_PERIODS, check_reached
 from symosc.simulation.simulate import end_status, in_doubles
@@ -34,14 +35,18 @@ class BatchTask(NamedTuple):
 class EventsPart(NamedTuple):
     """Events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
 
-    rows: EventRows
+    rows: list[EventRows]
     status: list[str]
 
 
 def read_record(record: Any, skip: Any, sections: Any, task: BatchTask) -> Callable[[slice, EventRows, Patrol], Any]:
     """Return what does a chunk: `events_part` or `summary_part`."""
-    asked = Question(record, skip, sections, task.problems)
-    return partial(events_part, task) if is_events(record) else partial(summary_part, task, asked)
+    if is_events(record):
+        for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
+            if value is not usual and not (isinstance(value, int) and value == usual):
+                raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
+        return partial(events_part, task)
+    return partial(summary_part, task, Question(record, skip, sections, task.problems))
 
 
 def is_events(record: Any) -> bool:
@@ -55,17 +60,19 @@ def events_part(task: BatchTask, rows: slice, room: EventRows, patrol: Patrol) -
     status, looks = ended(steps, patrol)
     parts = [without(part, list(looks)) for part in steps.rows] if looks else steps.rows
     parts = [*parts, *(rows_of(i, trajectory.events) for i, trajectory in looks.items())]
-    events = joined(parts)
     if steps.mixed:
+        events = joined(parts)
         order = np.argsort(events.ints[:, 0], kind="stable")
-        events = EventRows(*(column[order] for column in events))
-    events.ints[:, 0] += rows.start
-    return EventsPart(events, status)
+        parts = [EventRows(*(column[order] for column in events))]
+    if rows.start:
+        for part in parts:
+            part.ints[:, 0] += rows.start
+    return EventsPart(parts, status)
 
 
 def table_of_parts(parts: list[EventsPart]) -> EventTable:
     """Return the events of all chunks."""
-    return table_from([part.rows for part in parts], [each for part in parts for each in part.status])
+    return table_from([rows for part in parts for rows in part.rows], [each for part in parts for each in part.status])
 
 
 def summary_part(
@@ -108,7 +115,7 @@ def ended(steps: Ladder, patrol: Patrol) -> tuple[list[str], dict[int, Trajector
         status[i] = end_status(code, state.mode, state.v, problem.parameters)
     for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
         check_reached(steps.problem(i), int(periods[i]))
-    for i in np.flatnonzero(np.isin(codes, DOUBTFUL)).tolist():
+    for i in np.flatnonzero(is_doubtful(codes)).tolist():
         if i not in looks:
             patrol.check()
             looks[i] = in_doubles(steps.problem(i), *steps.limits)

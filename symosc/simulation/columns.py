@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
+from math import ulp
 from typing import Any
 
 import numpy as np
@@ -39,10 +40,9 @@ class NumberColumn:
 
     Attributes
     ----------
-    hi, lo : (1,) or (n,) float arrays
-        The numbers as doubles, and what these lack.
-    off : array
-        How far hi + lo may be from the exact number.
+    parts : hi, lo and off, (1,) or (n,) float arrays
+        The numbers as doubles, what these lack, and how far their sum may be from the exact number.
+    hi : array
 
     Raises
     ------
@@ -58,23 +58,42 @@ class NumberColumn:
         self._given = given = [given] if self.single else given if isinstance(given, np.ndarray) else list(given)
         if not isinstance(given, np.ndarray) and len(given) > 1 and all(type(value) is float for value in given):
             self._given = given = np.array(given)
-        if isinstance(given, np.ndarray) and given.dtype == np.float64:
-            self._of_doubles(given)
+        self._parts: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        if len(given) == 1:  # a single motion asks for the exact number alone
+            self._exact[0] = read_exact(self.called(0), given[0])
         else:
-            self._of_any(given)
+            self._parts = self._read()
 
-    def _of_doubles(self, given: np.ndarray) -> None:
+    def _read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        given = self._given
+        if isinstance(given, np.ndarray) and given.dtype == np.float64:
+            return self._of_doubles(given)
+        return self._of_any(given)
+
+    @property
+    def parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return hi, lo and off."""
+        if self._parts is None:
+            self._parts = self._read()
+        return self._parts
+
+    @property
+    def hi(self) -> np.ndarray:
+        """Return the numbers as doubles."""
+        return self.parts[0]
+
+    def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), SIZE)):
             if bad.any():
                 row = int(bad.argmax())
                 raise ParameterError(self.called(row), float(given[row]), reason)
-        self.hi, (self.lo, sure) = np.array(given), decimal_rest(given)
+        lo, sure = decimal_rest(given)
         for row in np.flatnonzero(~sure).tolist():
             value = float(given[row])
-            self.lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
-        self.off = np.where(self.lo == 0.0, 0.0, HALF_UNIT * np.spacing(abs(self.lo)))
+            lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
+        return np.array(given), lo, np.where(lo == 0.0, 0.0, HALF_UNIT * np.spacing(abs(lo)))
 
-    def _of_any(self, given: Any) -> None:
+    def _of_any(self, given: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         known: dict[Any, tuple[float, float, float]] = {}
         rows = []
         for row, value in enumerate(given):
@@ -87,15 +106,13 @@ class NumberColumn:
                 parts = None
             if parts is None:
                 exact = self._exact[row] = read_exact(self.called(row), value)
-                hi = float(exact)
-                lo = float(exact - Fraction(hi))
-                off = 0.0 if Fraction(hi) + Fraction(lo) == exact else HALF_UNIT * float(np.spacing(abs(lo)))
-                parts = known[key] = hi, lo, off
+                parts = known[key] = in_parts(exact)
             rows.append(parts)
-        self.hi, self.lo, self.off = np.array(rows, dtype=float).reshape(-1, 3).T
+        hi, lo, off = np.array(rows, dtype=float).reshape(-1, 3).T
+        return hi, lo, off
 
     def __len__(self) -> int:
-        return len(self.hi)
+        return len(self._given)
 
     def called(self, row: int) -> str:
         """Return what a message calls the number of a row."""
@@ -113,7 +130,15 @@ class NumberColumn:
     def pairs(self, rows: slice = slice(None)) -> PairColumn:
         """Return some rows, or the one number, as exact numbers to compute with."""
         rows = rows if len(self) > 1 else slice(None)
-        return PairColumn(self.hi[rows], self.lo[rows], self.off[rows])
+        return PairColumn(*(part[rows] for part in self.parts))
+
+
+def in_parts(exact: Fraction) -> tuple[float, float, float]:
+    """Return a number as a double, what that lacks, and how far their sum may be from the number."""
+    hi = float(exact)
+    rest = exact - Fraction(hi)
+    lo = float(rest)
+    return hi, lo, 0.0 if lo == rest else HALF_UNIT * ulp(lo)
 
 
 SIZE = f"must be at most {float(LARGEST):g} in size"
@@ -164,6 +189,7 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def same(a: NumberColumn, b: NumberColumn, i: int, j: int) -> bool:
     """Return whether row i of one column is exactly row j of another."""
     i, j = (i if len(a) > 1 else 0), (j if len(b) > 1 else 0)
-    if a.hi[i] != b.hi[j] or abs(a.lo[i] - b.lo[j]) > 2.0 * (a.off[i] + b.off[j]) + EPS * abs(a.lo[i]):
+    (hi, lo, off), (other, rest, reach) = ([part[n] for part in column.parts] for column, n in ((a, i), (b, j)))
+    if hi != other or abs(lo - rest) > 2.0 * (off + reach) + EPS * abs(lo):
         return False
-    return bool(a.off[i] == 0.0 and b.off[j] == 0.0) or a.exact(i) == b.exact(j)
+    return bool(off == 0.0 and reach == 0.0) or a.exact(i) == b.exact(j)

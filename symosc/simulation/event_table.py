@@ -130,10 +130,11 @@ def _names(by_code: dict[int, str]) -> np.ndarray:
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     """Return rows of events as a table, each column in one piece."""
-    columns = {}
+    columns, parts = {}, parts or [room_for(0)]
     for names, which in ((FLOAT_COLUMNS, 0), (INT_COLUMNS, 1)):
         for n, name in enumerate(names):
-            columns[name] = np.concatenate([part[which][:, n] for part in (*parts, room_for(0))])
+            pieces = [part[which][:, n] for part in parts]
+            columns[name] = np.ascontiguousarray(pieces[0]) if len(pieces) == 1 else np.concatenate(pieces)
     return EventTable(**columns, status=status)
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from symosc.engine.arithmetic import Arithmetic, many_digits
 from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of
 from symosc.engine.start import Start, first_state, settles
-from symosc.engine.state import DOUBTFUL, IN_DOUBT, RUNNING, Number
+from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING, Number
 from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
 from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
@@ -109,13 +109,13 @@ class Ladder:
         fresh = some_of(self.tally, slice(None))
         self.rows = list(self._in_doubles(self.batch, self.tally))
         self.looks: dict[int, Trajectory] = {}
-        in_doubt = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
+        in_doubt = np.flatnonzero(is_doubtful(self.batch.codes)).tolist()
         self.mixed = len(in_doubt) > 0
         put_back(self.tally, in_doubt, some_of(fresh, in_doubt))
         if in_doubt and loops.in_threads:
             self.looks = looks_before_compiling(in_doubt, self.problem, limits)
             self._climb([i for i in in_doubt if i not in self.looks and fits(self.problem(i))])
-        left = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
+        left = np.flatnonzero(is_doubtful(self.batch.codes)).tolist()
         put_back(self.tally, left, some_of(fresh, left))
 
     def problem(self, i: int) -> Start:
@@ -142,6 +142,12 @@ class Ladder:
             for column, own in zip(self.batch, found.batch, strict=True):
                 column[some] = own
             put_back(self.tally, some, below.tally)
+
+
+def is_doubtful(codes: np.ndarray) -> np.ndarray:
+    """Return which motions ended in doubt (`symosc.engine.state.DOUBTFUL`)."""
+    doubtful: np.ndarray = (codes == IN_DOUBT) | (codes == INEXACT)
+    return doubtful
 
 
 def without(rows: EventRows, members: list[int]) -> EventRows:
@@ -192,7 +198,7 @@ def climb(problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tal
         if len(active):
             further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
             events = joined(go_on(further, counted))
-            doubtful = np.isin(further.codes, DOUBTFUL)
+            doubtful = is_doubtful(further.codes)
             kept = ~doubtful[events.ints[:, 0]]
             events.ints[:, 0] = active[events.ints[:, 0]]
             rows.append(EventRows(events.floats[kept], events.ints[kept]))

@@ -24,8 +24,8 @@ from symosc.simulation.columns import NumberColumn, as_given, same
 from symosc.simulation.run import MOST_PERIODS, last_time
 
 START_COLUMNS = ("t0", "x0", "v0")
-# So few parameter sets are quicker from fractions, which are kept.
-FEW_SETS = 16
+# So few parameter sets are quicker from fractions, which are kept; and so few starts.
+FEW_SETS, FEW = 16, 6
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
 SETS_AT_ONCE = 16384
 # 2 pi, and what is missing from the two doubles.
@@ -151,12 +151,19 @@ class Problems(Sequence[Start]):
         starts_length = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
         lengths = {"parameters": len(self.sets), "starts": starts_length, "t_end": len(self.t_end)}
         self._count = common_length(lengths)
-        with np.errstate(all="ignore"):
-            gap = self.t_end.pairs() - self.t0.pairs()
-        for row in np.flatnonzero(np.broadcast_to(gap.hi <= 1.01 * gap.off, self._count)).tolist():
+        for row in self._perhaps_over():
             t0, end = self.t0.exact(row), self.t_end.exact(row)
             if end <= t0:
                 raise ParameterError(self.t_end.called(row), show(end), f"must be later than t0 = {show(t0)}")
+
+    def _perhaps_over(self) -> Sequence[int]:
+        """Return the rows whose end may be before their start."""
+        if self._count <= FEW:
+            return range(self._count)
+        with np.errstate(all="ignore"):
+            gap = self.t_end.pairs() - self.t0.pairs()
+        rows: list[int] = np.flatnonzero(np.broadcast_to(gap.hi <= 1.01 * gap.off, self._count)).tolist()
+        return rows
 
     def __len__(self) -> int:
         return self._count
@@ -171,6 +178,17 @@ class Problems(Sequence[Start]):
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
         sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
         states = np.zeros((size, STATE_WIDTH))
+        if size > FEW:
+            self._begin_columns(rows, Begun(batch_of(states, sets), table), first_rows)
+        for i in np.flatnonzero(states[:, 0] == 0.0).tolist():
+            problem = self[rows.start + i]
+            arithmetic = Arithmetic(problem.parameters)
+            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
+        return Begun(batch_of(states, sets), table)
+
+    def _begin_columns(self, rows: slice, begun: Begun, first_rows: Callable[..., None]) -> None:
+        """Write the states of some rows, all but those that doubles do not decide: there mode 0 is left."""
+        states, size = begun.batch.states, rows.stop - rows.start
         doubts = self._write_clock(rows, states)
         x, v = self.x0.pairs(rows), self.v0.pairs(rows)
         states[:, 4], states[:, 5] = x.hi, v.hi
@@ -185,12 +203,7 @@ class Problems(Sequence[Start]):
             states[sure & (states[:, 1] == -1.0) & ~doubts, 1] = boundary
         if self.start_error:
             states[:, 1] = -1
-        first_rows(table, sets, states)
-        for i in np.flatnonzero(states[:, 0] == 0.0).tolist():
-            problem = self[rows.start + i]
-            arithmetic = Arithmetic(problem.parameters)
-            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
-        return Begun(batch_of(states, sets), table)
+        first_rows(begun.table, begun.batch.sets, states)
 
     def _write_clock(self, rows: slice, states: np.ndarray) -> np.ndarray:
         """Write phases and times; return where that takes more than pairs of doubles: there `at` is -1."""

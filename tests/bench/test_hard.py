@@ -13,12 +13,12 @@ from bench_moods import moody
 
 from symosc import load_scene
 from symosc.bench import hard, hard_table, ours
-from symosc.bench.hard_cases import (
+from symosc.bench.solvers import Solver
+from symosc.reference.hard_cases import (
     GROUPS,
     HardCase,
     hard_cases,
 )
-from symosc.bench.solvers import Solver
 
 ONE_OF_EACH = {case.group: case for case in hard_cases() if case.quick}
 

@@ -87,3 +87,23 @@ def test_proofs_take_nothing_from_the_engine() -> None:
             for name in names:
                 assert name.split(".")[0] not in ("mpmath", "numpy", "scipy", "sympy"), path
                 assert name.split(".")[:2] not in (["symosc", "kernels"], ["symosc", "engine"]), path
+
+
+@pytest.mark.parametrize("digits", [40, 70])
+def test_enclosures_have_as_many_digits_as_are_asked_for(digits: int, tmp_path: Path) -> None:
+    usual, fine = certify("fig6"), certify("fig6", digits=digits)
+    assert fine.proven
+    for event, same in zip(fine.events, usual.events, strict=True):
+        for (low, high), (rough_low, rough_high) in zip(event[3:], same[3:], strict=True):
+            assert Fraction(rough_low) <= Fraction(low) < Fraction(high) <= Fraction(rough_high)
+            assert Fraction(high) - Fraction(low) < abs(Fraction(high)) / 10 ** (digits - 2)
+    fine.to_json(tmp_path / "it.json")
+    assert verify(str(tmp_path / "it.json"))[0] == 0
+
+
+@pytest.mark.parametrize("digits", [0, -3, 1.5, "many", 10**6])
+def test_a_number_of_digits_is_one(digits: Any) -> None:
+    with pytest.raises(ParameterError, match="digits"):
+        certify("fig6", digits=digits)
+    with pytest.raises(ParameterError, match="is for a scene only"):
+        certify(symosc.grazing_window(load_scene("fig9").parameters, "P2"), digits=30)

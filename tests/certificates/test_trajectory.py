@@ -15,9 +15,9 @@ from oracle import simulate_oracle
 from problems import FAMILIES
 
 from symosc import Certificate, Parameters, Scene, certify, load_scene, simulate
-from symosc.bench.hard_cases import hard_cases
 from symosc.certificates import trajectory
 from symosc.exact import read_exact
+from symosc.reference.hard_cases import hard_cases
 
 PAPER = {"fig5": 16, "fig6": 3, "fig7": 0, "fig7-corrected": 2, "fig8": 22, "fig9": 12, "fig10": 44}
 

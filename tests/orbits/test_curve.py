@@ -85,3 +85,18 @@ def test_differences_by_the_parameter_stay_in_the_range(monkeypatch: pytest.Monk
         assert along.slope(along.joined(points, value)) == pytest.approx([3.0, -1.0], rel=1e-6)
         assert asked == pytest.approx(expected, rel=0, abs=1e-15)
         assert all(0.0 <= each <= 1.0 for each in asked)
+
+
+@pytest.mark.parametrize(("length", "direction", "beyond", "end"), [(0.02, 1.0, 5.01, 5.0), (0.02, -1.0, 2.9, 3.0)])
+def test_a_curve_that_bends_over_the_end_of_the_range_ends_there(
+    length: float, direction: float, beyond: float, end: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tangent stays inside, the point that is found from it does not."""
+    along = Curve(find_orbit(FIG9.replace(Omega=end - 0.1 * direction), "P32"), "Omega", 3.0, 5.0)
+    outside = find_orbit(FIG9.replace(Omega=beyond), "P32")
+    points = np.array([(point.t * beyond, point.x) for point in outside.points])[:, ::-1]
+    monkeypatch.setattr(along, "correct", lambda *_: along.joined(points, beyond))
+    found = along.step(along.first(direction), length)
+    assert found is not None
+    assert found.value == end
+    assert np.abs(along.equations(end).residuals(found.points)).max() < 1e-12

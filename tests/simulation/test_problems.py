@@ -56,16 +56,16 @@ def test_motions_begin_as_one_by_one(seed: int) -> None:
 
 
 def test_what_is_never_reached_ends_before() -> None:
-    problems = Problems(FIG9, (0, 0, 0), [1, 10**12])
+    problems = Problems(FIG9, (0, 0, 0), [1, 10**12] * 5)
     assert begun(problems).tolist() == alone(problems)
     assert begun(problems)[1, 13] < 1e12
 
 
 def test_columns_of_starts() -> None:
-    x0 = np.linspace(-1, 1, 5)
-    rows = Problems(FIG9, np.column_stack([np.zeros(5), x0, np.ones(5)]), 3)
-    named = Problems(FIG9, {"t0": 0, "x0": x0, "v0": 1}, np.full(5, 3.0))
-    assert [named[i] for i in range(5)] == [rows[i] for i in range(5)]
+    x0 = np.linspace(-1, 1, 9)
+    rows = Problems(FIG9, np.column_stack([np.zeros(9), x0, np.ones(9)]), 3)
+    named = Problems(FIG9, {"t0": 0, "x0": x0, "v0": 1}, np.full(9, 3.0))
+    assert [named[i] for i in range(9)] == [rows[i] for i in range(9)]
     assert begun(named).tolist() == begun(rows).tolist()
 
 
@@ -112,3 +112,11 @@ def test_speeds_that_differ_by_less_than_doubles_tell_are_told_apart() -> None:
 def test_bad_starts_are_named_by_their_row(starts: Any, t_end: Any, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         Problems(FIG9, starts, t_end)
+
+
+def test_a_few_motions_begin_as_many_do() -> None:
+    """A few are begun one by one, many in columns."""
+    rng = np.random.default_rng(5)
+    starts = np.column_stack([rng.uniform(-5, 5, 60), rng.uniform(-1, 1, 60), rng.choice([1.0, 25.0, 0.3], 60)])
+    together = begun(Problems(FIG9, starts, 50.5))
+    assert together.tolist() == [begun(Problems(FIG9, row, 50.5))[0].tolist() for row in starts]

@@ -194,3 +194,10 @@ def test_tables_of_other_packages() -> None:
 def test_bad_questions_are_refused(given: Any, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         simulate_many(FIG9, [(0, 0, 0), (0, 1, 0)], 3, **given)
+
+
+@pytest.mark.parametrize(("name", "value"), [("skip", 1), ("skip", np.zeros(1)), ("sections", 2)])
+def test_what_only_summaries_take_is_refused_for_events(name: str, value: Any) -> None:
+    given: Any = {name: value}
+    with pytest.raises(ParameterError, match=f"{name} = .* is for summaries"):
+        simulate_many(load_scene("fig9").parameters, (0, 0, 0), 3, **given)

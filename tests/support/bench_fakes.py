@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Callable
 
-from symosc.bench.solvers import FoundEvents
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from symosc.bench import ours
 from symosc.bench.event_logic import PeerError
-from symosc.bench.solvers import FoundEvents
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 

@@ -9,7 +9,8 @@ from bench_fakes import careless, failing_later, hanging
 
 from symosc import Parameters
 from symosc.bench.ours import SOLVERS as OURS
-from symosc.bench.solvers import FoundEvents, Solver
+from symosc.bench.solvers import Solver
+from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 FAKES = (

@@ -9,11 +9,11 @@ from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.report import CrossCheck
 from symosc.display.drawable import register_page
 from symosc.grazing.window import GrazingWindow
-from symosc.notebooks.judged import certificate_page, crosscheck_page
-from symosc.notebooks.motions import events_page, summary_page, trajectory_page
-from symosc.notebooks.structures import branch_page, orbit_page, window_page
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.plot.notebooks.judged import certificate_page, crosscheck_page
+from symosc.plot.notebooks.motions import events_page, summary_page, trajectory_page
+from symosc.plot.notebooks.structures import branch_page, orbit_page, window_page
 from symosc.simulation.event_table import EventTable
 from symosc.simulation.summary import Summary
 from symosc.simulation.trajectory import Trajectory

@@ -2,7 +2,7 @@
 
 All numbers are decimals of at most 17 digits, except for the periodic orbits of the long runs. So every solver gets the
 same problem, up to the rounding of a decimal to a double. What that rounding alone can do to the events is their
-condition number (`symosc.bench.condition`).
+condition number (`symosc.reference.condition`).
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from fractions import Fraction
 from functools import lru_cache
 
 from symosc.aliases import Number, NumberLike
-from symosc.bench.compare import REFERENCE_DIGITS
 from symosc.engine.arithmetic import mp_context
 from symosc.exact import read_exact
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
+from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -58,7 +58,7 @@ class HardCase:
         Parameters
         ----------
         scene : Scene, optional
-            A neighbour of the case's scene instead of it (`symosc.bench.condition`).
+            A neighbour of the case's scene instead of it (`symosc.reference.condition`).
         digits : int
         """
         scene = scene or self.scene

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from symosc import load_scene, simulate
-from symosc.bench.compare import FAR_MATCH, Comparison, _align, compare, window_of
-from symosc.bench.solvers import FoundEvents
+from symosc.reference.compare import FAR_MATCH, Comparison, FoundEvents, align, compare, window_of
 
 EXACT = simulate("fig5", digits=40).events
 
@@ -106,7 +105,7 @@ def worth(one: FoundEvents, other: FoundEvents, window: float) -> float:
     return 1 - (1 - FAR_MATCH) * abs(one.t - other.t) / window
 
 
-def test_the_alignment_is_the_best_one() -> None:
+def test_thealignment_is_the_best_one() -> None:
     rng = random.Random(6)
 
     def some() -> list[FoundEvents]:
@@ -117,7 +116,7 @@ def test_the_alignment_is_the_best_one() -> None:
 
     for _ in range(500):
         found, reference, window = some(), some(), rng.choice([0.1, 0.5, 2.0])
-        pairs = _align(found, reference, [event.t for event in reference], window)  # type: ignore[arg-type]
+        pairs = align(found, reference, [event.t for event in reference], window)  # type: ignore[arg-type]
         assert all(i < k and j < m for (i, j), (k, m) in pairwise(pairs))
         values = [worth(reference[i], found[j], window) for i, j in pairs]
         assert all(value > 0 for value in values)

@@ -12,8 +12,10 @@ from oracle import flow_oracle, simulate_oracle
 
 from symosc import load_scene, simulate
 from symosc.bench import ours
-from symosc.bench.condition import distance
-from symosc.bench.hard_cases import (
+from symosc.exact import show
+from symosc.mappings.theorem7_cases import place
+from symosc.reference.condition import distance
+from symosc.reference.hard_cases import (
     GROUPS,
     LATE_PERIODS,
     PEAKS,
@@ -22,8 +24,6 @@ from symosc.bench.hard_cases import (
     start_before_a_dip,
     start_before_a_peak,
 )
-from symosc.exact import show
-from symosc.mappings.theorem7_cases import place
 
 CASES = {(case.group, case.name): case for case in hard_cases()}
 

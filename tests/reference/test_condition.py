@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from symosc import Parameters, Scene, load_scene, simulate
-from symosc.bench.condition import conditions, shifted
-from symosc.bench.hard_cases import (
+from symosc.reference.condition import conditions, shifted
+from symosc.reference.hard_cases import (
     hard_cases,
 )
 

@@ -12,9 +12,9 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi
+from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
-from symosc.bench.solvers import FoundEvents
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
@@ -24,6 +24,27 @@ REFERENCE_DIGITS = 40
 # A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
 FAR_MATCH = 0.6
 SKIP_REFERENCE, SKIP_FOUND, MATCH = range(3)
+
+
+class FoundEvents(NamedTuple):
+    """A switching event as a solver reports it, in the words of `symosc.Event`."""
+
+    t: float
+    x: float
+    kind: str
+    boundary: int
+
+
+class OfAKind(Protocol):
+    """What an event of a reference must have to be aligned."""
+
+    @property
+    def kind(self) -> str:
+        """What happens."""
+
+    @property
+    def boundary(self) -> int:
+        """At which belt."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +105,7 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     Examples
     --------
     >>> from symosc import simulate
-    >>> from symosc.bench.compare import compare, window_of
+    >>> from symosc.reference.compare import compare, window_of
     >>> exact = simulate("fig5", digits=40)
     >>> late = [FoundEvents(float(e.t) + 1e-9, float(e.x), e.kind, e.boundary) for e in exact.events[1:]]
     >>> result = compare(late, exact.events, window=0.3)
@@ -94,7 +115,7 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     given = list(found)
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
     times = [float(event.t) for event in reference]
-    pairs = _align(ordered, reference, times, window)
+    pairs = align(ordered, reference, times, window)
     matched_found, matched_reference = {j for _, j in pairs}, {i for i, _ in pairs}
     unmatched = [i for i in range(len(reference)) if i not in matched_reference]
     missed = [times[i] for i in unmatched if reference[i].kind != "graze"]
@@ -114,8 +135,8 @@ def _error(value: float, exact: Number) -> float:
     return float(abs(exact - value) / max(1, abs(exact)))
 
 
-def _align(
-    found: Sequence[FoundEvents], reference: Sequence[Event], times: list[float], window: float
+def align(
+    found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment, in order.
 

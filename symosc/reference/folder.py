@@ -1,0 +1,239 @@
+"""Reference cases as files that any language reads; `formats.txt` says what is in them."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from decimal import Context, Decimal, Inexact
+from fractions import Fraction
+from importlib.resources import files
+from itertools import starmap
+from math import pi
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from pebble import ProcessPool
+from tabulate import tabulate
+
+import symosc
+from symosc.aliases import Record
+from symosc.exact import show
+from symosc.files import check_folder, write_folder
+from symosc.model import PARAMETER_NAMES
+from symosc.reference.case import GIVEN_DIGITS, ReferenceCase
+from symosc.reference.sets import CASE_GROUPS, SET_VERSION, reference_cases
+from symosc.simulation.simulate import simulate
+
+SET_FORMAT = "symosc reference cases 1"
+MANIFEST, CASES_TABLE, EVENTS_FILE, CASE_FILE = "manifest.json", "cases.csv", "events.csv", "case.toml"
+#: Equal steps of a trajectory, and the forcing periods after which one of a very long run ends.
+SAMPLE_STEPS, SHOWN_PERIODS = 400, 20
+#: Decimals that end before so many digits are written with all of them.
+MOST_DIGITS = 400
+#: So few cases are written without processes.
+CASES_IN_LINE = 8
+START_AND_END = ("t0", "x0", "v0", "t_end")
+EVENT_FILE_COLUMNS = (
+    "t_low",
+    "t_high",
+    "x_low",
+    "x_high",
+    "kind",
+    "boundary",
+    "source",
+    "target",
+    "word",
+    "condition",
+)
+TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
+
+
+def write_cases(
+    path: str | Path,
+    cases: Sequence[ReferenceCase] | None = None,
+    workers: int = 2,
+    progress: Callable[[int], None] | None = None,
+) -> Path:
+    """Write cases into a folder, all or nothing; the same cases give the same bytes.
+
+    Parameters
+    ----------
+    path : str or Path
+        A new folder, or one of an earlier run without other files in it.
+    cases : sequence of ReferenceCase, optional
+        Default: all.
+    workers : int
+        Processes that compute.
+    progress : callable, optional
+        Called with how many cases more are done.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written, or has files of somebody.
+    """
+    wanted = reference_cases() if cases is None else cases
+    check_folder(path, _of_an_earlier_run)  # before the work
+    texts, rows = {}, []
+    for each in _computed(wanted, workers):
+        texts.update(each["texts"])
+        rows.append(each["row"])
+        if progress:
+            progress(1)
+    texts[CASES_TABLE] = _csv(TABLE_COLUMNS, rows)
+    texts["README.md"] = _readme(rows)
+    texts[MANIFEST] = _manifest(rows, texts)
+    return write_folder(path, texts, _of_an_earlier_run)
+
+
+def _computed(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
+    if len(cases) <= CASES_IN_LINE or workers < 2:
+        yield from map(case_texts, cases)
+        return
+    with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
+        yield from pool.map(case_texts, cases).result()
+
+
+def case_texts(case: ReferenceCase) -> Record:
+    """Return the files of a case: "texts" by name, and its "row" in the table of cases.
+
+    Examples
+    --------
+    >>> from symosc import reference_cases
+    >>> texts = case_texts(reference_cases()[1])["texts"]
+    >>> sorted(name.partition("/")[2] for name in texts)
+    ['case.toml', 'certificate.json', 'events.csv', 'trajectory.csv']
+    """
+    events = [_event_row(*each) for each in zip(case.events, case.conditions, strict=True)]
+    found = {
+        CASE_FILE: _toml(case),
+        EVENTS_FILE: _csv(EVENT_FILE_COLUMNS, events),
+        "trajectory.csv": _csv(("t", "x", "v", "mode"), _samples(case)),
+        "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
+    }
+    about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
+    about |= {"condition": condition_text(case.condition), "proven": "yes" if case.proven else "no"}
+    about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
+    return {"texts": {f"{case.name}/{name}": text for name, text in found.items()}, "row": about}
+
+
+def exact_text(value: Fraction) -> str:
+    """Return a number as text that is exact: all digits of a decimal that ends, else a quotient.
+
+    Examples
+    --------
+    >>> exact_text(Fraction(1, 8)), exact_text(Fraction(1, 3)), len(exact_text(1 + Fraction(1, 10**95)))
+    ('0.125', '1/3', 97)
+    """
+    exact = Context(prec=MOST_DIGITS, traps=[Inexact])
+    try:
+        found = exact.divide(Decimal(value.numerator), Decimal(value.denominator))
+    except Inexact:
+        return show(value)
+    return show(value) if "/" not in show(value) else f"{found:f}"
+
+
+def condition_text(value: float) -> str:
+    """Return a condition number with three digits."""
+    return f"{value:.3g}"
+
+
+def _event_row(event: Any, condition: float) -> Record:
+    numbers = dict(zip(EVENT_FILE_COLUMNS, (*event.t, *event.x), strict=False))
+    words = {name: getattr(event, name) for name in EVENT_FILE_COLUMNS[4:-1]}
+    return numbers | words | {"condition": condition_text(condition)}
+
+
+def _csv(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _toml(case: ReferenceCase) -> str:
+    scene = case.scene
+    start: Record = {name: exact_text(getattr(scene, name)) for name in START_AND_END[:3]}
+    if scene.start_error is not None:
+        start["start_error"] = [show(error) for error in scene.start_error]
+    about: Record = {"set_version": SET_VERSION, "group": case.group, "hard": case.hard, "source": case.source}
+    about |= {"status": case.status, "reason": case.open, "events": case.count, "periods": case.periods}
+    about |= {"condition": float(condition_text(case.condition)), "closed_form": list(case.closed_form)}
+    top: Record = {"name": case.name, "t_end": exact_text(scene.t_end)}
+    tables = {"": top, "parameters": case.parameters.as_dict(), "start": start, "reference": about}
+    return "\n".join(starmap(_toml_table, tables.items()))
+
+
+def _toml_table(name: str, values: Record) -> str:
+    """Return a table of TOML; JSON writes text, whole numbers and lists as TOML does."""
+    head = f"[{name}]\n" if name else ""
+    return head + "".join(f"{key} = {json.dumps(value)}\n" for key, value in values.items())
+
+
+def _samples(case: ReferenceCase) -> list[Record]:
+    """Return the rows of a trajectory: equal steps, and two rows at each event."""
+    scene = case.scene
+    if case.periods:
+        shown = Fraction(SHOWN_PERIODS * 2 * pi) / case.parameters.Omega
+        scene = replace(scene, t_end=min(scene.t_end, scene.t0 + shown))
+    motion = simulate(scene, digits=GIVEN_DIGITS)
+    span = scene.t_end - scene.t0
+    times = [float(scene.t0 + span * i / SAMPLE_STEPS) for i in range(SAMPLE_STEPS + 1)]
+    times = [min(max(t, float(motion.t_start)), float(motion.t_end)) for t in times]
+    x, v = motion(times)
+    rows = [
+        (t, 0, *state) for t, *state in zip(times, x.tolist(), v.tolist(), motion.mode(times).tolist(), strict=True)
+    ]
+    for i, event in enumerate(motion.events, 1):
+        state = float(event.t), 2 * i, float(event.x), float(event.v)
+        rows += [(*state, event.source), (state[0], 2 * i + 1, *state[2:], event.target)]
+    rows.sort(key=lambda row: row[:2])
+    return [{"t": repr(t), "x": f"{x:.15g}", "v": f"{v:.15g}", "mode": mode} for t, _, x, v, mode in rows]
+
+
+def _readme(rows: Sequence[Record]) -> str:
+    counts = [
+        (group, sum(row["group"] == group for row in rows), hard)
+        for group, hard in CASE_GROUPS.items()
+        if any(row["group"] == group for row in rows)
+    ]
+    numbers = {
+        "VERSION": SET_VERSION,
+        "COUNT": len(rows),
+        "PROVEN": sum(row["proven"] == "yes" for row in rows),
+        "SHOWN_PERIODS": SHOWN_PERIODS,
+        "GROUPS": tabulate(counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True),
+    }
+    text = (files("symosc.reference") / "formats.txt").read_text(encoding="utf-8")
+    for name, value in numbers.items():
+        text = text.replace(f"@{name}@", str(value))
+    return text
+
+
+def _manifest(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
+    names = ("name", "group", "events", "condition", "proven")
+    content: Record = {"format": SET_FORMAT, "set_version": SET_VERSION, "made_by": f"symosc {symosc.__version__}"}
+    numbers = [row | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"} for row in rows]
+    content["cases"] = [{name: row[name] for name in names} for row in numbers]
+    content["files"] = {name: checksum(text.encode()) for name, text in sorted(texts.items())}
+    return json.dumps(content, indent=1) + "\n"
+
+
+def checksum(content: bytes) -> str:
+    """Return the SHA-256 sum of a file's content."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def _of_an_earlier_run(folder: Path) -> set[str]:
+    """Return the files that a manifest in a folder names, itself included; none if there is no such manifest."""
+    try:
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        return {MANIFEST, *content["files"]} if content["format"] == SET_FORMAT else set()
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return set()

@@ -1,0 +1,304 @@
+"""How good somebody's events are: each case judged event by event, in units that the problem itself sets.
+
+An event of the reference is found if the results have one of the same kind at the same belt within a window (a part of
+the forcing period); `symosc.reference.compare` pairs them in order, as many as possible. One that is left over beside
+an event of another kind or at another belt is a wrong kind. What is left then is missed, or invented.
+
+An error is of time or position, relative to max(1, |value|). Its unit is max(1, condition) * 1e-16: what rounding the
+numbers of the problem to doubles does to that event. A case is right if nothing is missed, invented or of a wrong kind,
+and each error is at most max(tolerance, 100 units).
+
+A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
+and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import inf, pi, sqrt
+from typing import NamedTuple
+
+from symosc.aliases import Record
+from symosc.crosschecks.events import WINDOW
+from symosc.crosschecks.matching import RETURNS
+from symosc.errors import ParameterError
+from symosc.exact import read_exact
+from symosc.reference.case import KnownEvent
+from symosc.reference.compare import FoundEvents, align
+from symosc.reference.results import CaseResult, GivenEvent, Results
+from symosc.reference.stored import StoredCase
+
+SCORE_TOLERANCE = 1e-9
+#: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
+ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
+#: How near, in forcing periods, an event of another kind stands for one that is not there.
+KIND_WINDOW = 0.005
+
+
+class Wrong(NamedTuple):
+    """A fault: what it is, when, and what the reference has and what the results have ("" for nothing)."""
+
+    fault: str
+    t: float
+    wanted: str
+    found: str
+
+    def __str__(self) -> str:
+        """Return the fault in words."""
+        said = {"missed": self.wanted, "invented": self.found, "wrong kind": f"{self.found}, not {self.wanted}"}
+        return f"{self.fault}: {said.get(self.fault, self.wanted)} at t = {self.t:.10g}"
+
+
+@dataclass
+class CaseScore:
+    """How results do on a case.
+
+    Attributes
+    ----------
+    name, group : str
+    events : int
+        How many events there are.
+    condition : float
+        The largest of an event that is not a graze.
+    given : bool
+        Whether there are results at all; if not, the other numbers say nothing.
+    missed, invented, kinds, late : int
+        Events missed, invented, of a wrong kind, and found with too large an error.
+    grazes, grazes_found : int
+    error_t, error_x, units : float or None
+        Largest errors of time and position, and the largest of both in units; None without any event found. Positions
+        may be missing.
+    seconds : float or None
+    note : str
+        Why there are no results, if that is known.
+    wrong : list of Wrong
+        The faults, in order of time.
+    """
+
+    name: str
+    group: str
+    events: int
+    condition: float
+    given: bool = True
+    missed: int = 0
+    invented: int = 0
+    kinds: int = 0
+    late: int = 0
+    grazes: int = 0
+    grazes_found: int = 0
+    error_t: float | None = None
+    error_x: float | None = None
+    units: float | None = None
+    seconds: float | None = None
+    note: str = ""
+    wrong: list[Wrong] = field(default_factory=list)
+
+    @property
+    def right(self) -> bool:
+        """Whether the results are there, with no fault."""
+        return self.given and not (self.missed or self.invented or self.kinds or self.late)
+
+    def as_dict(self) -> Record:
+        """Return plain data for JSON."""
+        plain = {name: value for name, value in self.__dict__.items() if name != "wrong"}
+        return plain | {"right": self.right, "wrong": [each._asdict() for each in self.wrong]}
+
+
+@dataclass
+class Score:
+    """The scores of a solver, case by case.
+
+    Attributes
+    ----------
+    name : str
+        The solver's.
+    tolerance : float
+    cases : list of CaseScore
+    """
+
+    name: str
+    tolerance: float
+    cases: list[CaseScore]
+
+    @property
+    def given(self) -> list[CaseScore]:
+        """The cases that there are results for."""
+        return [case for case in self.cases if case.given]
+
+    @property
+    def ok(self) -> bool:
+        """Whether all results that are there are right."""
+        return all(case.right for case in self.given)
+
+    def as_dict(self) -> Record:
+        """Return plain data for JSON."""
+        count = {"cases": len(self.cases), "given": len(self.given), "right": sum(case.right for case in self.cases)}
+        about: Record = {"solver": self.name, "ok": self.ok, "tolerance": self.tolerance}
+        return about | count | {"results": [case.as_dict() for case in self.cases]}
+
+
+def read_tolerance(value: object) -> float:
+    """Return a tolerance, a number > 0 and at most 1."""
+    number = read_exact("tolerance", value)
+    if not 0 < number <= 1:
+        raise ParameterError("tolerance", value, "must be > 0 and at most 1")
+    return float(number)
+
+
+def score(name: str, cases: Sequence[StoredCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
+    """Judge results, case by case.
+
+    Parameters
+    ----------
+    name : str
+        The solver's.
+    cases : sequence of StoredCase
+    results : dict
+        From `symosc.reference.results.read_results`.
+    tolerance : float
+        The error that an event may have, if 100 units are less.
+    """
+    return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
+
+
+def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) -> CaseScore:
+    """Judge the results of a case; None if there are none."""
+    condition = max((each for each in case.conditions if each < inf), default=0.0)
+    judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None and not result.note)
+    judged.grazes = sum(event.kind == "graze" for event in case.events)
+    if result is None or result.note:
+        judged.note = "" if result is None else result.note
+        return judged
+    judged.seconds = result.seconds
+    _Judge(case, judged, tolerance).judge(result.events)
+    judged.wrong.sort(key=lambda wrong: wrong.t)
+    return judged
+
+
+class _Judge:
+    """The events of a case, and what is said about each."""
+
+    def __init__(self, case: StoredCase, judged: CaseScore, tolerance: float) -> None:
+        self.case, self.judged, self.tolerance = case, judged, tolerance
+        self.period = 2 * pi / float(case.Omega)
+
+    def judge(self, events: Sequence[GivenEvent]) -> None:
+        """Say what is right and what is wrong about all events."""
+        found = self._of_last_period(events)
+        pairs = self._pairs(found)
+        for i, j in pairs:
+            self._found(i, found[j])
+        lost = sorted(set(range(len(self.case.events))) - {i for i, _ in pairs})
+        extra = sorted(set(range(len(found))) - {j for _, j in pairs})
+        extra = self._without_start(extra, found)
+        lost, extra = self._grazes(lost, extra, found)
+        lost, extra = self._kinds(lost, extra, found)
+        for i in lost:
+            self._fault("missed", self.case.times[i], _words(self.case.events[i]), "")
+        for j in extra:
+            self._fault("invented", float(found[j].t), "", _words(found[j]))
+
+    def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
+        """Leave out an event at a start on a belt: it is none, but solvers list it."""
+        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
+        at_start = self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near
+        return extra[1:] if at_start else extra
+
+    def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
+        """Return the events that are compared one by one; those before them only count."""
+        if self.case.count == len(self.case.events):
+            return events
+        begin = self.case.times[0] - WINDOW * self.period
+        last = [event for event in events if event.t > begin]
+        before, wanted = len(events) - len(last), self.case.count - len(self.case.events)
+        for name, number in (("missed", wanted - before), ("invented", before - wanted)):
+            if before and number > 0:
+                setattr(self.judged, name, number)
+                what = f"{number} events" if number > 1 else "an event"
+                wrong = Wrong(name, begin, *((what, "") if name == "missed" else ("", what)))
+                self.judged.wrong.append(wrong)
+        return last
+
+    def _pairs(self, found: Sequence[GivenEvent]) -> list[tuple[int, int]]:
+        known = self.case.events
+        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
+        return align(placed, known, self.case.times, WINDOW * self.period)
+
+    def _boundary(self, event: GivenEvent) -> int:
+        """Return the belt of an event; where it is not given, that of the nearest event of its kind."""
+        if event.boundary:
+            return event.boundary
+        same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
+        nearest = min(same, key=lambda i: abs(self.case.times[i] - float(event.t)), default=None)
+        return 0 if nearest is None else self.case.events[nearest].boundary
+
+    def _found(self, i: int, event: GivenEvent) -> None:
+        """Measure an event that is there."""
+        known, condition, judged = self.case.events[i], self.case.conditions[i], self.judged
+        t, x = known.middle
+        error_t = _relative(event.t, t)
+        if known.kind == "graze":
+            judged.grazes_found += 1
+            allowed = sqrt(self.tolerance)
+        else:
+            unit = max(1.0, condition) * ROUNDING_UNIT
+            allowed = max(self.tolerance, UNITS_ALLOWED * unit) if unit < inf else inf
+            error_x = None if event.x is None else _relative(event.x, x)
+            judged.error_t = max(judged.error_t or 0.0, error_t)
+            judged.error_x = judged.error_x if error_x is None else max(judged.error_x or 0.0, error_x)
+            error_t = max(error_t, error_x or 0.0)
+            judged.units = max(judged.units or 0.0, error_t / unit)
+        if error_t > allowed:
+            self.judged.late += 1
+            words = f"{_words(known)}, error {error_t:.1e}, allowed {allowed:.1e}"
+            judged.wrong.append(Wrong("error", float(t), words, _words(event)))
+
+    def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:
+        """Leave out grazes that are not listed, and the contacts that stand for one."""
+        reach = sqrt(self.tolerance) / float(self.case.Omega)
+        for i, event in enumerate(self.case.events):
+            if event.kind == "graze" and i in lost:
+                lost = [each for each in lost if each != i]
+                near = [j for j in extra if abs(float(found[j].t) - self.case.times[i]) <= reach]
+                belts = {found[j].boundary for j in near} <= {0, event.boundary}
+                if belts and tuple(found[j].kind for j in near) in RETURNS:
+                    extra = [j for j in extra if j not in near]
+        return lost, extra
+
+    def _kinds(
+        self, lost: Sequence[int], extra: Sequence[int], found: Sequence[GivenEvent]
+    ) -> tuple[list[int], list[int]]:
+        """Pair what is left, whatever its kind: a wrong one."""
+        times = [self.case.times[i] for i in lost]
+        known = [FoundEvents(t, 0.0, "", 0) for t in times]
+        pairs = align(
+            [FoundEvents(float(found[j].t), 0.0, "", 0) for j in extra], known, times, KIND_WINDOW * self.period
+        )
+        for i, j in pairs:
+            wanted, event = self.case.events[lost[i]], found[extra[j]]
+            self._fault("wrong kind", times[i], _words(wanted), _words(event))
+        left, right = {i for i, _ in pairs}, {j for _, j in pairs}
+        return [each for i, each in enumerate(lost) if i not in left], [
+            each for j, each in enumerate(extra) if j not in right
+        ]
+
+    def _fault(self, fault: str, t: float, wanted: str, found: str) -> None:
+        name = {"wrong kind": "kinds"}.get(fault, fault)
+        setattr(self.judged, name, getattr(self.judged, name) + 1)
+        self.judged.wrong.append(Wrong(fault, t, wanted, found))
+
+
+def _words(event: KnownEvent | GivenEvent) -> str:
+    return f"{event.kind}{f' at belt {event.boundary}' if event.boundary else ''}"
+
+
+def _relative(value: Fraction, exact: Fraction) -> float:
+    return float(abs(value - exact) / max(Fraction(1), abs(exact)))
+
+
+def by_group(cases: Sequence[CaseScore]) -> Iterator[tuple[str, list[CaseScore]]]:
+    """Yield groups and their cases, in order."""
+    for group in dict.fromkeys(case.group for case in cases):
+        yield group, [case for case in cases if case.group == group]

@@ -1,0 +1,211 @@
+"""Scores say exactly what was done to right results, and nothing else."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+from math import pi, sqrt
+
+import pytest
+from small_set import right, stored_set
+
+from symosc import ParameterError
+from symosc.crosschecks.events import WINDOW
+from symosc.reference.results import CaseResult, GivenEvent
+from symosc.reference.score import (
+    KIND_WINDOW,
+    SCORE_TOLERANCE,
+    UNITS_ALLOWED,
+    CaseScore,
+    judge_case,
+    read_tolerance,
+    score,
+)
+from symosc.reference.score_table import as_html, as_markdown, as_text, case_cell, faults, group_cell, verdict
+from symosc.reference.stored import StoredCase
+
+CASES = {case.name: case for case in stored_set()}
+FAULTS = ("missed", "invented", "kinds", "late")
+
+
+def judged(case: StoredCase, events: list[GivenEvent]) -> CaseScore:
+    return judge_case(case, CaseResult(events), SCORE_TOLERANCE)
+
+
+def counts(found: CaseScore) -> dict[str, int]:
+    return {name: getattr(found, name) for name in FAULTS if getattr(found, name)}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_right_results_are_right(name: str) -> None:
+    found = judged(CASES[name], right(CASES[name]).events)
+    assert found.right
+    assert (found.units, found.grazes_found) == (0.0 if found.events else None, found.grazes)
+    assert found.wrong == []
+
+
+def changed(case: StoredCase, change: str, rng: random.Random) -> tuple[list[GivenEvent], dict[str, int], float]:
+    """Return results with a fault, what a score must say, and the time of the fault."""
+    events = right(case).events
+    i = rng.choice([i for i, event in enumerate(events) if event.kind != "graze"])
+    event, period = events[i], 2 * pi / float(case.Omega)
+    others = [float(each.t) for each in events[:i] + events[i + 1 :]]
+    if change == "dropped":
+        return events[:i] + events[i + 1 :], {"missed": 1}, float(event.t)
+    if change == "added":
+        free = [t for t in (rng.uniform(float(case.t0), others[-1]) for _ in range(300)) if _far(t, events, period)]
+        new = GivenEvent(Fraction(free[0]), event.x, "cross", 2)
+        return [*events, new], {"invented": 1}, free[0]
+    if change == "shifted":
+        by = Fraction(rng.choice([-1, 1]) * rng.uniform(1e-8, 1e-6) * max(1.0, float(event.t)))
+        return [*events[:i], event._replace(t=event.t + by), *events[i + 1 :]], {"late": 1}, float(event.t)
+    if change == "moved":
+        x = None if event.x is None else event.x + Fraction(rng.uniform(1e-8, 1e-6)) * max(1, abs(event.x))
+        return [*events[:i], event._replace(x=x), *events[i + 1 :]], {"late": 1}, float(event.t)
+    if change == "another kind":
+        kind = rng.choice([kind for kind in ("cross", "stick", "slip", "graze") if kind != event.kind])
+        return [*events[:i], event._replace(kind=kind), *events[i + 1 :]], {"kinds": 1}, float(event.t)
+    assert change == "another belt"
+    return [*events[:i], event._replace(boundary=3 - event.boundary), *events[i + 1 :]], {"kinds": 1}, float(event.t)
+
+
+def _far(t: float, events: list[GivenEvent], period: float) -> bool:
+    return all(abs(t - float(event.t)) > KIND_WINDOW * period for event in events)
+
+
+@pytest.mark.parametrize("change", ["dropped", "added", "shifted", "moved", "another kind", "another belt"])
+@pytest.mark.parametrize("name", ["paper-fig5", "graze-overdamped-P3", "free-decay-2", "continuum-1-2"])
+def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
+    rng, case = random.Random(f"{name} {change}"), CASES[name]
+    for _ in range(10):
+        events, expected, t = changed(case, change, rng)
+        rng.shuffle(events)
+        found = judged(case, sorted(events, key=lambda event: event.t))
+        assert counts(found) == expected
+        assert not found.right
+        assert [wrong.t for wrong in found.wrong] == [pytest.approx(t, rel=1e-12)]
+
+
+def test_an_event_far_from_its_time_is_missed_and_invented() -> None:
+    case = CASES["continuum-1-2"]
+    events = right(case).events
+    by = Fraction(1.5 * WINDOW * 2 * pi / float(case.Omega))
+    events[2] = events[2]._replace(t=events[2].t + by)
+    assert counts(judged(case, events)) == {"missed": 1, "invented": 1}
+
+
+def test_swapped_kinds_are_two_wrong_kinds() -> None:
+    case = CASES["paper-fig5"]
+    events = right(case).events
+    events[2], events[3] = events[2]._replace(kind="slip"), events[3]._replace(kind="stick")
+    assert counts(judged(case, events)) == {"kinds": 2}
+
+
+def test_errors_are_measured_in_units_of_the_condition() -> None:
+    case = CASES["paper-fig5"]
+    events, i = right(case).events, 4
+    events[i] = events[i]._replace(t=events[i].t * (1 + Fraction(1, 10**12)))
+    found = judged(case, events)
+    assert found.right
+    assert found.error_t == pytest.approx(1e-12, rel=1e-9)
+    assert found.units == pytest.approx(1e-12 / (max(1, case.conditions[i]) * 1e-16), rel=1e-9)
+    by = Fraction(1, 10**10)
+    events[i] = events[i]._replace(t=events[i].t * (1 + by))
+    assert judge_case(case, CaseResult(events), 1e-11).late == 1
+    ill = replace(case, conditions=tuple(1e8 for _ in case.conditions))
+    allowed = UNITS_ALLOWED * 1e8 * 1e-16
+    assert allowed > 1e-10
+    assert judge_case(ill, CaseResult(events), 1e-11).late == 0
+
+
+GRAZING = CASES["graze-overdamped-P3"]
+TOUCH = right(GRAZING).events[0]
+
+
+@pytest.mark.parametrize(
+    ("kinds", "apart", "expected"),
+    [
+        ((), 0.0, {}),
+        (("stick", "slip"), 0.5, {}),
+        (("cross", "cross"), 0.5, {}),
+        (("stick", "slip"), 3.0, {"invented": 2}),
+        (("stick",), 0.5, {"kinds": 0, "invented": 1}),
+    ],
+)
+def test_a_graze_may_be_nothing_or_a_short_contact(
+    kinds: tuple[str, ...], apart: float, expected: dict[str, int]
+) -> None:
+    half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(GRAZING.Omega))
+    sides = (-half, half)
+    contacts = [TOUCH._replace(kind=kind, t=TOUCH.t + side) for kind, side in zip(kinds, sides, strict=False)]
+    found = judged(GRAZING, [*contacts, *right(GRAZING).events[1:]])
+    assert counts(found) == {name: count for name, count in expected.items() if count}
+    assert (found.grazes, found.grazes_found) == (1, 0)
+
+
+def test_a_graze_at_another_time_is_an_error() -> None:
+    late = TOUCH._replace(t=TOUCH.t + Fraction(1, 1000))
+    assert counts(judged(GRAZING, [late, *right(GRAZING).events[1:]])) == {"late": 1}
+
+
+def test_an_event_at_a_start_on_a_belt_is_none() -> None:
+    case = CASES["paper-fig6"]  # starts in a stick on belt 2
+    start = GivenEvent(case.t0, None, "stick", 2)
+    assert judged(case, [start, *right(case).events]).right
+    assert counts(judged(case, [start, start, *right(case).events])) == {"invented": 1}
+    assert counts(judged(CASES["paper-fig5"], [start, *right(CASES["paper-fig5"]).events])) == {"invented": 1}
+
+
+def test_belts_and_positions_may_be_left_out() -> None:
+    case = CASES["paper-fig6"]
+    found = judged(case, [event._replace(x=None, boundary=0) for event in right(case).events])
+    assert found.right
+    assert (found.error_t, found.error_x) == (0.0, None)
+
+
+def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -> None:
+    case = CASES["continuum-1-2"]
+    events, last = right(case).events, case.events[-2:]
+    long = replace(case, events=last, conditions=case.conditions[-2:], count=len(events))
+    assert judged(long, events).right
+    assert judged(long, events[-2:]).right  # only the last period is handed in
+    assert counts(judged(long, events[1:])) == {"missed": 1}
+    early = events[0]._replace(t=events[0].t + Fraction(1, 10))
+    assert counts(judged(long, [events[0], early, *events[1:]])) == {"invented": 1}
+    assert counts(judged(long, events[:-1])) == {"missed": 1}
+
+
+def test_cases_without_results_are_no_faults() -> None:
+    cases = list(CASES.values())
+    found = score("mine", cases, {cases[0].name: right(cases[0])})
+    assert found.ok
+    assert len(found.given) == 1
+    assert verdict(found) == f"mine: right: 1 of 1 cases; {len(cases) - 1} cases without results"
+    noted = score("mine", cases, {cases[0].name: CaseResult(note="> 4 s")})
+    assert case_cell(noted.cases[0]) == "> 4 s"
+    assert group_cell(noted.cases[1:2]) == "no result"
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "2", "nan", "x", None])
+def test_a_tolerance_is_a_small_number(value: object) -> None:
+    with pytest.raises(ParameterError, match="tolerance"):
+        read_tolerance(value)
+
+
+def test_tables_say_what_is_wrong_in_every_form() -> None:
+    cases = list(CASES.values())
+    good = score("a|b", cases, {case.name: right(case) for case in cases})
+    events = right(cases[0]).events
+    bad = score("<c>", cases, {cases[0].name: CaseResult([*events[1:3], *events[4:]], seconds=0.25)})
+    assert len(faults(bad)) == 2
+    text = as_text([good, bad])
+    assert "a|b: right" in text
+    assert f"{cases[0].name}: missed: stick at belt 1 at t = 0.1223031923" in text
+    page = as_markdown([good, bad], "Scores", 1)
+    assert "| missed 2" in page
+    assert "a\\|b" in page
+    html = as_html([good, bad], "Scores", 1)
+    assert "&lt;c&gt;" in html
+    assert "<c>" not in html
+    assert html.count("<table>") == 2
