@@ -85,7 +85,7 @@ def certify(
     return _of_an_answer(what, progress)
 
 
-def _of_an_answer(what: Any, progress: Callable[[float], None] | None) -> Certificate:
+def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
     """Prove what is no scene."""
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)
