@@ -12,6 +12,8 @@ nox.needs_version = ">=2025.2.9"
 nox.options.default_venv_backend = "uv|virtualenv"
 nox.options.reuse_venv = "yes"
 PROJECT = nox.project.load_toml("pyproject.toml")["project"]
+PYTHONS = ["3.11", "3.12", "3.13"]
+EXTRAS = ["fast", "bench", "sweep", "certify", "units"]
 
 
 @nox.session
@@ -35,6 +37,30 @@ def lowest(session: nox.Session) -> None:
     bounds = [each for part in (PROJECT["dependencies"], *extras) for each in part if ">=" in each]
     session.install("-e", ".[dev]", *(each.replace(">=", "==") for each in bounds))
     session.run("pytest", "-n", "2", "-m", "not slow", *session.posargs)
+
+
+@nox.session(default=False, python=PYTHONS)
+def pythons(session: nox.Session) -> None:
+    """Run the quick tests on each Python that is here."""
+    session.install("-e", ".[dev]")
+    session.run("pytest", "-n", "2", "-m", "not slow", *session.posargs)
+
+
+@nox.session(default=False)
+@nox.parametrize("extra", EXTRAS)
+def without(session: nox.Session, extra: str) -> None:
+    """Run the quick tests without one extra, and what it alone brings."""
+    needs = {"fast": {"bench"}}.get(extra, set()) | {extra}
+    kept = ",".join(name for name in EXTRAS if name not in needs)
+    session.install("-e", f".[{kept},test]")
+    session.run("pytest", "-n", "2", "-m", "not slow", *session.posargs)
+
+
+@nox.session(default=False)
+def release(session: nox.Session) -> None:
+    """Build wheel and source, check them, and use them without the repository."""
+    session.install("-e", ".[test]")
+    session.run("pytest", "-m", "campaign", "tests/test_release.py", *session.posargs)
 
 
 @nox.session

@@ -1,5 +1,18 @@
-"""``python -m symosc`` is the command line."""
+"""``python -m symosc`` and the program `symosc`; an interrupt ends it quietly, while it loads too."""
 
-from symosc.cli.app import main
+import sys
+from signal import SIGINT
 
-main(prog_name="symosc")
+
+def run() -> None:
+    """Run the command line."""
+    try:
+        from symosc.cli.app import main
+
+        main(prog_name="symosc")
+    except KeyboardInterrupt:
+        sys.exit(128 + SIGINT)
+
+
+if __name__ == "__main__":
+    run()

@@ -58,6 +58,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "cli.reproduce": ("paper/test_run.py", COMMAND),
     "cli.verify": ("cli/test_certify.py", "it proves what symosc certify writes"),
     "display.drawable": ("plot/test_drawing.py", "it is what .plot() of every answer calls"),
+    "display.terminal": ("cli/test_terminal.py", "its tables are looked at on a real terminal"),
     "plot.notebooks.judged": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),
     "plot.notebooks.motions": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),
     "plot.notebooks.structures": ("plot/notebooks/test_pages.py", ONE_FOR_ALL),

@@ -121,3 +121,10 @@ def test_no_results_in_the_import_package() -> None:
     pictures = [path for path in (ROOT / "symosc").rglob("*") if path.suffix in (".png", ".svg", ".pdf", ".md")]
     assert not pictures
     assert {path.suffix for path in (ROOT / "docs" / "results").iterdir()} == {".md", ".png", ".svg"}
+
+
+def test_nox_has_a_session_for_every_python_and_every_extra() -> None:
+    declared = [each.rpartition(" ")[2] for each in PROJECT["classifiers"] if ":: 3." in each]
+    extras = [name for name in PROJECT["optional-dependencies"] if name not in ("test", "dev")]
+    assert f"PYTHONS = {declared!r}".replace("'", '"') in text("noxfile.py")
+    assert f"EXTRAS = {extras!r}".replace("'", '"') in text("noxfile.py")

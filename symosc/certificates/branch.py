@@ -17,6 +17,7 @@ from symosc.certificates.family import Family
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.multipliers import stability
 from symosc.certificates.orbit import switchings
+from symosc.display.progress import reporting
 from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.branch import Branch
@@ -68,7 +69,7 @@ class ProvenEnd(NamedTuple):
     outside: Fraction
 
 
-def prove_branch(branch: Branch, progress: Progress | None = None) -> Certificate:
+def prove_branch(branch: Branch, progress: Progress | bool | None = None) -> Certificate:
     """Prove a branch; see `symosc.certify`."""
     ends = []
     for i in (0, -1):
@@ -76,7 +77,10 @@ def prove_branch(branch: Branch, progress: Progress | None = None) -> Certificat
         ends.append((branch.ends[i].kind, Fraction(str(float(branch.values[i]))), points))
     first, last = sorted(ends, key=lambda end: end[1])
     task = BranchToProve(branch.parameters(0), branch.parameter, branch.labels, branch.periods, (first, last))
-    return certify_branch(task, progress)
+    if not isinstance(progress, bool):
+        return certify_branch(task, progress)
+    with reporting(progress, 0, 1, "proven", "") as report:
+        return certify_branch(task, lambda part: report(part, 1))
 
 
 def certify_branch(task: BranchToProve, progress: Progress | None = None) -> Certificate:

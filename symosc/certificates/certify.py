@@ -29,7 +29,7 @@ def certify(
     t_end: Any = None,
     start_error: Any = None,
     digits: Any = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
 
@@ -49,8 +49,8 @@ def certify(
         proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
     digits : int, optional
         Digits of a scene's enclosures; default 25, and more where events are closer to each other.
-    progress : callable, optional
-        For a branch: called with the part of it that is proven.
+    progress : bool or callable, optional
+        For a branch. True: a bar on stderr, on a terminal. Or what is called with the part of it that is proven.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def certify(
     return _of_an_answer(what, progress)
 
 
-def _of_an_answer(what: Any, progress: Callable[[float], None] | None) -> Certificate:
+def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
     """Prove what is no scene."""
     if isinstance(what, PeriodicOrbit):
         return prove_orbit(what)

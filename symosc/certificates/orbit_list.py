@@ -100,7 +100,7 @@ def _prove_some(orbits: Sequence[ListedOrbit]) -> list[str]:
 
 
 def prove_list(
-    orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int], None] | None = None
+    orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> Proven:
     """Prove all orbits of a list, in processes: the precision of balls is global to a process.
 
@@ -110,7 +110,7 @@ def prove_list(
         Default: the list that ships.
     workers : int
     progress : callable, optional
-        Called with how many orbits more are done.
+        Called with how many orbits are done, and how many there are.
     """
     orbits = listed_orbits() if orbits is None else orbits
     parts = [orbits[i : i + ORBITS_PER_TASK] for i in range(0, len(orbits), ORBITS_PER_TASK)]
@@ -119,7 +119,7 @@ def prove_list(
         for answer in pool.map(_prove_some, parts).result():
             answers += answer
             if progress:
-                progress(len(answer))
+                progress(len(answers), len(orbits))
     return summary(orbits, answers)
 
 

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
+from platform import python_version
+from time import monotonic
 from typing import Any, NoReturn
 
 import click
 
 import symosc
-from symosc.cli.output import write
+from symosc.cli.output import tell, write
+from symosc.display import progress
 from symosc.errors import SymoscError
 from symosc.files import drop_stdout
 
@@ -53,6 +56,8 @@ class CommandLine(click.Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = getattr(import_module(f"symosc.cli.{cmd_name}"), cmd_name)
+        known = {option for each in command.params for option in each.opts}
+        command.params += [option for option in _tellings() if not known & set(option.opts)]
         return command
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
@@ -79,10 +84,29 @@ class CommandLine(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; an interrupt ends it quietly."""
+        begin = monotonic()
+        progress.set_level(progress.NORMAL)
         try:
-            return super().invoke(ctx)
+            with progress.working("working"):
+                code = super().invoke(ctx)
         except KeyboardInterrupt:
             ctx.exit(INTERRUPTED)
+        if progress.level() == progress.VERBOSE:
+            about = f"symosc {symosc.__version__}, Python {python_version()}"
+            tell(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
+        return code
+
+
+def _tellings() -> list[click.Option]:
+    """Return the options of every command that say how much is told on stderr."""
+
+    def tell_so(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+        if wanted:
+            progress.set_level(progress.QUIET if option.name == "quiet" else progress.VERBOSE)
+
+    about = {"quiet": "No bars and no notes, results and errors alone.", "verbose": "Tell more on stderr."}
+    options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": tell_so}
+    return [click.Option([f"--{name}", f"-{name[0]}"], help=text, **options) for name, text in about.items()]
 
 
 def _fail(message: str) -> NoReturn:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import isfinite
@@ -13,6 +12,7 @@ import click
 from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json
 from symosc.cli.settings import goes_to_stdout
+from symosc.display.progress import bar
 
 
 @click.command()
@@ -118,8 +118,10 @@ def _scores(page: str) -> int:
 
 def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
     """Go through the steps, with a progress bar on stderr if that is a terminal."""
-    with click.progressbar(steps, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as shown:
-        yield from shown
+    with bar(label, len(steps)) as report:
+        for done, step in enumerate(steps, 1):
+            yield step
+            report(done, len(steps))
 
 
 def _picture(result: Record) -> Any:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import sys
+from itertools import count
 
 import click
 
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import folder_name
+from symosc.display.progress import bar
 
 
 @click.command()
@@ -33,9 +34,9 @@ def cases(output: str | None, group: str | None, as_json: bool) -> int:
     wanted = chosen(group)
     if output is not None:
         folder = folder_name(output)
-        hidden = not sys.stderr.isatty()
-        with click.progressbar(length=len(wanted), label="cases", file=sys.stderr, hidden=hidden) as bar:
-            path = write_cases(folder, wanted, progress=bar.update)
+        written = count(1)
+        with bar("cases", len(wanted), "cases") as report:
+            path = write_cases(folder, wanted, progress=lambda _: report(next(written), len(wanted)))
         if as_json:
             write_json({"folder": str(path), "cases": [case.name for case in wanted]})
         else:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli.orbit import read_span
-from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import goes_to_stdout, scene_with, set_option
+from symosc.cli.output import complain, json_option, write, write_json, write_table
+from symosc.cli.settings import complete_scene, goes_to_stdout, scene_with, set_option
+from symosc.display.progress import bar
 from symosc.exact import read_start_error
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ NOT_PROVEN = 1
 
 
 @click.command()
-@click.argument("scene", required=False)
+@click.argument("scene", required=False, shell_complete=complete_scene)
 @click.option("--t-end", metavar="T", help="End time in place of the scene's.")
 @click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")
@@ -79,7 +79,7 @@ def certify(
     elif not piped:
         _report(certificate)
     if not certificate.proven:
-        click.echo(f"symosc: not proven: {certificate.message}", err=True)
+        complain(f"not proven: {certificate.message}")
     return 0 if certificate.proven else NOT_PROVEN
 
 
@@ -104,8 +104,7 @@ def _proof(
 
     name, limits = read_span(span, "--branch")
     branch = continue_orbit(found.parameters, found.word, name, limits, found)
-    with click.progressbar(length=1000, label="proven", file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
-        return prove(branch, progress=lambda part: bar.update(int(1000 * part) - bar.pos))
+    return prove(branch, progress=True)
 
 
 def _orbit(problem: Scene, word: str | None) -> PeriodicOrbit | None:
@@ -118,10 +117,10 @@ def _orbit(problem: Scene, word: str | None) -> PeriodicOrbit | None:
     try:
         found = find_orbit(problem.parameters, word)
     except ConvergenceError as error:
-        click.echo(f"symosc: not proven: {error}", err=True)
+        complain(f"not proven: {error}")
         return None
     if not found.admissible:
-        click.echo(f"symosc: not proven: {found.word} is {found.message}", err=True)
+        complain(f"not proven: {found.word} is {found.message}")
         return None
     return found
 
@@ -146,10 +145,10 @@ def _list() -> int:
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
     count = len(listed_orbits())
-    with click.progressbar(length=count, label="orbits", file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
-        done = prove_list(progress=bar.update)
+    with bar("proven", count, "orbits") as report:
+        done = prove_list(progress=report)
     regimes = ", ".join(f"{number} {name}" for name, number in done.regimes.items())
     write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
     for message in done.open:
-        click.echo(f"symosc: not proven: {message}", err=True)
+        complain(f"not proven: {message}")
     return NOT_PROVEN if done.open else 0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from difflib import get_close_matches
 from os.path import exists
 from pathlib import Path
@@ -13,8 +14,9 @@ from typing import Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import write_json
+from symosc.cli.output import complain, tell, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings, set_option
+from symosc.display.progress import VERBOSE, bar, level
 from symosc.errors import OutputError, ParameterError, SymoscError
 from symosc.files import write_text
 
@@ -103,7 +105,7 @@ def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: boo
     try:
         fragment = pages.check_fragment(name, scope)
     except StepError as error:
-        click.echo(f"symosc: check failed: {error}", err=True)
+        complain(f"check failed: {error}")
         return 1
     if form == "latex":
         prefix = pages.PREFIX if options["prefix"] is None else options["prefix"]
@@ -133,9 +135,10 @@ def _chapters(subject: str, scene: str | None, output: str | None, form: str, as
     _check_folder(folder)
     problem = None if scene is None else load_scene(scene)
     try:
-        scope, chapters = document.build([subject], problem, _progress)
+        with _bars() as progress:
+            scope, chapters = document.build([subject], problem, progress)
     except StepError as error:
-        click.echo(f"\nsymosc: check failed: {error}", err=True)
+        complain(f"check failed: {error}")
         return 1
     if printed:
         click.echo(document.printed(chapters, scope, form), nl=False)
@@ -177,16 +180,26 @@ def _compile(folder: Path, paths: list[Path]) -> int:
     try:
         paths.insert(0, pdf.make_pdf(folder / MAIN))
     except SymoscError as error:
-        click.echo(f"symosc: {error}", err=True)
+        complain(f"{error}")
         return 1
     return 0
 
 
-def _progress(subject: str, done: int, count: int) -> None:
-    if sys.stderr.isatty():
-        click.echo(f"\r{subject}: {done}/{count} steps\033[K", err=True, nl=done == count)
-    elif done == count:
-        click.echo(f"{subject}: {count} steps checked", err=True)
+@contextmanager
+def _bars() -> Iterator[Callable[[str, int, int], None]]:
+    """Show a bar for each subject, one after the other; yield what is told how far one is."""
+    with ExitStack() as stack:
+        shown: dict[str, Callable[[float, float], None]] = {}
+
+        def progress(subject: str, done: int, count: int) -> None:
+            if subject not in shown:
+                stack.close()
+                shown[subject] = stack.enter_context(bar(subject, count))
+            shown[subject](done, count)
+            if done == count and level() == VERBOSE:
+                tell(f"{subject}: {count} steps checked")
+
+        yield progress
 
 
 def _log(chapters: list[Any], scene: Any, paths: list[Path]) -> Record:

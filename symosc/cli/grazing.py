@@ -9,7 +9,7 @@ import click
 from symosc.aliases import Record
 from symosc.cli import inverse
 from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings
+from symosc.cli.settings import WholeNumber, complete_scene, goes_to_stdout, read_settings
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("scene", required=False)
+@click.argument("scene", required=False, shell_complete=complete_scene)
 @click.option(
     "--set",
     "settings",

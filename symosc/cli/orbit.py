@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import FLOAT_FORMAT, json_option, write, write_json
+from symosc.cli.output import FLOAT_FORMAT, complain, json_option, write, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 from symosc.display.tables import plain_table
 from symosc.exact import show
@@ -68,7 +68,7 @@ def orbit(
     try:
         found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)
     except ConvergenceError as error:
-        click.echo(f"symosc: {error}", err=True)
+        complain(f"{error}")
         return NOT_FOUND
     branch = None if span is None or not found.admissible else _branch(found, span, periods)
     if output is not None and found.admissible:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from symosc.display.progress import QUIET, level, pause_working
 from symosc.display.tables import plain_table
+from symosc.display.terminal import print_table
 from symosc.files import drop_stdout
 
 if TYPE_CHECKING:
@@ -22,15 +24,23 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON i
 
 def write(text: str) -> None:
     """Print to stdout. Nothing is wrong if the reader has closed the pipe."""
+    pause_working()
     try:
         click.echo(text)
     except BrokenPipeError:
         drop_stdout()
 
 
-def tell(text: str) -> None:
-    """Say something on stderr that is no result and no error."""
+def complain(text: str) -> None:
+    """Say on stderr what did not work."""
+    pause_working()
     click.echo(f"symosc: {text}", err=True)
+
+
+def tell(text: str) -> None:
+    """Say something on stderr that is no result and no error, unless all is to be quiet."""
+    if level() > QUIET:
+        complain(text)
 
 
 def write_json(data: object) -> None:
@@ -40,14 +50,16 @@ def write_json(data: object) -> None:
 
 def write_table(rows: list[list[str]], heads: list[str]) -> None:
     """Print a table; numbers are aligned at their points."""
-    write(plain_table(heads, rows, NUMBER_HEADS))
+    pause_working()
+    if not print_table(heads, rows, NUMBER_HEADS):
+        write(plain_table(heads, rows, NUMBER_HEADS))
 
 
 def undecidable(trajectory: Trajectory) -> bool:
     """Report a trajectory that ended because its precision did not suffice."""
     if trajectory.status != "undecidable":
         return False
-    click.echo(f"symosc: undecidable: {trajectory.message}", err=True)
+    complain(f"undecidable: {trajectory.message}")
     return True
 
 

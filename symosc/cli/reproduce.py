@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import click
 
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import folder_name
+from symosc.display.progress import bar
 
 if TYPE_CHECKING:
     from symosc.paper.run import Plan, Results
@@ -51,11 +52,9 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
     from symosc.paper.run import run
 
     with report.Folder(output) as folder:
-        hidden = not sys.stderr.isatty()
-        with click.progressbar(
-            length=len(plan), label="Reproducing", file=sys.stderr, hidden=hidden, show_eta=False
-        ) as bar:
-            results = run(plan, lambda: bar.update(1), workers)
+        parts = count(1)
+        with bar("reproducing", len(plan), "parts") as report_part:
+            results = run(plan, lambda: report_part(next(parts), len(plan)), workers)
         texts = report.files(results)
         folder.write(texts)
     if as_json:

@@ -8,13 +8,14 @@ import click
 
 from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json, write_table
+from symosc.cli.settings import complete_scene
 from symosc.exact import show
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 from symosc.scenes.writing import as_toml
 
 
 @click.command()
-@click.argument("scene", required=False)
+@click.argument("scene", required=False, shell_complete=complete_scene)
 @json_option
 def scenes(scene: str | None, as_json: bool) -> None:
     """List the shipped scenes, or print one as a TOML file.

@@ -7,12 +7,20 @@ from dataclasses import replace
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from symosc.cli.output import tell
 from symosc.files import STDOUT
-from symosc.scenes import START_NAMES, Scene, load_scene
+from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 
-scene_argument = click.argument("scene")
+
+def complete_scene(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Return the scenes whose names begin so, for the shell; it adds files itself."""
+    names = [CompletionItem(name) for name in scene_names() if name.startswith(begun)]
+    return names or [CompletionItem(begun, type="file")]
+
+
+scene_argument = click.argument("scene", shell_complete=complete_scene)
 set_option = click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Change a parameter, such as k=3. Repeatable."
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import json_option, write, write_json
+from symosc.cli.output import complain, json_option, write, write_json
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -
     except KeyboardInterrupt:
         if asked["path"] is not None:
             about = sweep_status(problem, over, **asked)
-            click.echo(f"symosc: interrupted: {_kept(about)}; the same command goes on", err=True)
+            complain(f"interrupted: {_kept(about)}; the same command goes on")
         raise
     finally:
         if executor is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from symosc.cli.output import write
+from symosc.cli.output import complain, write
 from symosc.errors import MissingExtraError
 
 
@@ -27,7 +27,7 @@ def verify(file: str) -> int:
         raise MissingExtraError("verify", "certify") from None
     code, line = prove(file)
     if code:
-        click.echo(f"symosc: {line}", err=True)
+        complain(f"{line}")
     else:
         write(line)
     return code

@@ -40,8 +40,8 @@ DRAWN_BY = {
 }
 
 
-def _draw(name: str, answer: object, **options: Any) -> Any:
-    draw: Callable[..., Any] = __getattr__(name)
+def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
+    draw: Callable[..., Any] = __getattr__(figure_name)
     return draw(answer, **options)
 
 

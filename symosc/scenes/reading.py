@@ -104,18 +104,18 @@ def _check_keys(file: SceneFile, name: str) -> None:
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")
     required, optional = TABLES[name]
     prefix, known = f"{name}." if name else "", (*required, *optional)
-    for key in table:
-        if key not in known:
-            near = get_close_matches(key, known, 1)
-            meant = f"; did you mean {near[0]}?" if near else ""
-            place = file.place(name, key) if name else file.place(key)
-            said = f"{place}: " if place else ""
-            raise SceneError(file.where, f"{said}{prefix}{key} is unknown{meant}; known are {', '.join(known)}")
-    for key in required:
-        if key not in table:
-            begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
-            advice = f": give it in a table [{key}]" if key in TABLES else begins
-            raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
+    strange = [key for key in table if key not in known]
+    missing = [key for key in required if key not in table]
+    for key in strange:  # before what is missing: that may be what was meant
+        near = get_close_matches(key, missing or known, 1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        place = file.place(*filter(None, [name, key]))
+        said = f"{place}: " if place else ""
+        raise SceneError(file.where, f"{said}{prefix}{key} is unknown{meant}; known are {', '.join(known)}")
+    for key in missing:
+        begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
+        advice = f": give it in a table [{key}]" if key in TABLES else begins
+        raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 
 def _read_number(file: SceneFile, path: Sequence[str]) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from symosc.display.progress import reporting
 from symosc.engine.compiled_loop import room_for
 from symosc.exact import read_start_error, whole_number
 from symosc.simulation.batch_loop import CAPACITY, chosen_loops
@@ -15,7 +16,7 @@ from symosc.simulation.ladder import Limits
 from symosc.simulation.problems import Problems
 from symosc.simulation.simulate import MOST_EVENTS, read_accuracy
 from symosc.simulation.summary import Summary, summary_from
-from symosc.simulation.workers import MOST_WORKERS, Progress, in_chunks, read_progress, read_workers
+from symosc.simulation.workers import MOST_WORKERS, Progress, in_chunks, read_workers
 
 __all__ = ["EventTable", "Summary", "simulate_many"]
 
@@ -33,7 +34,7 @@ def simulate_many(
     skip: Any = 0,
     sections: int = 1,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Any:
     """Follow many motions in double precision, on all cores; compiled when numba is installed (extra `fast`).
 
@@ -53,8 +54,8 @@ def simulate_many(
         or one for each), and the number of sections that are kept.
     workers : int, optional
         Threads; None: one for each core. The result is the same for any number.
-    progress : callable, optional
-        Called now and then with the number of motions that are done, and of all.
+    progress : bool or callable, optional
+        True: a bar on a terminal. Or what is called with the number of motions done, and of all.
 
     Returns
     -------
@@ -69,8 +70,7 @@ def simulate_many(
     Examples
     --------
     >>> from symosc import load_scene, simulate_many
-    >>> starts = [(0, 0, 0), (0, 1, 2)]  # so few are not worth compiling
-    >>> simulate_many(load_scene("fig9").parameters, starts, t_end=3, use_numba=False).trajectory.tolist()
+    >>> simulate_many(load_scene("fig9").parameters, [(0, 0, 0), (0, 1, 2)], 3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
@@ -78,5 +78,6 @@ def simulate_many(
     task = BatchTask(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
     part = read_record(record, skip, sections, task)
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
-    parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, read_progress(progress))
+    with reporting(progress or False, 0, len(problems), "simulate_many") as report:
+        parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, report)
     return table_of_parts(parts) if is_events(record) else summary_from(parts)

@@ -12,7 +12,6 @@ from queue import SimpleQueue
 from threading import Event
 from typing import Any, TypeVar
 
-from symosc.errors import ParameterError
 from symosc.exact import whole_number
 
 Result = TypeVar("Result")
@@ -53,14 +52,6 @@ def read_workers(workers: Any) -> int:
     if workers is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return whole_number("workers", workers, 1)
-
-
-def read_progress(progress: Any) -> Progress | None:
-    """Return what is to be called after each chunk, if anything."""
-    if progress is not None and not callable(progress):
-        raise ParameterError("progress", progress, "must be a function of two numbers: motions done, and all")
-    known: Progress | None = progress
-    return known
 
 
 def in_chunks(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from symosc.display.progress import Report, reporting
 from symosc.errors import SweepError
 from symosc.exact import true_or_false
 from symosc.scenes import Scene, load_scene
@@ -17,7 +18,6 @@ from symosc.sweeps.collected import Collected
 from symosc.sweeps.dataset import dataset_of, need_xarray
 from symosc.sweeps.grid import SWEPT_STARTS, read_grid
 from symosc.sweeps.plan import SweepPlan, read_plan
-from symosc.sweeps.progress import Report, reporting
 from symosc.sweeps.run import carried_out, engine
 from symosc.sweeps.store import Store, missing
 

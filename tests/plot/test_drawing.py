@@ -27,6 +27,7 @@ from symosc import (
     simulate,
 )
 from symosc.display.drawable import Drawable
+from symosc.plot.drawing import Drawing, plain_numbers
 
 P = load_scene("fig9").parameters
 
@@ -134,14 +135,16 @@ def test_numbers_at_ticks_are_plain_text_and_say_the_same() -> None:
     drawing.draw_without_rendering()
     set_by_mathtext = [text.get_text() for text in axes.get_yticklabels()]
     assert len(plain) > 3
-    assert [rf"$\mathdefault{{{text}}}$".replace("\N{MINUS SIGN}", "-") for text in plain] == set_by_mathtext
+    assert [rf"$\mathdefault{{{text}}}$" for text in plain] == set_by_mathtext
 
 
-def test_a_layout_is_the_same_saved_and_drawn(tmp_path: Path) -> None:
-    for panels in ("a", "cd"):
-        saved, drawn = plot.figure("fig5", panels=panels), plot.figure("fig5", panels=panels)
-        plot.save(saved, tmp_path / "saved.png")
-        drawn.set_dpi(200)
-        drawn.draw_without_rendering()
-        for one, other in zip(saved.axes, drawn.axes, strict=True):
-            assert one.get_position().bounds == pytest.approx(other.get_position().bounds, abs=0.01)
+def test_a_figure_is_saved_as_matplotlib_would(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plot.save(plot.figure("fig5", panels="cd"), tmp_path / "ours.png")
+
+    def draw(self: Drawing, renderer: Any) -> None:
+        plain_numbers(self.axes)
+        Figure.draw(self, renderer)
+
+    monkeypatch.setattr(Drawing, "draw", draw)
+    plot.save(plot.figure("fig5", panels="cd"), tmp_path / "theirs.png")
+    assert (tmp_path / "ours.png").read_bytes() == (tmp_path / "theirs.png").read_bytes()

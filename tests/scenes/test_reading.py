@@ -71,7 +71,7 @@ def test_keys_that_are_wrong(tmp_path: Path) -> None:
             f"line {line('Omega')}, [parameters]: parameters.omega is unknown; did you mean Omega?",
         ),
         "x0 = ": ("# x0 = ", f"start.x0 is missing; [start] begins in line {1 + TEXT.splitlines().index('[start]')}"),
-        "[start]": ("[begin]", "begin is unknown"),
+        "[start]": ("[starts]", "starts is unknown; did you mean start?"),
     }
     for old, (new, message) in cases.items():
         file.write_text(TEXT.replace(f"\n{old}", f"\n{new}"), encoding="utf-8")

@@ -8,7 +8,7 @@ import sys
 import pytest
 from bad_values import refused
 
-from symosc.sweeps.progress import pace, reporting
+from symosc.display.progress import pace, reporting
 
 
 @pytest.mark.parametrize(

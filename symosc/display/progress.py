@@ -1,0 +1,180 @@
+"""Telling how far long work is: a bar on a terminal, with the rate and the time that is left, and nothing elsewhere.
+
+Work whose length is not known shows that it goes on, after two seconds. All goes to stderr. rich, which draws it, is
+loaded when there is something to show.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from datetime import timedelta
+from threading import Lock, Timer
+from time import monotonic
+from typing import Any
+
+from symosc.errors import ParameterError
+
+#: Gets how much is done, and how much there is in all.
+Report = Callable[[float, float], Any]
+#: How much is told: results and errors alone; notes, and bars on a terminal; what was done and how long it took too.
+QUIET, NORMAL, VERBOSE = 0, 1, 2
+#: Seconds until work of unknown length shows that it goes on, and between two pictures of a bar.
+SECONDS_UNTOLD, LEAST_PAUSE = 2.0, 0.1
+
+_level = NORMAL
+
+
+def set_level(level: int) -> None:
+    """Say how much is told."""
+    global _level
+    _level = level
+
+
+def level() -> int:
+    """Return how much is told: QUIET, NORMAL or VERBOSE."""
+    return _level
+
+
+def shows_bars() -> bool:
+    """Tell whether bars are shown: on a terminal, unless all is to be quiet."""
+    return _level > QUIET and sys.stderr is not None and sys.stderr.isatty()
+
+
+@contextmanager
+def reporting(
+    progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
+) -> Iterator[Report]:
+    """Return what is called with how much is done and how much there is in all.
+
+    Parameters
+    ----------
+    progress : bool, None or callable
+        True: a bar on stderr, if that is a terminal. A callable is returned itself.
+    there : number
+        What an earlier run has done.
+    total : number
+    label, unit : str
+        What is done, and what is counted.
+
+    Raises
+    ------
+    ParameterError
+        If `progress` is none of these.
+    """
+    if callable(progress):
+        yield progress
+    elif not isinstance(progress, bool):
+        raise ParameterError("progress", progress, "must be True, False or a function of two numbers: done, and all")
+    elif not (progress and shows_bars()):
+        yield lambda done, total: None
+    else:
+        with _bar(label, there, total, unit) as report:
+            yield report
+
+
+@contextmanager
+def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
+    """Show a bar while something is done; yield what is called with how much is done, and how much there is in all."""
+    with reporting(True, 0, total, label, unit) as report:
+        yield report
+
+
+@contextmanager
+def _bar(label: str, there: float, total: float, unit: str) -> Iterator[Report]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    pause_working()
+    begin, last = monotonic(), -LEAST_PAUSE
+    counted = MofNCompleteColumn() if unit else TextColumn("{task.percentage:.0f} %")
+    columns = TextColumn("{task.description}"), BarColumn(), counted, TextColumn("{task.fields[pace]}")
+    # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
+    with Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False) as shown:
+        task = shown.add_task(label, total=total, pace="")
+        shown.update(task, completed=there)
+        shown.refresh()
+
+        def report(done: float, of: float) -> None:
+            nonlocal last
+            now = monotonic()
+            at_the_end = done >= of
+            if at_the_end or now - last >= LEAST_PAUSE:
+                last = now
+                said = pace(done - there, of - done, now - begin, unit)
+                shown.update(task, completed=done, total=of, pace=said, refresh=True)
+
+        yield report
+
+
+def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str:
+    """Return the rate and the time that is left.
+
+    Parameters
+    ----------
+    done, left : number
+        What was done since the program has begun, and what is to do.
+    seconds : float
+    unit : str
+        What is counted; "": only the time is told.
+    """
+    rate = done / max(seconds, 1e-9)
+    shown = f"{rate:,.0f}" if rate >= 10 else f"{rate:.2g}"
+    time = timedelta(seconds=round(left / max(rate, 1e-9))) if done > 0 or left == 0 else "?"
+    return f"{shown} {unit}/s, {time} left" if unit else f"{time} left"
+
+
+class _Working:
+    """A line that shows that work goes on, begun after a while and ended for good."""
+
+    def __init__(self, label: str) -> None:
+        self.label, self.lock, self.over = label, Lock(), False
+        self.status: Any = None
+        self.timer = Timer(SECONDS_UNTOLD, self.begin)
+        self.timer.daemon = True
+        self.timer.start()
+
+    def begin(self) -> None:
+        with self.lock, suppress(ImportError):
+            if self.over or not shows_bars():
+                return
+            from rich.console import Console
+            from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+            columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+            status = Progress(*columns, console=Console(file=sys.stderr), transient=True)
+            status.add_task(self.label, total=None)
+            status.start()
+            self.status = status
+
+    def end(self) -> None:
+        self.timer.cancel()
+        with self.lock:
+            self.over = True
+            if self.status is not None:
+                self.status.stop()
+                self.status = None
+
+
+_working: _Working | None = None
+
+
+@contextmanager
+def working(label: str) -> Iterator[None]:
+    """Show on a terminal that work goes on, if it takes longer than two seconds and nothing else is shown."""
+    global _working
+    if shows_bars():
+        _working = _Working(label)
+    try:
+        yield
+    finally:
+        pause_working()
+
+
+def pause_working() -> None:
+    """End what `working` shows: a bar takes its place, or a result is printed."""
+    global _working
+    if _working is not None:
+        _working.end()
+        _working = None

@@ -1,0 +1,81 @@
+"""The command line on a real terminal: bars, colours, and Ctrl-C at any moment; nothing of that in a pipe."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from cli_runs import good, shell
+from terminals import on_terminal
+
+pytestmark = pytest.mark.slow
+COLOUR = re.compile(r"\x1b\[[\d;]*m")
+SWEEP = ["sweep", "fig9", "--over", "Omega=3:5:40", "--t-end", "12T", "--skip", "10T"]
+#: Commands that take long, what to wait for before Ctrl-C, and what may be left behind.
+LONG = {
+    "sweep": (["sweep", "fig9", "--over", "Omega=1:6:90000", "--t-end", "300T", "-o", "map.csv"], "0/90000", True),
+    "digits": (["simulate", "fig8", "--digits", "2000", "--t-end", "4000", "--csv", "events.csv"], 3.0, False),
+    "check": (["grazing", "fig9", "--check", "1000000", "--plot", "window.svg"], 3.0, False),
+    "derive": (["derive", "all", "-o", "pages"], "left", False),
+    "reproduce": (["reproduce", "-o", "reproduced"], "left", False),
+}
+
+
+def test_a_sweep_shows_a_bar_with_rate_and_time_left(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    shown = on_terminal(*SWEEP, folder=tmp_path)
+    assert shown.code == 0
+    for text in ("40/40", "motions/s", "0:00:00 left", "P32"):
+        assert text in shown.text, text
+    quiet = on_terminal(*SWEEP, "--quiet", folder=tmp_path)
+    assert "motions/s" not in quiet.text
+    assert "P32" in quiet.text
+    piped = shell(*SWEEP)
+    assert (piped.returncode, piped.stderr) == (0, "")
+    assert quiet.text.replace("\r\n", "\n") == piped.stdout
+
+
+def test_tables_have_colours_on_a_terminal_alone(tmp_path: Path) -> None:
+    shown = on_terminal("simulate", "fig6", folder=tmp_path)
+    plain = on_terminal("simulate", "fig6", folder=tmp_path, NO_COLOR="1")
+    narrow = on_terminal("simulate", "fig6", folder=tmp_path, columns=60)
+    assert len(set(COLOUR.findall(shown.text))) > 2
+    assert not re.search(r"\x1b\[[\d;]*3\d", plain.text)
+    piped = good("simulate", "fig6")
+    assert "\x1b" not in piped
+    words = [word for word in piped.split() if not set(word) <= {"-"}]
+    for each in (shown, plain):
+        assert [word for word in COLOUR.sub("", each.text).split() if not set(word) <= {"─", "-"}] == words
+    assert narrow.text.replace("\r\n", "\n") == piped  # no number is cut, no cell folded
+
+
+def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:
+    shown = on_terminal("simulate", "fig8", "--digits", "400", "--t-end", "60", folder=tmp_path, interrupt="working")
+    assert shown.code == 130
+    assert "0:00:0" in shown.text
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(name: str, tmp_path: Path) -> None:
+    if name == "sweep":
+        pytest.importorskip("xarray")
+    command, when, keeps = LONG[name]
+    shown = on_terminal(*command, folder=tmp_path, interrupt=when)
+    assert shown.code == 130, shown.text
+    assert "Traceback" not in shown.text
+    left = [path.name for path in tmp_path.iterdir()]
+    assert len(left) <= int(keeps), left  # the finished chunks of a sweep
+    assert "map.csv" not in left
+
+
+@pytest.mark.parametrize("seconds", [0.02, 0.05, 0.08, 0.12, 0.16, 0.2, 0.3])
+def test_an_interrupt_while_it_loads(seconds: float, tmp_path: Path) -> None:
+    shown = on_terminal("figure", "fig5", "-o", "fig5.pdf", folder=tmp_path, interrupt=seconds)
+    if shown.code == 0:
+        return  # it came before there was a program to take it
+    assert list(tmp_path.iterdir()) == []
+    if "KeyboardInterrupt" in shown.text:  # Python's own words, before it comes to the command line
+        assert "symosc/cli" not in shown.text
+    else:
+        assert shown.code == 130
