@@ -50,7 +50,7 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(main, ["derive", *arguments])
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", [name for name in FRAGMENTS if name not in HEAVY])
 def test_every_step_has_evidence(name: str) -> None:
     assert fragment_pages.check_fragment(name, fragment_scope({})).steps()
@@ -75,7 +75,7 @@ def test_every_step_of_a_flight_has_evidence(form: str, monkeypatch: pytest.Monk
         assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
 
 
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
@@ -90,7 +90,7 @@ def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
     assert not re.findall(r"\\(?:ref|eqref|cite|checkedby|markit)\b", text)  # nothing that is elsewhere
 
 
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_every_letter_of_a_fragment_is_defined_in_it(name: str) -> None:
