@@ -20,6 +20,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if getattr(config.option, "dist", "no") == "load":  # what pytest-xdist takes if nothing is said
         config.option.dist = "worksteal"
     if not hasattr(config, "workerinput"):  # the first process
+        # Else each program that a test starts, and each worker, compiles the package and the tests anew.
+        if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+            sys.dont_write_bytecode = False
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
 

@@ -6,6 +6,7 @@ functions of `symosc.symbolic.solution` do not.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -70,6 +71,7 @@ def _steady(name: str) -> tuple[Expr, dict[Expr, Expr]]:
     return A / k + wave, letters
 
 
+@cache
 def paper_form(regime: Regime) -> PaperForm:
     """Return the motion of a regime in the form of papers."""
     first, second = MODES[regime.name]

@@ -52,6 +52,7 @@ def test_each_solver_has_a_name_of_its_own() -> None:
     )
 
 
+@pytest.mark.full(8)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 @pytest.mark.parametrize("solver", CAREFUL, ids=lambda solver: solver.name)
 def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:

@@ -7,6 +7,7 @@ import pytest
 from symosc.bench import sweeping
 
 
+@pytest.mark.slow
 def test_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("xarray")
     monkeypatch.setattr(sweeping, "QUICK_SWEPT_MOTIONS", 20)

@@ -26,6 +26,7 @@ def proof(name: str, low: str, high: str) -> Certificate:
     return certify(branch(name, low, high))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("name", "low", "high"), [("fig9", "3.9", "4.1"), ("fig10", "1.7", "1.8")])
 def test_orbits_lie_in_the_boxes(name: str, low: str, high: str) -> None:
     found = proof(name, low, high)

@@ -58,6 +58,7 @@ def test_the_file_is_exact_input_and_decimals(tmp_path: Path) -> None:
     assert verify(str(path))[0] == 0
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["fig5", "fig7-corrected", "fig8", "fig9-orbit", "fig10", "fig7-exact", "fig8-exact"])
 def test_other_means_prove_it_too(name: str, tmp_path: Path) -> None:
     certify(name).to_json(tmp_path / "it.json")

@@ -23,6 +23,7 @@ def _flight(p: Parameters, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Fl
     return flight, [Wall(b, 1 if domain > b else -1, Turns(p, b)) for b in (1, 2) if domain - b in (0, 1)]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("family", ["ordinary", "light", "stiff", "no spring", "resonant"])
 def test_the_first_zero_is_where_samples_change_their_sign(family: str) -> None:
     rng = random.Random(family)

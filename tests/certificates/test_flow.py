@@ -43,6 +43,7 @@ def contains(value: Ball, number: Any) -> bool:
     return low - slack <= exact <= high + slack and high - low < Fraction(1, 10**20) * (1 + abs(exact))
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("regime", REGIMES)
 def test_enclosures_contain_the_motion(regime: str) -> None:
     p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)

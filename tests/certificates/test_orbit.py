@@ -39,6 +39,7 @@ def test_orbits_of_the_paper(name: str) -> None:
         assert within(value.imag, im)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("i", [0, 7, 250, 501, 902])
 def test_enclosures_contain_many_digits_in_all_regimes(i: int) -> None:
     listed = listed_orbits()[i]

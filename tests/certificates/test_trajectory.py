@@ -60,6 +60,7 @@ def random_scenes(family: str, count: int, seed: int = 0) -> Iterator[Scene]:
         yield scene if run.status != "max_events" else scene.started({"t_end": run.events[-1].t + 1e-9})
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("family", [family for family in FAMILIES if family not in ("slow", "light")])
 def test_enclosures_contain_the_events_of_the_oracle(family: str) -> None:
     for scene in random_scenes(family, 1):
@@ -85,6 +86,7 @@ def test_ten_thousand_events(family: str) -> None:
             break
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("family", ["ordinary", "stiff", "resonant"])
 def test_the_engine_s_doubles_are_in_the_enclosures(family: str) -> None:
     for scene in random_scenes(family, 5, 2):

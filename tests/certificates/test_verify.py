@@ -60,6 +60,7 @@ def test_it_runs_as_a_copy(tmp_path: Path) -> None:
     assert (run.returncode, run.stdout, len(run.stderr.splitlines())) == (2, "", 1)
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_changed_certificate_is_proven_only_if_it_is_still_true(change: str, tmp_path: Path) -> None:
     _judge(change, tmp_path, 3)
@@ -105,6 +106,7 @@ def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) ->
         assert code >= 1, line
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
 @pytest.mark.parametrize("shift", [-9, 0, 9])
 def test_starts_that_all_miss_or_all_meet_the_belt_have_no_graze(name: str, shift: int, tmp_path: Path) -> None:

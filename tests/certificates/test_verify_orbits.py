@@ -45,6 +45,7 @@ def judged(content: Any, tmp_path: Path) -> tuple[int, str]:
     return checker.verify(str(path))
 
 
+@pytest.mark.slow
 def test_it_stands_alone_with_the_other_checker(tmp_path: Path) -> None:
     tree = ast.parse(FILE.read_text(encoding="utf-8"))
     heads = {
@@ -62,6 +63,7 @@ def test_it_stands_alone_with_the_other_checker(tmp_path: Path) -> None:
     assert run.stdout.startswith("proven: an orbit P32")
 
 
+@pytest.mark.quick(7)
 @pytest.mark.parametrize("change", ORBIT_CHANGES)
 def test_a_changed_orbit_is_proven_only_if_it_is_still_true(change: str, tmp_path: Path) -> None:
     _judge_orbits(change, tmp_path, 4, (-2, -1))
@@ -86,6 +88,7 @@ def _judge_orbits(change: str, tmp_path: Path, count: int, orbits: tuple[int, ..
             raise AssertionError((line, changed))
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("change", WINDOW_CHANGES)
 def test_a_changed_window_is_proven_only_if_it_is_still_true(change: str, tmp_path: Path) -> None:
     rng, refused = random.Random(change), 0
@@ -108,6 +111,7 @@ def test_the_box_in_which_an_orbit_is_alone_has_to_be_proven(tmp_path: Path) -> 
         assert judged(document | {"alone_within": box}, tmp_path)[0] >= 1, box
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["events", "word", "periods", "parameters", "multipliers", "stable", "alone_within"])
 def test_what_is_missing_or_nonsense_is_one_line(name: str, tmp_path: Path) -> None:
     whole = json.loads(orbit_document(-2))

@@ -125,6 +125,7 @@ QUICK = {"simulate": ["fig6"], "figure": ["fig6", "-o", "a.svg", "--panels", "a"
 QUICK |= {"grazing": ["fig9"], "derive": ["none"], "reproduce": ["--only", "none"], "bench": ["--none"]}
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("command", QUICK)
 def test_nonsense_is_answered_in_one_line(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,6 +157,7 @@ def test_an_existing_file_survives_a_failed_write(tmp_path: Path) -> None:
 # --- the real program ---
 
 
+@pytest.mark.slow
 def test_exit_codes_of_the_program(tmp_path: Path) -> None:
     assert shell("simulate", "fig7").returncode == 0
     failed = shell("simulate", str(tmp_path))

@@ -183,6 +183,7 @@ def test_keeping_to_a_belt_too_long_is_found() -> None:
     assert result.first_wrong.reason in ("sign tolerance", "crossing inside the step")
 
 
+@pytest.mark.slow
 def test_errors_that_add_up_fail_in_the_end() -> None:
     scene = load_scene("fig9")
     other = scene.parameters.replace(k="3.000001")

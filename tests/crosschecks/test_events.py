@@ -23,6 +23,7 @@ def found_in(name: str, t: np.ndarray, t_end: float) -> tuple[list[Any], np.ndar
     return events, modes, label, steps
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 @pytest.mark.parametrize("count", [300, 1009])
 def test_samples_of_a_motion_show_its_events(name: str, count: int) -> None:

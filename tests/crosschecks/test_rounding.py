@@ -76,7 +76,7 @@ def check_rounded(rng: np.random.Generator, cut: Round, words: str) -> None:
     assert not crosscheck(p, times, cut(x), cut(v)).ok
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 6, 10])
 @pytest.mark.parametrize("kind", [decimals, significant])

@@ -49,7 +49,7 @@ def test_every_step_has_evidence(key: str) -> None:
 
 
 #: Of each chapter every so-manieth step; the others are a campaign. Chapters of few steps are there as a whole.
-PIECES = dict.fromkeys(CHAPTERS, 3) | {"domains": 8, "switching": 1, "sticks": 1}
+PIECES = dict.fromkeys(CHAPTERS, 3) | {"domains": 8, "switching": 1, "sticks": 1, "certificates": 4, "events": 5}
 PARTS = [(key, part) for key in CHAPTERS for part in range(PIECES[key])]
 
 

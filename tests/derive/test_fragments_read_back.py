@@ -109,6 +109,7 @@ def test_the_equations_of_a_stick(name: str) -> None:
         assert (values["f_1"], values[f"f_2^{{({domain})}}"] / float(p.m)) == pytest.approx((f1, f2), rel=1e-12)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", ["P2", "P3", "P5", "P6"])
 def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
     """The row of the table that gamma and a choose has the ends of the exact window, and x_m is its contact."""
@@ -140,6 +141,7 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
         assert printed == pytest.approx([end for low, high, *_ in window.intervals for end in (low, high)])
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     ("numbers", "regime"),
     [
@@ -161,6 +163,7 @@ def test_a_few_numbers_decide_the_regime(numbers: dict[str, str], regime: str, f
     assert ("The numbers are" in text) == (len(numbers) > 1)
 
 
+@pytest.mark.slow
 def test_what_a_theorem_speaks_of_is_said_in_it() -> None:
     scope = fragment_scope({})
     text = fragment_pages.as_latex(fragment_pages.check_fragment("theorem7", scope), scope, paper_tags=True)

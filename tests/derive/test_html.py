@@ -27,6 +27,7 @@ def unchecked(key: str) -> Checked:
     return Checked(key, title, [Part(item, tuple(evidence for _ in blocks.steps_of(item))) for item in items])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("key", KEYS)
 def test_html_has_no_rest_of_latex(key: str) -> None:
     html = document.as_html(unchecked(key), Scope())

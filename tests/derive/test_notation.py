@@ -23,7 +23,7 @@ def formulas(text: str) -> Iterator[str]:
         yield from re.findall(r"\$(.*?)\$", display)
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("key", CHAPTERS)
 def test_no_symbol_is_undefined(key: str) -> None:
     text = (CHAPTER_FILES / f"{key}.tex").read_text(encoding="utf-8")

@@ -32,6 +32,7 @@ def random_walls(count: int, seed: int, share: tuple[float, float]) -> list[tupl
     return found
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("c", "F", "Omega", "x_0"),
     [

@@ -96,6 +96,7 @@ def test_a_slow_drive_is_passed_in_strides(monkeypatch: pytest.MonkeyPatch) -> N
     assert counts["stays_open"] + counts["gap_polynomial"] < 20 * len(table)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("c", ["0.7", "0.3", "2.2"])
 @pytest.mark.parametrize("Omega", ["1e-4", "1e-5", "1e-7"])
 def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
@@ -152,6 +153,7 @@ def test_a_polynomial_without_a_slope_is_left_where_it_is() -> None:
         assert first_exit_module.local_root(over, 0.0, G1, G2, G3, 1e-12) == 0.0
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("part", [0.05, 0.3])
 def test_what_a_step_goes_past_is_found_behind_it(part: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps that no bound has made: whatever wall a step ends behind, the contact on it is the answer, on that side."""

@@ -120,6 +120,7 @@ LABELS = {
 }
 
 
+@pytest.mark.slow
 def test_words_name_the_mappings_between_events() -> None:
     seen: Counter[str] = Counter()
 

@@ -76,7 +76,7 @@ def reach(a: Aimed, mapping: str, errors: tuple[Fraction, ...]) -> float:
 ERRORS = {"t0": (1, 0, 0), "x0": (0, 1, 0), "v0": (0, 0, 1), "all": (1, 1, 1)}
 
 
-@pytest.mark.full(7)
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [5, 7, 12, 20, 40])
 @pytest.mark.parametrize("which", ERRORS)

@@ -46,6 +46,7 @@ def factors(units: Units) -> list[float]:
     return [1, 1, 1, 1, 1, 1, L, V, F, F, L * L, L * V, V * V, T, T, L]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("units", UNITS, ids=str)
 def test_every_step_is_the_same_in_any_units(units: Units) -> None:
     """Of the paper's motions and of random ones: codes, states and the covariance of their errors."""

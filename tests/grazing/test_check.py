@@ -53,7 +53,7 @@ def test_equality_is_met_exactly() -> None:
     assert report.orders[2] == 2
 
 
-@pytest.mark.full(5)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",

@@ -42,6 +42,7 @@ def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
         assert ways.fine_flow(exact) == expected
 
 
+@pytest.mark.slow
 def test_dop853_is_as_accurate_as_assumed() -> None:
     worst = 0.0
     for mapping in MAPS:

@@ -29,7 +29,7 @@ def number(value: Any) -> Fraction:
     return Fraction(mpmath.nstr(value, 60))
 
 
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("mapping", MAPS)
 def test_the_flight_leads_into_the_tangency(mapping: str, regime: str) -> None:

@@ -65,7 +65,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
-@pytest.mark.full(5)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",

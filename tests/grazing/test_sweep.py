@@ -29,7 +29,7 @@ mp = mpmath.mp.clone()
 mp.dps = 50
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", ["P2", "P6"])
 def test_sweep_ends_are_within_one_unit_in_the_last_place(mapping: str) -> None:
     rng = np.random.default_rng(5)

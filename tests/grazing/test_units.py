@@ -42,7 +42,7 @@ def scaled(arrival: Arrival, units: Units) -> Arrival:
     return Arrival(arrival.kind, arrival.boundary, *numbers)
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("units", UNITS, ids=str)
 def test_the_way_back_is_the_same(units: Units) -> None:
     """To the last bit, with the bounds of its errors: to the first contact, and step by step to any time."""

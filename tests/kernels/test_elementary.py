@@ -26,6 +26,7 @@ def errors(name: str, arguments: list[float]) -> list[tuple[float, float]]:
     return found
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", ["sin", "cos"])
 @pytest.mark.parametrize("widest", [0.8, 10.0, 1e3, elementary.WIDEST])
 def test_sine_and_cosine(name: str, widest: float) -> None:

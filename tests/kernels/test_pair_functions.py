@@ -79,7 +79,7 @@ def numbers(count: int, seed: int) -> Iterator[Any]:
 
 
 @pytest.mark.slow
-@sample_of(3_000, 300_000)
+@sample_of(1_000, 300_000)
 def test_operators_are_right_to_a_few_units(count: int) -> None:
     pairs = zip(numbers(count, 1), numbers(count, 2), strict=True)
     worst = dict.fromkeys(OPERATORS, 0.0)

@@ -97,7 +97,7 @@ def test_mpmath_numbers_in_mpmath_numbers_out() -> None:
                 assert abs(value - (up - down) / (2 * step)) < mp.mpf("1e-30") * (1 + abs(value))
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("regime", REGIMES)
 def test_arrays_agree_with_floats(regime: str) -> None:
     rng = random.Random(f"arrays {regime}")

@@ -82,7 +82,7 @@ def random_parameters(rng: random.Random) -> Parameters:
     return p
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
     """Against sympy's sets, whose ends are compared by sympy, at their ends and at random multiples of pi."""
@@ -105,7 +105,7 @@ def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
     assert at_ends > 8
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 def test_windows_agree_with_theorem_6_at_the_contact(mapping: str) -> None:
     """A phase is in the full window iff F and its derivatives at the contact say so, in 50 digits."""

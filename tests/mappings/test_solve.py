@@ -61,6 +61,7 @@ def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction,
             yield p, x, theta, MAP_LABELS[belt, event.source, event.boundary], event
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [None, 25])
 def test_a_map_is_what_the_equation_of_motion_does(digits: int | None) -> None:
     """From random points of both belts, at phases of many turns and below 0: the end, the exit, and other labels."""

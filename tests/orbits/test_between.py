@@ -52,33 +52,34 @@ def peak(p: Parameters, Omega: float) -> float:
 
 
 @pytest.mark.slow
-def test_a_gap_narrower_than_the_steps_is_found():
-    branch = continue_orbit(NARROW, "P32", "Omega", ("1.2", 4))
-    end = branch.ends[1]
+@pytest.mark.parametrize(
+    ("p", "which", "value"),
+    [(NARROW, 1, 1.9993345), pytest.param(NARROW.replace(Omega="2.5"), 0, 2.0006555, marks=pytest.mark.campaign)],
+)
+def test_a_gap_narrower_than_the_steps_is_found(p, which, value):
+    """From below and from above."""
+    end = continue_orbit(p, "P32", "Omega", ("1.2", 4)).ends[which]
     assert end.kind == "grazing"
-    assert end.value == pytest.approx(1.9993345, abs=2e-7)
+    assert end.value == pytest.approx(value, abs=2e-7)
     assert end.beyond == "P7482"
-    other = continue_orbit(NARROW.replace(Omega="2.5"), "P32", "Omega", ("1.2", 4)).ends[0]
-    assert other.value == pytest.approx(2.0006555, abs=2e-7)
-    assert other.beyond == "P7482"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))])
-def test_gaps_of_any_width_are_found(seed):
+@pytest.mark.parametrize("depth", [1e-8, pytest.param(1e-2, marks=pytest.mark.campaign)])
+def test_gaps_of_any_width_are_found(depth, seed):
     """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
     rng = random.Random(seed)
     p, w0 = drawn(rng)
     low, high = 0.75 * w0, 1.5 * w0
     top = minimize_scalar(lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9})
-    for depth in (1e-2, 1e-8):
-        q = p.replace(v2=float(-top.fun) - depth)
-        end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
-        assert end.kind == "grazing", depth
-        assert end.value < top.x
-        assert peak(p, end.value) == pytest.approx(float(q.v2), abs=1e-10)
-        assert all(abs(condition.value) < 1e-9 for condition in end.conditions)
-        assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
+    q = p.replace(v2=float(-top.fun) - depth)
+    end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
+    assert end.kind == "grazing"
+    assert end.value < top.x
+    assert peak(p, end.value) == pytest.approx(float(q.v2), abs=1e-10)
+    assert all(abs(condition.value) < 1e-9 for condition in end.conditions)
+    assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
 
 
 @pytest.mark.slow

@@ -34,6 +34,7 @@ def test_as_dict_holds_everything():
     assert data["ends"][0]["conditions"][0]["event"] == "birth of a stick"
 
 
+@pytest.mark.slow
 def test_branches_are_equal_by_what_they_say() -> None:
     one = continue_orbit(FIG9, "P32", "Omega", (3.999, 4.0))
     two, other = copy(one), copy(one)

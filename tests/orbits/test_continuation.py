@@ -282,6 +282,7 @@ def test_command_line(tmp_path):
     assert orbit_figure.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_steps_along_a_branch_grow_to_the_longest_and_no_further():
     """... on a branch that nothing bends: the first step, then half as long again each time, then the longest."""
     orbit = find_orbit(FIG9, "P32")

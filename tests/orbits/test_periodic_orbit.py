@@ -124,6 +124,7 @@ def test_the_nearest_switching_is_on_the_starts_belt_and_mod_the_forcing_period(
         assert np.isnan(orbit._nearest_switching(off)).all()
 
 
+@pytest.mark.slow
 def test_the_offset_is_that_from_the_nearest_shift_of_the_orbit() -> None:
     """An orbit of several forcing periods may be met in any of them."""
     orbit = find_orbit(FIG9, "P32", periods=3)

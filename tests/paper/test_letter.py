@@ -57,6 +57,7 @@ def test_all_claims_as_committed_show_all_errata() -> None:
         assert counts(text)[0] == len(CLAIMS)
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("i", range(len(ERRATA)))
 def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(i: int) -> None:
     """Not if its claims were not run, hold after all, or failed; and once if several show it."""

@@ -37,7 +37,7 @@ def test_a_misprinted_parameter_is_found(name: str, true: str) -> None:
     assert other.distance > starts.PRINTED_HALF_UNIT
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "true"), [("Omega", "1.7"), ("mu2", "0.33")])
 def test_a_misprinted_parameter_of_a_motion_with_sticks_is_found(name: str, true: str) -> None:
     right = printed(replace(FIG10, parameters=FIG10.parameters.replace(**{name: true})))

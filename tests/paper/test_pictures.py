@@ -219,7 +219,7 @@ def test_phones_get_the_same_panels_above_each_other(
     assert {ax.get_subplotspec().colspan.stop for ax in narrow} == {1}
 
 
-@pytest.mark.full(12)
+@pytest.mark.full(6)
 @pytest.mark.parametrize("form", ["drawn", "stacked"])
 @pytest.mark.parametrize("key", COMPUTED)
 def test_nothing_overlaps(key: str, form: str, request: pytest.FixtureRequest) -> None:

@@ -67,7 +67,7 @@ def test_the_command_checks_every_chapter(monkeypatch: pytest.MonkeyPatch, tmp_p
 def results(read: Any) -> Results:
     names = ("right", "wrong", "raises", "dies", "no_evidence")
     claims = read("\n".join(CLAIM.format(id=name.replace("_", "-"), check=name) for name in names))
-    return run(Plan(claims, pictures(bad_picture)), workers=2)
+    return run(Plan(claims, pictures(bad_picture)), workers=1)
 
 
 @pytest.mark.slow
@@ -114,7 +114,7 @@ def test_a_pool_that_breaks_down_is_replaced(read: Any, monkeypatch: pytest.Monk
     monkeypatch.setattr(PoolManager, "find_expired_task", break_down)
     monkeypatch.setattr("symosc.paper.run.POOLS", pools)
     claims = read("".join(CLAIM.format(id=name, check=name) for name in ("dies", "right")))
-    findings = {each.claim.id: each.finding for each in run(Plan(claims, {}), workers=2).judged}
+    findings = {each.claim.id: each.finding for each in run(Plan(claims, {}), workers=1).judged}
     if pools > 1:
         assert findings["dies"] == "the process ended with exit code 7"
         assert findings["right"] == "It is 1 <2>."

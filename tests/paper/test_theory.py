@@ -38,7 +38,7 @@ pytestmark = pytest.mark.slow  # half a minute of computer algebra
 CLAIMS = [claim for claim in read_claims(PICTURES) if claim.part in ("model", "theorems", "mappings")]
 
 
-@pytest.mark.full(9)  # the whole run judges all of them (test_report_in_browser.py)
+@pytest.mark.full(3)  # the whole run judges all of them (test_report_in_browser.py)
 @pytest.mark.parametrize("claim", CLAIMS, ids=[claim.id for claim in CLAIMS])
 def test_the_check_gives_the_committed_verdict(claim: Claim) -> None:
     evidence = claim.check()

@@ -106,7 +106,7 @@ def test_belts_move_with_the_mass_through_each_stick(fig5: Figure) -> None:
     assert [line.get_ydata()[0] for line in lines(fig5.axes[1], "belt")] == [1, 5]  # type: ignore[index]
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "boundary", "panels"),
     [("fig5", 1, 4), ("fig6", 2, 4), ("fig7", 1, 4), ("fig8", 1, 4), ("fig9", 1, 6), ("fig10", 2, 6)],
@@ -162,7 +162,7 @@ def test_micro_sticks_are_magnified() -> None:
     assert all(inset.get_position().y0 > velocity.get_position().y1 for inset in velocity.child_axes)
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_every_scene_can_be_drawn(name: str, tmp_path: Path) -> None:

@@ -51,6 +51,7 @@ def span(ax: Axes, name: str) -> tuple[float, float]:
     return low, high
 
 
+@pytest.mark.full(4)
 @pytest.mark.parametrize("seed", [0, 3, *(pytest.param(i, marks=pytest.mark.slow) for i in (1, 2, 4, 5))])
 def test_what_is_shaded_is_the_region(seed: int) -> None:
     """At random points that are not next to a border: inside, outside, or not allowed."""
@@ -176,6 +177,7 @@ def test_bad_input(arguments: tuple[Any, ...], message: str) -> None:
 ASKED = ["grazing", "fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6"]
 
 
+@pytest.mark.slow
 def test_on_the_command_line(tmp_path: Path) -> None:
     run = CliRunner().invoke(main, [*ASKED, "--plot", str(tmp_path / "region.svg")])
     assert run.exit_code == 0, run.output

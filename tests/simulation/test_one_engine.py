@@ -91,7 +91,7 @@ def available(use_numba: bool) -> None:
 
 
 @pytest.mark.full(22)
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @ENGINES
 @pytest.mark.parametrize("seed", few([0, 1], 1))
 @pytest.mark.parametrize("family", FAMILIES)

@@ -58,7 +58,7 @@ MATRIX_CASES = {
 }
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("case", MATRIX_CASES)
 def test_the_series_agrees_with_the_matrix_exponential(case: str) -> None:
     changes, tau = MATRIX_CASES[case]

@@ -46,6 +46,7 @@ def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> N
     np.testing.assert_allclose(found["section"], expected["section"], rtol=0, atol=1e-9 * scale)
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("seed", range(24))
 def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     p, (t0, x0, v0), t_end = scene(seed)
@@ -80,6 +81,7 @@ def test_orbits_repeat(word: str, periods: int) -> None:
     assert found.word[0] == word
 
 
+@pytest.mark.slow
 def test_a_period_of_three() -> None:
     """Found by a search over Omega; each period has a word of its own."""
     p = FIG9.replace(Omega="1.3", FN=3)
@@ -90,6 +92,7 @@ def test_a_period_of_three() -> None:
     assert m == expected["multiplicity"]
 
 
+@pytest.mark.slow
 def test_ends_that_are_whole_periods_count_however_they_are_rounded() -> None:
     ends = np.array([n * 2 * math.pi / 4 for n in range(2, 40)])
     ends = np.concatenate([np.nextafter(ends, 0), ends, np.nextafter(ends, 99)])

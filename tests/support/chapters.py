@@ -9,15 +9,32 @@ from unittest.mock import patch
 
 from once import alone
 
-from symosc.derive import document
+from symosc.derive import comparisons, document, literature_pieces
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Step, StepEvidence
+from symosc.derive.steps import CONTEXT, Step, StepEvidence
+
+
+def table(key: str) -> tuple[comparisons.Value, ...]:
+    """Return a table of the chapter on published results: the first worker runs the motions."""
+    with alone(f"table-{key}") as path:
+        if not path.exists():
+            found = comparisons.table(key)
+            rows = [value._replace(formula=_own(value.formula), package=_own(value.package)) for value in found]
+            path.write_bytes(pickle.dumps(tuple(rows)))
+        values: tuple[comparisons.Value, ...] = pickle.loads(path.read_bytes())
+    return values
+
+
+def _own(number: Any) -> Any:
+    """Return an mpf in a form that can be pickled, with all its digits, and other numbers as they are."""
+    return CONTEXT.own(number) if hasattr(number, "_mpf_") else number
 
 
 @cache
 def unchecked_items(key: str) -> tuple[str, list[Any]]:
     """Return the title and the items of a chapter; nobody changes them."""
-    return document.chapter_items(key, Scope())
+    with patch.object(literature_pieces, "table", table):
+        return document.chapter_items(key, Scope())
 
 
 @cache

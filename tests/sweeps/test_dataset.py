@@ -44,6 +44,7 @@ def again(found: Any) -> Any:
 ROWS = [{"k": 3, "x0": "1/3"}, {"k": 0.1, "x0": -2}, {"k": 3, "x0": 0}]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("over", "options"),
     [

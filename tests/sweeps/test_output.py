@@ -36,6 +36,7 @@ def example(seed: int) -> Any:
     )
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("seed", range(2))
 def test_what_is_written_is_read_back_to_the_last_bit(suffix: str, seed: int, tmp_path: Path) -> None:
@@ -74,6 +75,7 @@ def test_csv_is_a_row_for_each_cell_below_one_comment(tmp_path: Path) -> None:
     assert (row["word"], float(row["section_v_2"])) == (dataset.word.values[0, 0], dataset.section.values[0, 0, 2, 1])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_it_replaces_what_is_there(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"map{suffix}"

@@ -36,12 +36,14 @@ class Stopped(BaseException):
     """What stands for the end of the program."""
 
 
+@pytest.mark.slow
 def test_chunks_do_not_change_the_result(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     for motions in (1, 5, 7):
         in_small_chunks(monkeypatch, motions)
         identical(sweep(SCENE, OVER, **OPTIONS, workers=1), whole)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv"])
 def test_a_finished_output_is_read_and_not_computed_again(
     whole: Any, suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -71,6 +73,7 @@ def stopped_at(call: int, function: Callable[..., Any], after: bool) -> Callable
     return stopping
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("after", [False, True])
 @pytest.mark.parametrize("target", ["os.replace", "os.mkdir", "numpy.savez", "symosc.sweeps.run.computed"])
 def test_wherever_it_is_stopped_it_goes_on_to_the_same_bits(
@@ -130,6 +133,7 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bits(count: int, tmp_pa
     assert [each.name for each in tmp_path.iterdir()] == ["map.nc"]
 
 
+@pytest.mark.slow
 def test_an_output_of_another_sweep_is_not_touched(whole: Any, tmp_path: Path) -> None:
     path = tmp_path / "map.nc"
     sweep(SCENE, OVER, **OPTIONS, path=path)
@@ -167,6 +171,7 @@ def test_chunks_of_another_sweep_are_not_touched(tmp_path: Path, monkeypatch: py
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == there
 
 
+@pytest.mark.slow
 def test_a_full_disk_keeps_what_is_finished(whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     in_small_chunks(monkeypatch, 5)
     path = tmp_path / "map.nc"

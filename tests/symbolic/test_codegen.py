@@ -158,7 +158,7 @@ def seventy_digits() -> Any:
 
 
 @pytest.mark.full(10)
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @CASES
 def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -170,7 +170,7 @@ def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) 
         assert abs(value - truth) < mpmath.mpf("1e-50") * size
 
 
-@pytest.mark.quick(12)
+@pytest.mark.quick(4)
 @CASES
 def test_g_functions_agree_with_the_linear_system(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -187,7 +187,7 @@ def test_g_functions_agree_with_the_linear_system(regime: s.Regime, seed: int) -
         assert abs(G - x_n[n + 2]) < 1e-50 * (1 + abs(G))
 
 
-@pytest.mark.quick(13)
+@pytest.mark.quick(4)
 @CASES
 def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, seed: int) -> None:
     case = Case(regime, seed)
@@ -199,7 +199,7 @@ def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, se
 
 
 @pytest.mark.full(7)
-@pytest.mark.quick(9)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(20))
 def test_basis_apart_is_the_closed_form(seed: int) -> None:
     case = Case(s.REGIMES["underdamped"], seed)
@@ -207,7 +207,7 @@ def test_basis_apart_is_the_closed_form(seed: int) -> None:
         assert abs(cheap - closed) < mpmath.mpf("1e-50")
 
 
-@pytest.mark.quick(8)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(20))
 def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
     regimes = list(s.REGIMES.values())

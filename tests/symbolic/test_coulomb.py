@@ -108,6 +108,7 @@ def test_den_hartogs_form_is_the_derived_one(which: int) -> None:
         assert abs(sp.N(difference.subs(numbers))) < 1e-12
 
 
+@pytest.mark.slow
 def test_undamped_forms() -> None:
     free, forms = solution.REGIMES["undamped"], coulomb.den_hartog_undamped()
     G, H = (coulomb.closed(part, free).subs(solution.omega_0, Omega / coulomb.r) for part in coulomb.half_period())

@@ -136,6 +136,7 @@ def test_c_with_fixed_parameters(tmp_path: Path, word: str, scene: str) -> None:
     check(compiled(tmp_path, word, p), word, p, 30)
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
@@ -308,6 +309,7 @@ def test_a_stick_has_the_exit_that_the_next_map_asks_for() -> None:
     assert "*P4_below(z[0]" in open_end
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("language", ["python", "numpy", "c", "julia"])
 def test_source_names_no_machine_and_no_library(language: str) -> None:
     for text in export(ALL, language).values():

@@ -92,7 +92,7 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     assert seen == set(s.REGIMES)
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @JOINS
 def test_regimes_join_continuously(join: s.Join) -> None:

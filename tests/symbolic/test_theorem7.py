@@ -91,6 +91,7 @@ def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitu
     assert _label(mapping, level, amplitude) == label
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("amplitude", [5, -5])
 @pytest.mark.parametrize("level", [5, -5])
@@ -137,7 +138,7 @@ LINES = (gamma, a, gamma - a, gamma + a)
 
 
 @pytest.mark.full(3)
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["paper", "full"])
 def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
@@ -226,7 +227,7 @@ def test_signs_that_need_many_digits() -> None:
 @pytest.mark.slow
 def test_end_points_are_the_zeros_of_the_sign_function() -> None:
     for mapping in MAPS:
-        for level in range(-9, 10):
+        for level in (-9, -8, -5, -2, 0, 1, 4, 8, 9):  # halves, the equality with 4 among them
             for amplitude in (-7, -4, 4, 7):
                 found = theorem7(mapping, Fraction(level, 2), amplitude)
                 for end in found.boundary - sp.FiniteSet(0, 2 * pi) if found else ():

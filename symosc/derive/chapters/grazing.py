@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -188,19 +189,25 @@ def _theorem() -> Iterator[Any]:
 
 def windows_table(label: str = "tab:grazing-windows") -> Table:
     """Return the table of Theorem 7's windows, each of them checked."""
+    return Table(
+        label,
+        r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
+        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
+        ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
+        _windows(),
+    )
+
+
+@cache
+def _windows() -> tuple[tuple[Any, ...], ...]:
+    """Return the rows: the case in words, and its windows for the boundary above the domain and below it."""
     sides = {1: PLACES["P2"], -1: PLACES["P3"]}
     rows = []
     for _, _, gamma, amplitude, words in SHAPES:
         rows.append((words, *(window(sides[side], gamma, amplitude) for side in (1, -1))))
     for gamma, words in CASES_WITHOUT_DRIVE:
         rows.append((words, *(window(sides[side], gamma, sp.Integer(0)) for side in (1, -1))))
-    return Table(
-        label,
-        r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
-        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
-        ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
-        tuple(rows),
-    )
+    return tuple(rows)
 
 
 def window(place: Place, gamma: Any, amplitude: Any) -> Step:
