@@ -1,4 +1,4 @@
-"""Telling how far a sweep is: a bar on a terminal, with the rate and the time that is left."""
+"""Telling how far a sweep, or other long work, is: a bar on a terminal, with the rate and the time that is left."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Report = Callable[[int, int], Any]
 
 
 @contextmanager
-def reporting(progress: Any, there: int, total: int) -> Iterator[Report]:
+def reporting(progress: Any, there: int, total: int, label: str = "sweep", unit: str = "motions") -> Iterator[Report]:
     """Return what is called with the numbers of motions that are done and of all.
 
     Parameters
@@ -26,6 +26,8 @@ def reporting(progress: Any, there: int, total: int) -> Iterator[Report]:
     there : int
         Motions that an earlier run has done.
     total : int
+    label, unit : str
+        What is done, and what is counted.
 
     Raises
     ------
@@ -39,26 +41,26 @@ def reporting(progress: Any, there: int, total: int) -> Iterator[Report]:
     elif not (progress and sys.stderr.isatty()):
         yield lambda done, total: None
     else:
-        with _bar(there, total) as report:
+        with _bar(there, total, label, unit) as report:
             yield report
 
 
 @contextmanager
-def _bar(there: int, total: int) -> Iterator[Report]:
+def _bar(there: int, total: int, label: str, unit: str) -> Iterator[Report]:
     import click
 
     begin = monotonic()
     options: dict[str, Any] = {"show_pos": True, "show_eta": False, "item_show_func": lambda text: text}
-    with click.progressbar(length=total, label="sweep", file=sys.stderr, **options) as bar:
+    with click.progressbar(length=total, label=label, file=sys.stderr, **options) as bar:
         bar.update(there)
 
         def report(done: int, _: int) -> None:
-            bar.update(done - bar.pos, pace(done - there, total - done, monotonic() - begin))
+            bar.update(done - bar.pos, pace(done - there, total - done, monotonic() - begin, unit))
 
         yield report
 
 
-def pace(done: int, left: int, seconds: float) -> str:
+def pace(done: int, left: int, seconds: float, unit: str = "motions") -> str:
     """Return the rate of motions and the time that is left.
 
     Parameters
@@ -66,7 +68,8 @@ def pace(done: int, left: int, seconds: float) -> str:
     done, left : int
         Motions since the program has begun, and to do.
     seconds : float
+    unit : str
     """
     rate = done / max(seconds, 1e-9)
     shown = f"{rate:,.0f}" if rate >= 10 else f"{rate:.2g}"
-    return f"{shown} motions/s, {timedelta(seconds=round(left / max(rate, 1e-9)))} left"
+    return f"{shown} {unit}/s, {timedelta(seconds=round(left / max(rate, 1e-9)))} left"
