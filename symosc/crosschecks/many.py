@@ -14,8 +14,9 @@ import numpy as np
 from symosc.aliases import Record
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.samples import Samples
+from symosc.display.frames import imported
 from symosc.errors import ParameterError
-from symosc.simulation.event_table import counted, imported
+from symosc.simulation.event_table import counted
 from symosc.simulation.workers import Progress, read_progress, read_workers
 
 # Lines of a summary: so many solutions that fail are listed.

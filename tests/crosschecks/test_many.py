@@ -10,7 +10,7 @@ from solution_files import COLUMNS, T, V, X
 
 from symosc import MissingExtraError, ParameterError, crosscheck
 from symosc.crosschecks.many import RESULT_COLUMNS, CrossChecks
-from symosc.simulation import event_table
+from symosc.display import frames
 
 WRONG = {**COLUMNS, "v": V + 0.1 * (T > 2)}
 THREE = [COLUMNS, WRONG, np.column_stack([T, X])]
@@ -50,7 +50,7 @@ def test_tables_need_their_packages(monkeypatch: pytest.MonkeyPatch) -> None:
     def none_of(name: str) -> Any:
         raise ImportError(name)
 
-    monkeypatch.setattr(event_table, "import_module", none_of)
+    monkeypatch.setattr(frames, "import_module", none_of)
     checks = CrossChecks([crosscheck("fig9", COLUMNS)], ["0"])
     for call in (checks.to_pandas, checks.to_xarray):
         with pytest.raises(MissingExtraError):
