@@ -145,6 +145,7 @@ def test_help_has_an_example() -> None:
     assert isinstance(check, click.Command)
 
 
+@pytest.mark.slow
 def test_a_scene_may_be_the_first_word_and_be_changed(tmp_path: Path, samples: Any) -> None:
     path = write(tmp_path / "run.csv", *samples)
     assert run("fig9", path).exit_code == 0
@@ -161,6 +162,7 @@ def test_standard_input(samples: Any, tmp_path: Path) -> None:
     assert (result.exit_code, "is empty" in result.stderr) == (2, True)
 
 
+@pytest.mark.slow
 def test_several_files_and_a_column_of_ids(tmp_path: Path, samples: Any) -> None:
     t, x, v = samples
     good, bad = write(tmp_path / "good.csv", t, x, v), write(tmp_path / "bad.csv", t, x, v + 0.1 * (t > 3))
@@ -177,6 +179,7 @@ def test_several_files_and_a_column_of_ids(tmp_path: Path, samples: Any) -> None
     assert (result.exit_code, "draws one solution" in result.stderr) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_solver_is_run(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(
         "from symosc import simulate\n"
