@@ -10,8 +10,9 @@ import io
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
-from typing import IO
+from typing import IO, TextIO
 
 import numpy as np
 
@@ -20,7 +21,11 @@ from symosc.crosschecks.samples import SAMPLE_COLUMNS, number_of, short
 from symosc.errors import ParameterError
 
 LINES_TOGETHER = 100_000
-COMMENT_SIGNS = ("#", "%", "//", "!")
+# The last is no comment: spreadsheets say so which delimiter they use.
+COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
+#: Exponents of Fortran, 1.5D-03.
+FORTRAN = re.compile(r"([\d.])[dD]([+-]?\d)")
+LONGEST_LINE = 10_000_000
 QUOTED = re.compile('"[^"]*"')
 # Byte order marks of UTF-16.
 MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
@@ -68,11 +73,15 @@ def read_text(file: IO[bytes], asked: Mapping[str, str | None], where: str) -> T
         return _read(text, asked, where)
 
 
-def _read(text: Iterable[str], asked: Mapping[str, str | None], where: str) -> TextColumns:
-    lines: Iterator[Line] = ((number, line.strip("\n")) for number, line in enumerate(text, 1) if not line.isspace())
+def _read(text: TextIO, asked: Mapping[str, str | None], where: str) -> TextColumns:
+    lines: Iterator[Line] = (
+        (number, line.strip("\n"))
+        for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1)
+        if not line.isspace()
+    )
     head = list(islice(lines, HEAD_LINES))
-    if any("\0" in line for _, line in head[:10]):
-        raise ParameterError("file", where, "cannot be read: it is not text")
+    if any("\0" in line or len(line) >= LONGEST_LINE for _, line in head[:10]):
+        raise ParameterError("file", where, "cannot be read: it is not text in lines")
     form, skipped = _form(head, asked, where)
     parts: dict[str, list[np.ndarray]] = {name: [] for name in form.numbers}
     rows = _rows(chain(head[skipped:], lines), form, where)
@@ -143,7 +152,7 @@ def _is_filled(line: str) -> bool:
 
 def _is_number(cell: str, delimiter: str | None) -> bool:
     try:
-        number_of(cell if delimiter == "," else cell.replace(",", "."))
+        number_of(FORTRAN.sub(r"\1e\2", cell if delimiter == "," else cell.replace(",", ".")))
     except (TypeError, ValueError):
         return False
     return True
@@ -160,6 +169,8 @@ def _rows(lines: Iterable[Line], form: Form, where: str) -> Iterator[Line]:
             line = sign.join(cell.replace(sign, " ") if delimiter else cell for cell in _cells(line, delimiter))
         if delimiter != "," and "," in line:
             line = line.replace(",", ".")
+        if "D" in line or "d" in line:
+            line = FORTRAN.sub(r"\1e\2", line)
         there = line.count(delimiter) + 1 if delimiter else len(line.split())
         if there != width:
             what = f"row {number} has {there} entries, the header {width}"

@@ -57,6 +57,18 @@ def test_columns_may_be_named_by_their_numbers() -> None:
         read(text)
 
 
+def test_what_spreadsheets_and_fortran_write() -> None:
+    assert read("sep=;\nt;x;v\n0,5;1;2\n1,5;2;3\n")["t"].tolist() == [0.5, 1.5]
+    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["t"].tolist() == [1.5e-3, 1.5]
+    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["v"].tolist() == [20, 3]
+
+
+def test_a_file_without_lines_is_not_read_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text_tables, "LONGEST_LINE", 1000)
+    with pytest.raises(ParameterError, match="not text in lines"):
+        read("0" * 5000)
+
+
 def test_ids_are_texts() -> None:
     found = read('id;t;x;v\n"a 1";0;0,5;1\nb;1;2;3\n')
     assert found["id"].tolist() == ["a 1", "b"]
@@ -76,7 +88,7 @@ def test_ids_are_texts() -> None:
         ("a,b,c\n0,1,2\n", "is missing in here; there are: a, b, c"),
         ("", "is empty"),
         ("\n \n", "is empty"),
-        ("t,x,v\n0,1,2\n\x00\n", "is not text"),
+        ("t,x,v\n0,1,2\n\x00\n", "is not text in lines"),
     ],
 )
 def test_what_is_wrong_is_said(text: str, words: str) -> None:
