@@ -15,6 +15,7 @@ from symosc.aliases import Record
 from symosc.crosschecks.allowed import carried, looseness, rounding_of_steps
 from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
 from symosc.crosschecks.faults import Fault, explain
+from symosc.crosschecks.functions import dense_note
 from symosc.crosschecks.given import given_solutions
 from symosc.crosschecks.many import CrossChecks, check_all
 from symosc.crosschecks.matching import Match, Matcher, Matching
@@ -284,6 +285,8 @@ def _global_errors(trajectory: Trajectory, samples: Samples, notes: list[str]) -
     scales, errors = _scales(trajectory.parameters, exact), np.full((2, len(times)), np.nan)
     for row, values, given in zip(errors, exact, (samples.x, samples.v), strict=True):
         row[inside] = given[inside] - values
+    if samples.dense is not None:
+        notes.append(dense_note(trajectory, samples.dense, until))
     return errors.T, scales
 
 

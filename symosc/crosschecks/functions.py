@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from math import ceil, inf, pi
 from typing import Any
 
 import numpy as np
@@ -96,6 +96,19 @@ def _asked(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
     if any(len(state) != 2 for state in single):
         raise ParameterError("function", len(single[0]), "must return two numbers, x and v; it returned so many")
     return np.array(single).T
+
+
+def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
+    """Return how far a solver's dense output is from the exact motion, as a note: it is no step, and not judged."""
+    ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
+    low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
+    if not low < high:
+        return "the dense output and the exact motion have no times in common"
+    times = grid(low, high, SolverTask(trajectory.parameters))
+    errors = np.abs(_asked(dense, times) - trajectory(times))
+    x, v = (float(np.max(row)) for row in errors)
+    worst = float(times[int(np.argmax(errors[1]))])
+    return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
 
 
 def solver_events(

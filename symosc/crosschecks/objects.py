@@ -87,7 +87,9 @@ def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
         notes = [] if getattr(source, "success", True) else [f"the solver says: {getattr(source, 'message', 'failed')}"]
         events, more = solver_events(source, problem)
         if len(found) == 1:
-            found = [replace(found[0], events=events, notes=(*notes, *more))]
+            dense = getattr(source, "sol", None)
+            dense = dense if callable(dense) else None
+            found = [replace(found[0], events=events, notes=(*notes, *more), dense=dense)]
         return found
     return None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
@@ -34,6 +34,8 @@ class Samples:
         Which one it is of several.
     notes : tuple of str
         What was done to read it.
+    dense : callable, or None
+        The solver's own function t -> (x, v) between the samples.
     v_off : (n,) float array, or None
         If v was computed from x: how far it may be off for the errors of x.
     """
@@ -45,6 +47,7 @@ class Samples:
     name: str = ""
     notes: tuple[str, ...] = ()
     v_off: np.ndarray | None = None
+    dense: Callable[[np.ndarray], Any] | None = None
 
     @property
     def lacks_v(self) -> bool:

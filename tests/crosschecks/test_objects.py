@@ -152,6 +152,11 @@ def test_results_of_scipy_with_their_events() -> None:
     assert any("left out" in note for note in check.notes) == bool(len(result.t_events[1]))
     dense = solve_ivp(rhs, (t0, 0.9), (x0, v0), rtol=1e-11, atol=1e-12, dense_output=True)
     assert crosscheck(p, dense.sol, tolerance=1e-6).ok
+    note = crosscheck("fig9", dense).notes[-1]
+    assert note.startswith("the dense output is off by up to ")
+    assert 0 < float(note.split()[8]) < 1e-6
+    dense.sol = lambda t: np.array([t, t])
+    assert float(crosscheck("fig9", dense).notes[-1].split()[8]) > 1
 
 
 @pytest.mark.parametrize(
