@@ -43,3 +43,29 @@ def test_most_steps_of_a_fine_run_are_quiet() -> None:
     left = np.full(2000, 1e-4 / K.rate)
     quiet, _ = quiet_ends(belt_rows(np.zeros(2000, int), theta, x, v, left, K), left, K)
     assert len(quiet) > 1900
+
+
+def test_a_stick_that_ends_between_the_ends_of_a_step_is_not_quiet() -> None:
+    """A force that passes 0 and is back, aimed at: at both ends of the step the mass would stick."""
+    rng, there = np.random.default_rng(6), 0
+    for _ in range(100):
+        K = Arithmetic(random_parameters(rng)).K
+        at = int(rng.integers(1, 3))
+        belt = (K.belt1, K.belt2)[at - 1]
+        if not belt.turns or K.w0sq == 0.0:
+            continue
+        left = rng.uniform(0.05, 0.45) / K.rate
+        middle = rng.choice([belt.angle, np.pi - belt.angle])
+        turned = np.cos(middle + np.array([-0.5, 0.5]) * K.Om * left)
+        side = 1 if (turned - np.cos(middle)).max() * K.f0 < 0 else 0
+        A, small = (K.A1, K.A2, K.A3)[at - 1 + side], rng.uniform(1e-6, 1e-3) * abs(K.f0) * (K.Om * left) ** 2
+        force = small if side else -small
+        x = (A + np.cos(middle) * K.f0 - belt.v * K.cm - force) / K.w0sq - 0.5 * belt.v * left
+        ones = np.ones(1)
+        theta = (middle - 0.5 * K.Om * left) % (2 * np.pi)
+        rows = belt_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, left * ones, K)
+        events = steps._follow(rows, left * ones, K)[2]
+        there += rows[0, 0] > 3 and len(events.step) > 0
+        if len(events.step):
+            assert len(quiet_ends(rows, left * ones, K)[0]) == 0
+    assert there > 10
