@@ -123,8 +123,9 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "symbolic.grazing_regions": ("symbolic/test_grazing_answers.py", "a region is an answer like the others"),
     "symbolic.phase_interval": ("symbolic/test_grazing_answers.py", "intervals are asked about there"),
     "symbolic.languages": ("symbolic/test_export.py", "every language is run, or read, there"),
+    "crosschecks.given": ("crosschecks/test_objects.py", "what is given there goes through it"),
+    "crosschecks.tables": ("crosschecks/test_objects.py", "tables are objects of other packages, made there"),
     "simulation.run": ("simulation/test_simulate.py", "the inner loop of simulate"),
-    "simulation.trajectory": ("simulation/test_simulate.py", "what simulate returns"),
     "simulation.batch_loop": ("simulation/test_ladder.py", "the first step of the ladder"),
     "simulation.warm": ("cli/test_warm.py", COMMAND),
 }

@@ -1,22 +1,29 @@
-"""`symosc check`: compare a file of samples with the exact motion."""
+"""`symosc check`: compare solutions in files, or of a solver, with the exact motion."""
 
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from symosc.aliases import Record
-from symosc.cli.settings import goes_to_stdout
+from symosc.cli.output import write
+from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_with, set_option
 from symosc.exact import read_exact
+
+if TYPE_CHECKING:
+    from symosc.scenes import Scene
+
+COLUMN_NAMES = ("t", "x", "v", "id")
 
 
 def _columns(text: str | None) -> dict[str, str]:
     names: dict[str, str] = {}
     for part in () if text is None else text.split(","):
         name, equals, column = (piece.strip() for piece in part.partition("="))
-        if not equals or name not in ("t", "x", "v") or not column:
-            raise click.BadParameter(f"{part!r} is not t=NAME, x=NAME or v=NAME", param_hint="--columns")
+        if not equals or name not in COLUMN_NAMES or not column:
+            raise click.BadParameter(f"{part!r} is not t=NAME, x=NAME, v=NAME or id=NAME", param_hint="--columns")
         if name in names:
             raise click.BadParameter(f"{name} is given twice", param_hint="--columns")
         names[name] = column
@@ -24,60 +31,93 @@ def _columns(text: str | None) -> dict[str, str]:
 
 
 @click.command()
-@click.argument("file")
-@click.option("--scene", required=True, metavar="SCENE", help="Name of a scene or path of a TOML file.")
-@click.option("--columns", metavar="t=…,x=…,v=…", help="What the columns are called; those left out are t, x, v.")
+@click.argument("files", nargs=-1)
+@click.option("--scene", metavar="SCENE", help="Name of a scene or path of a TOML file, if it is not the first word.")
+@set_option
+@click.option("--solver", metavar="MODULE:FUNCTION", help="Run FUNCTION(parameters, t0, x0, v0, t_end) and check that.")
+@click.option("--t-end", metavar="T", help="End time for --solver in place of the scene's.")
+@click.option(
+    "--columns", metavar="t=…,x=…,v=…", help="What the columns are called, or their numbers; v=none: no velocities."
+)
 @click.option(
     "--tolerance", metavar="E", help="Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8."
 )
 @click.option(
     "--global-tolerance", metavar="E", help="Allowed error since the start; default 1000 times the tolerance."
 )
+@click.option("--workers", type=WholeNumber(min=1), metavar="N", help="Processes for several solutions; default 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the summary.")
 @click.option("-o", "--output", metavar="FIGURE", help="Draw the errors against time as well: .pdf, .svg or .png.")
-def check(
-    file: str,
-    scene: str,
-    columns: str | None,
-    tolerance: str | None,
-    global_tolerance: str | None,
-    as_json: bool,
-    output: str | None,
-) -> int:
+def check(files: tuple[str, ...], output: str | None, as_json: bool, **options: Any) -> int:
     """Check somebody's solution against the exact motion.
 
-    FILE holds samples t, x, v in columns: .csv with a header, .npz or .json. Each step is compared with the exact
-    motion over it: the difference is its defect. The whole is compared with the exact motion from the same start, and
-    the switching events of the samples with the exact ones. Says which were missed or invented, and what probably went
-    wrong first. A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind
-    (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at
-    their precision.
+    Give SCENE FILE, or FILE --scene SCENE; FILE is - for standard input. It holds samples t, x, v in columns: .csv,
+    .tsv, .txt (any delimiter, with a header or without), .npz, .json, .mat, .parquet, .feather, .h5, and .gz of them.
+    Each step is compared with the exact motion over it: the difference is its defect. The whole is compared with the
+    exact motion from the same start, and the switching events of the samples with the exact ones. Says which were
+    missed or invented, and what probably went wrong first. Velocities that are not there are computed. A column of ids,
+    or more than one FILE, is several solutions. A JSON or npz file may list the events that the solver reported, as
+    "events": pairs of t and kind (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples
+    with few digits are judged at their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 
     \b
     Examples:
       symosc check run.csv --scene fig9
-      symosc check run.csv --scene fig5 --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
+      symosc check fig5 run.csv --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
+      symosc check fig9 --set k=3 --solver mysolver:solve
     """
     piped = goes_to_stdout(output, "--output", as_json)
-    from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
-    from symosc.crosschecks.files import read_samples
-
+    scene, words = _scene_and_files(files, options["scene"], options["solver"])
+    problem = scene_with(scene, options["settings"], {"t_end": options["t_end"]})
+    if options["t_end"] is not None and options["solver"] is None:
+        raise click.UsageError("--t-end is for --solver; a file ends where it ends")
     if output is not None:
         from symosc import plot
 
         plot.check_suffix(output)  # before the work
-    limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
-    if global_tolerance is not None:
-        limits["global_tolerance"] = float(read_exact("global_tolerance", global_tolerance))
-    samples = read_samples(file, _columns(columns))
-    result = crosscheck(scene, samples.t, samples.x, samples.v, events=samples.events, **limits)
+    result = _checked(problem, words, options)
     if output is not None:
-        from symosc.plot import crosscheck as crosscheck_module
-
-        crosscheck_module.write(result, output)
-    if piped:
-        return int(not result.ok)
-    click.echo(json.dumps(result.as_dict(), indent=1) if as_json else result.summary())
+        _draw(result, output)
+    if not piped:
+        write(json.dumps(result.as_dict(), indent=1) if as_json else result.summary())
     return int(not result.ok)
+
+
+def _scene_and_files(words: tuple[str, ...], scene: str | None, solver: str | None) -> tuple[str, tuple[str, ...]]:
+    """Return the scene, which may be the first word, and the files."""
+    if scene is None:
+        if len(words) < 1 + (solver is None):
+            raise click.UsageError("give SCENE FILE, or FILE --scene SCENE")
+        scene, words = words[0], words[1:]
+    if solver is not None and words:
+        raise click.UsageError("give files or --solver, not both")
+    if solver is None and not words:
+        raise click.UsageError("give a file of samples, or --solver MODULE:FUNCTION")
+    return scene, words
+
+
+def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
+    from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
+    from symosc.crosschecks.solver_runs import run_solver
+
+    tolerance = options["tolerance"]
+    limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
+    if options["global_tolerance"] is not None:
+        limits["global_tolerance"] = float(read_exact("global_tolerance", options["global_tolerance"]))
+    workers = 1 if options["workers"] is None else options["workers"]
+    limits |= {"columns": _columns(options["columns"]), "workers": workers}
+    if options["solver"] is not None:
+        source: Any = run_solver(options["solver"], problem)
+    else:
+        source = files[0] if len(files) == 1 else files
+    return crosscheck(problem, source, progress=True, **limits)
+
+
+def _draw(result: Any, output: str) -> None:
+    from symosc.plot import crosscheck as drawing
+
+    if isinstance(result, list):
+        raise click.BadParameter(f"draws one solution, and there are {len(result)}", param_hint="--output")
+    drawing.write(result, output)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,23 +12,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.aliases import Record
+from symosc.crosschecks.allowed import carried, looseness, rounding_of_steps
 from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
 from symosc.crosschecks.faults import Fault, explain
-from symosc.crosschecks.files import read_samples
+from symosc.crosschecks.functions import dense_note
+from symosc.crosschecks.given import given_solutions
+from symosc.crosschecks.many import CrossChecks, check_all
 from symosc.crosschecks.matching import Match, Matcher, Matching
 from symosc.crosschecks.reach import Reach
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.rounding import Rounding, find_rounding
-from symosc.crosschecks.samples import Samples, check_joints, checked
+from symosc.crosschecks.samples import Samples, check_joints
+from symosc.crosschecks.solver_times import with_times
 from symosc.crosschecks.steps import ExactSteps, follow_steps
+from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.workers import Progress
 
-__all__ = ["CrossCheck", "FoundEvent", "Match", "crosscheck"]
+__all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 
 STEP_TOLERANCE = 1e-8
 # Errors of many right steps may add up to this many tolerances.
@@ -45,78 +52,80 @@ FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 def crosscheck(
     scene: Scene | Parameters | str,
     t: object,
-    x: ArrayLike | None = None,
+    x: ArrayLike | Callable[..., Any] | None = None,
     v: ArrayLike | None = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
     tolerance: float = STEP_TOLERANCE,
     global_tolerance: float | None = None,
-) -> CrossCheck:
-    """Compare samples of somebody's solution with the exact motion.
+    columns: Mapping[str, str | None] | None = None,
+    workers: int | None = 1,
+    progress: Progress | bool | None = None,
+) -> Any:
+    """Compare somebody's solution, or several, with the exact motion.
 
     Parameters
     ----------
     scene : Scene, str or Parameters
         With a scene the exact motion starts where the scene does, if the first sample is there; else at the sample.
     t, x, v : array_like, shape (n,)
-        Increasing times, positions and velocities. A time may come twice where two pieces are joined. Or give `t`
-        alone: anything that `symosc.crosschecks.files.read_samples` reads (a file, an OdeResult, a DataFrame, ...).
+        Times, which may come twice where two pieces are joined, positions and velocities. Without `v` it is computed
+        from `x`, and a note says so. `x` may be a function t -> (x, v). Or give `t` alone: whatever
+        `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a DataFrame, a function, ...), or a list
+        of such: pieces of one solution, each beginning where one ends, or several solutions.
     events : pairs (t, kind), optional
-        The events that the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each exact
-        event must be there once; a graze may be left out, because nothing changes there. How near in time it must be
-        follows from the tolerance and the errors of the samples. A start on a belt may be listed. Default: the events
-        that the samples show, and those inside steps that are right.
+        What the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each exact event must be
+        there once, as near in time as the tolerance and the errors of the samples let it; a graze, or a start on a
+        belt, may be left out. Default: the events that the samples show, and those inside steps that are right.
     tolerance : float
         Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample whose v differs
-        from a belt's speed by less is on the belt.
+        from a belt's speed by less is on the belt. Samples with few digits (3 decimals, single precision) that fail
+        are judged once more at that precision; `rounded` and a note say so.
     global_tolerance : float, optional
         Allowed global error, relative to the same values. Default: 1000 times `tolerance`.
+    columns : mapping, optional
+        What the columns t, x, v and id of a file or a table are called.
+    workers, progress : int, callable or True, optional
+        Processes for several solutions (None: all cores); what is called with the numbers of those done and of all.
 
     Returns
     -------
-    CrossCheck
+    CrossCheck, or CrossChecks (a list of these) for several solutions
 
     Raises
     ------
     ParameterError
-        If times or events are not sorted, a number is not finite, lengths differ, or a time is repeated with another
-        state.
-
-    Notes
-    -----
-    Some samples have few digits (3 decimals, single precision). If they fail, they are judged once more at that
-    precision: their rounding is added to what is allowed. `rounded` and a note say so.
+        If something is no solution, times are not sorted, or one is repeated with another state.
 
     Examples
     --------
-    >>> import numpy as np
     >>> from symosc import crosscheck, simulate
-    >>> t = np.linspace(0, 7, 200)
-    >>> x, v = simulate("fig5", t_end=7)(t)
-    >>> crosscheck("fig5", t, x, v).ok
+    >>> crosscheck("fig5", simulate("fig5", t_end=7)).ok
     True
     """
-    return _task(scene, _read(t, x, v, events), tolerance, global_tolerance).verdict()
+    judge = partial(judged, *_limits(scene, tolerance, global_tolerance))
+    found = given_solutions(judge.args[0], (t, x, v), events, columns)
+    return judge(found[0]) if len(found) == 1 else check_all(judge, found, workers, progress)
 
 
-def _read(t: object, x: object, v: object, events: object) -> Samples:
-    if x is not None or v is not None:
-        return checked(t, x, v, events)
-    samples = read_samples(t)
-    return samples if events is None else checked(samples.t, samples.x, samples.v, events)
-
-
-def _task(
-    scene: Scene | Parameters | str, samples: Samples, tolerance: object, global_tolerance: object | None
-) -> Task:
-    """Return what is to be judged, the arguments of `crosscheck` read."""
+def _limits(
+    scene: object, tolerance: object, global_tolerance: object | None
+) -> tuple[Scene | Parameters, float, float]:
+    """Return the problem and the tolerances as numbers."""
     allowed = _positive("tolerance", tolerance)
     limit = GLOBAL_FACTOR * allowed if global_tolerance is None else _positive("global_tolerance", global_tolerance)
     scene = load_scene(scene) if isinstance(scene, str) else scene
     if not isinstance(scene, (Scene, Parameters)):
         raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+    return scene, allowed, limit
+
+
+def judged(scene: Scene | Parameters, allowed: float, limit: float, samples: Samples) -> CrossCheck:
+    """Return the verdict on one solution; velocities that were not given are computed."""
     p = scene if isinstance(scene, Parameters) else scene.parameters
-    return Task(scene, p, samples, allowed, limit, find_rounding(samples, (float(p.v1), float(p.v2))))
+    if samples.lacks_v:
+        samples = with_velocities(samples, scene, allowed)
+    return Task(scene, p, samples, allowed, limit, find_rounding(samples, (float(p.v1), float(p.v2)))).verdict()
 
 
 @dataclass(frozen=True)
@@ -134,8 +143,8 @@ class Task:
         """Judge the samples as numbers with all digits; if they fail and have few, once more at their precision."""
         samples, rounding = self.samples, self.rounding
         units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
-        check_joints(samples, max(SAMPLE_JUMP, self.tolerance), *_loose(self.parameters, samples, units).T)
-        result = self.judge(np.zeros_like(units), np.zeros_like(listed))
+        check_joints(samples, max(SAMPLE_JUMP, self.tolerance), *looseness(self.parameters, samples, units).T)
+        result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
         return result if result.ok or not rounding.texts else self.judge(units, listed)
 
     def judge(self, units: np.ndarray, listed: np.ndarray) -> CrossCheck:
@@ -148,16 +157,17 @@ class Task:
         listed : array
             How far the times of the list of events are rounded.
         """
-        samples, notes, p = self.samples, self._rounding_notes(units, listed), self.parameters
-        loose = _loose(p, samples, units)
+        samples, p, notes = self.samples, self.parameters, self._notes(units, listed)
+        loose = looseness(p, samples, units)
         start = _start(self.scene, samples, self.limit, units[:, 0], notes)
         trajectory = self._simulate(float(samples.t[-1]), start)
         errors, scales = _global_errors(trajectory, samples, notes)
         limits = self.limit * scales + GLOBAL_FACTOR * np.max(loose, axis=0)
         near = self.tolerance * scales[1] + loose[:, 1]
         steps = follow_steps(p, samples.t, samples.x, samples.v, near, scales)
-        allowed = self.tolerance * scales + _rounding(steps, scales) + _carried(steps, loose, near, scales)
-        sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
+        allowed = rounding_of_steps(steps, scales) + self.tolerance * scales
+        allowed += carried(steps, loose, near, scales)
+        sizes = np.maximum(*(np.abs(steps.defects[:, i]) / allowed[:, i] for i in (0, 1)))
         wrong = ~(sizes <= 1.0)
         label = labels(steps, near, np.maximum(near, DRIFT * scales[1]))
         found, modes = find_events(steps, label, wrong)
@@ -165,7 +175,7 @@ class Task:
         matching = self._match(trajectory, start, found, reach, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
         disorder = _disorder(samples.events or (), notes)
-        greatest = [float(value) for value in np.nanmax(np.abs(errors), axis=0)]
+        greatest = [float(np.nanmax(np.abs(column))) for column in errors.T]
         within = bool(np.all(greatest <= limits))
         if not within and not wrong.any():
             notes.append("every step is right, but their errors add up, or the start is another one")
@@ -198,10 +208,10 @@ class Task:
             trajectory=trajectory,
         )
 
-    def _rounding_notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
+    def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
         columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
-        judged = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
-        return [f"the samples are rounded: {columns}{judged}"] if columns else []
+        at_it = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
+        return [*self.samples.notes, *([f"the samples are rounded: {columns}{at_it}"] if columns else [])]
 
     def _match(
         self,
@@ -212,11 +222,14 @@ class Task:
         label: np.ndarray,
         wrong: np.ndarray,
     ) -> Matching:
-        events, until = self.samples.events, float(trajectory.t_end)
+        events, until, times = self.samples.events, float(trajectory.t_end), list[float]()
+        if events and not any(kind for _, kind in events):  # a solver's list of times
+            times, events = [t for t, _ in events], None
         ended = until < self.samples.t[-1]  # where the exact motion has ended there is nothing to match
         if events is None:
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
-            return Matcher(trajectory, trajectory.events, found, False, reach, label, wrong).match()
+            matcher = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
+            return with_times(matcher.match(), matcher, [t for t in times if t <= until])
         order = sorted((i for i, (t, _) in enumerate(events) if not ended or t <= until), key=lambda i: events[i][0])
         pairs, reach = [events[i] for i in order], replace(reach, listed=reach.listed[order])
         exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
@@ -268,10 +281,13 @@ def _global_errors(trajectory: Trajectory, samples: Samples, notes: list[str]) -
     inside = times <= until
     if not inside.all():
         notes.append(f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared")
-    errors = np.full((len(times), 2), np.nan)
     exact = trajectory(np.clip(times[inside], float(trajectory.t_start), until))
-    errors[inside] = np.column_stack([samples.x[inside], samples.v[inside]]) - exact.T
-    return errors, _scales(trajectory.parameters, exact)
+    scales, errors = _scales(trajectory.parameters, exact), np.full((2, len(times)), np.nan)
+    for row, values, given in zip(errors, exact, (samples.x, samples.v), strict=True):
+        row[inside] = given[inside] - values
+    if samples.dense is not None:
+        notes.append(dense_note(trajectory, samples.dense, until))
+    return errors.T, scales
 
 
 def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
@@ -298,48 +314,13 @@ def _faults(
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
     """Return units of x and v: the largest of the exact motion, and nothing less than the belts give."""
-    reach = np.max(np.abs(exact), axis=1)
+    reach = np.array([np.max(np.abs(row)) for row in exact])
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     rate = max(float(p.Omega), float(p.k / p.m) ** 0.5)
     return np.array([max(float(reach[0]), speed / rate), speed])
 
 
-def _rounding(steps: ExactSteps, scales: np.ndarray) -> np.ndarray:
-    """Return what the rounding of the times and of the samples makes of x and v."""
-    push = float(_push(steps.parameters, *scales))
-    ticks = 2.0 * np.spacing(np.maximum(np.abs(steps.t[1:]), np.abs(steps.t[:-1])))
-    return np.outer(ticks, [scales[1], push]) + 8.0 * np.finfo(float).eps * scales
-
-
-def _push(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
-    """Return a bound of the acceleration at given |x| and |v|."""
-    forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
-    return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
-
-
-def _loose(p: Parameters, samples: Samples, units: np.ndarray) -> np.ndarray:
-    """Return how far x and v of each sample may be off for its rounding, that of its time included, shape (n, 2)."""
-    t, x, v = units
-    return np.column_stack([x + np.abs(samples.v) * t, v + _push(p, samples.x, samples.v) * t])
-
-
-def _carried(steps: ExactSteps, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Return how far rounded samples may be from the exact motion over the step, shape (n - 1, 2).
-
-    That is the rounding of the next sample, and what the step makes of the rounding of the one before. Events in the
-    step amplify it. So the exact motion is followed from the corners of the box of states that round to the sample.
-    """
-    if not np.any(loose):
-        return np.zeros_like(steps.defects)
-    spread = np.zeros_like(steps.defects)
-    for signs in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
-        shift = loose * signs
-        x, v = (np.column_stack([steps.x, steps.v]) + shift).T
-        corner = follow_steps(steps.parameters, steps.t, x, v, near, scales)
-        spread = np.fmax(spread, np.abs(corner.defects + shift[1:] - steps.defects))
-    return spread + loose[1:]
-
-
 def _within(errors: np.ndarray, limits: np.ndarray) -> np.ndarray:
     """Return the sizes of the errors, as far as they are allowed; 0 where there is nothing to compare."""
-    return np.minimum(np.nan_to_num(np.abs(errors), nan=0.0), limits)
+    sizes = np.abs(errors)
+    return np.fmin(sizes, limits, where=~np.isnan(sizes), out=np.zeros_like(sizes))

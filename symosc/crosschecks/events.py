@@ -68,7 +68,7 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
     velocities, one for each sample.
     """
     v, K = steps.v, steps.K
-    label = 1 + (v > K.belt1.v) + (v > K.belt2.v)
+    label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, belt in ((1, K.belt1), (2, K.belt2)):
         gap = np.abs(v - belt.v)
         sticks = steps.last == 3 + boundary

@@ -13,6 +13,7 @@ from symosc.crosschecks.samples import Samples
 MOST_SAMPLE_DIGITS = 13
 # Numbers that show the rounding; 0, the belts' speeds and the start may be short by nature.
 LEAST_SHOWN = 3
+FEW_VALUES = 1000
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
@@ -49,7 +50,10 @@ class Rounding:
 
     def units(self, count: int) -> np.ndarray:
         """Return the units of the last digits of t, x and v, shape (3, n); 0 where nothing was rounded."""
-        return np.array([np.zeros(count) if digits is None else digits.units for digits in (self.t, self.x, self.v)])
+        columns = (self.t, self.x, self.v)
+        if columns == (None, None, None):
+            return np.broadcast_to(0.0, (3, count))  # takes no memory
+        return np.array([np.zeros(count) if digits is None else digits.units for digits in columns])
 
     def of_events(self, count: int) -> np.ndarray:
         """Return the units of the last digits of the listed times."""
@@ -129,7 +133,9 @@ def _exponents(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Tell whether all values are whole multiples of 10^-places."""
+    """Tell whether all values are whole multiples of 10^-places; most that are not show it in the first few."""
+    if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
+        return False
     with np.errstate(over="ignore", invalid="ignore"):
         units = 10.0**-places
         return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
@@ -22,12 +22,44 @@ LONGEST_ITEM = 60
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution at times: `t`, `x`, `v` are (n,) float arrays; `events` are pairs (t, kind), or None."""
+    """A solution at times.
+
+    Attributes
+    ----------
+    t, x, v : (n,) float arrays
+        Without velocities `v` is NaN, until `symosc.crosschecks.velocities` computes it.
+    events : tuple of pairs (t, kind), or None
+        A kind is "" if the solver does not tell it.
+    name : str
+        Which one it is of several.
+    notes : tuple of str
+        What was done to read it.
+    dense : callable, or None
+        The solver's own function t -> (x, v) between the samples.
+    v_off : (n,) float array, or None
+        If v was computed from x: how far it may be off for the errors of x.
+    """
 
     t: np.ndarray
     x: np.ndarray
     v: np.ndarray
     events: tuple[tuple[float, str], ...] | None = None
+    name: str = ""
+    notes: tuple[str, ...] = ()
+    v_off: np.ndarray | None = None
+    dense: Callable[[np.ndarray], Any] | None = None
+
+    @property
+    def lacks_v(self) -> bool:
+        """Whether only positions were given."""
+        return bool(np.isnan(self.v[0]))
+
+
+def checked_positions(t: object, x: object, events: object = None) -> Samples:
+    """Return samples without velocities; see `checked`."""
+    times = _array("t", t)
+    samples = checked(times, x, np.zeros(len(times)), events)
+    return replace(samples, v=np.full(len(samples.t), np.nan))
 
 
 def checked(t: object, x: object, v: object, events: object = None) -> Samples:
@@ -53,7 +85,7 @@ def checked(t: object, x: object, v: object, events: object = None) -> Samples:
         raise ParameterError(f"t[{i}]", float(times[i]), what)
     if times[0] == times[-1]:
         raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
-    return Samples(**arrays, events=None if events is None else _checked_events(events))
+    return Samples(arrays["t"], arrays["x"], arrays["v"], events=None if events is None else _checked_events(events))
 
 
 def check_joints(
@@ -115,7 +147,7 @@ def _refuse_wrong(name: str, values: Iterable[object]) -> None:
     """Raise ParameterError for the first entry that is no real number."""
     for i, value in enumerate(values):
         try:
-            _number(value)
+            number_of(value)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"{name}[{i}]", shown(value), "is not a number") from None
 
@@ -126,7 +158,7 @@ def _items(values: Any) -> Iterable[object]:
     return values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
 
 
-def _number(value: Any) -> float:
+def number_of(value: Any) -> float:
     """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)):
         raise TypeError("no real number")
@@ -161,7 +193,7 @@ def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
     for i, pair in enumerate(events):
         try:
             time, kind = pair
-            time, kind = _number(time), str(kind)
+            time, kind = number_of(time), str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
         if kind not in EVENT_KINDS.values() or not abs(time) <= LARGEST_SAMPLE:

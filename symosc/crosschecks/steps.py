@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
 
 import numpy as np
 
+from symosc.crosschecks.quiet import quiet_ends
 from symosc.engine.arithmetic import Arithmetic, mp_context
 from symosc.engine.compiled_loop import Batch, batch_of, keep_state, room_for, state_of
 from symosc.engine.constant_table import table_of
@@ -25,6 +27,8 @@ from symosc.simulation.batch_loop import Course, chosen_loops, followed, joined
 # Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`.
 COMPILE_FROM = 4000
 MOST_STEP_EVENTS = 10_000  # in one step
+# Steps that are followed together: what they need besides the result stays in the processor's cache.
+STEPS_TOGETHER = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -113,38 +117,68 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         Units in which the defects of x and v are compared with each other.
     """
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
-    _, theta = phases(parameters, t)
-    belts = np.array([K.belt1.v, K.belt2.v])
-    gaps = np.abs(v[:-1, None] - belts)
-    closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
-    ahead = np.column_stack([x[1:], v[1:]])
+    count = len(t) - 1
+    theta, defects, modes = np.empty(count + 1), np.empty((count, 2)), np.zeros((2, count), np.int8)
+    near, found = np.broadcast_to(near, count + 1), []
+    for begin in range(0, count, STEPS_TOGETHER):
+        part = slice(begin, min(begin + STEPS_TOGETHER, count) + 1)
+        theta[part] = phases(parameters, t[part])[1]
+        some = Pieces(K, t[part], x[part], v[part], theta[part], near[part], scales)
+        inner = slice(begin, part.stop - 1)
+        defects[inner], modes[:, inner], events = some.follow()
+        found.append(replace(events, step=events.step + begin))
+    _at_joints(t, modes)
+    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], concatenated(found))
 
-    def follow(steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        start_v = np.where(on > 0, belts[on - 1], v[steps])
-        rows = belt_rows(on, theta[steps], x[steps], start_v, t[steps + 1] - t[steps], K)
-        first = rows[:, 0].astype(int)
-        last, end, events = _follow(rows, t[steps + 1] - t[steps], K)
-        defects, origin = end - ahead[steps], steps[events.step]
-        events = replace(events, step=origin, t=t[origin] + events.t)
-        return defects, first, last, np.max(np.abs(defects) / scales, axis=1), events
 
-    moving = np.flatnonzero(np.diff(t) > 0.0)
-    near = np.broadcast_to(near, len(t))[:-1]
-    defects = np.column_stack([x[:-1], v[:-1]]) - ahead
-    first, last, size = np.zeros(len(t) - 1, int), np.zeros(len(t) - 1, int), np.zeros(len(t) - 1)
-    on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
-    defects[moving], first[moving], last[moving], size[moving], events = follow(moving, on[moving])
-    doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
-    if len(doubtful):
-        others = follow(doubtful, closest[doubtful])
-        # On a belt both agree up to rounding: then it is on the belt.
-        better = ~(others[3] > size[doubtful] * (1.0 + 1e-6) + EPS)
-        chosen = doubtful[better]
-        defects[chosen], first[chosen], last[chosen] = (values[better] for values in others[:3])
-        events = _joined(events, others[4], chosen)
-    for i in np.flatnonzero(np.diff(t) == 0.0).tolist():  # as the motion arrives there, or leaves the first sample
-        first[i] = last[i] = last[i - 1] if i else first[moving[0]]
-    return ExactSteps(parameters, K, t, x, v, theta, defects, first, last, events)
+def _at_joints(t: np.ndarray, modes: np.ndarray) -> None:
+    """Let a step in which no time passes have the mode in which the motion arrives, or leaves the first sample."""
+    for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
+        modes[:, i] = modes[1, i - 1] if i else modes[0, int(np.argmax(np.diff(t) > 0.0))]
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Some samples one after the other, and what `follow_steps` needs of them."""
+
+    K: Constants
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    theta: np.ndarray
+    near: np.ndarray
+    scales: np.ndarray
+
+    def follow(self) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+        """Return the defects of the steps between the samples, their first and last modes, and the events."""
+        v, near = self.v[:-1], self.near[:-1]
+        gaps = np.abs(v[:, None] - np.array([self.K.belt1.v, self.K.belt2.v]))
+        closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
+        moving = np.flatnonzero(np.diff(self.t) > 0.0)
+        defects = np.column_stack([self.x[:-1], v]) - np.column_stack([self.x[1:], self.v[1:]])
+        modes, size = np.zeros((2, len(v)), np.int8), np.zeros(len(v))
+        on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
+        defects[moving], modes[:, moving], size[moving], events = self.of(moving, on[moving])
+        doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
+        if len(doubtful):
+            others = self.of(doubtful, closest[doubtful])
+            # On a belt both agree up to rounding: then it is on the belt.
+            better = ~(others[2] > size[doubtful] * (1.0 + 1e-6) + EPS)
+            chosen = doubtful[better]
+            defects[chosen], modes[:, chosen] = others[0][better], others[1][:, better]
+            events = _joined(events, others[3], chosen)
+        return defects, modes, events
+
+    def of(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
+        """Return what `follow` does for some steps from belt `on` (0: from where the sample is), with their sizes."""
+        belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
+        start_v = np.where(on > 0, belts[on - 1], self.v[steps])
+        rows = belt_rows(on, self.theta[steps], self.x[steps], start_v, left, self.K)
+        modes, ends, events = followed_rows(rows, left, self.K)
+        defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
+        origin = steps[events.step]
+        events = replace(events, step=origin, t=self.t[origin] + events.t)
+        return defects, modes, np.max(np.abs(defects) / self.scales, axis=1), events
 
 
 def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -172,8 +206,28 @@ def _upper_half(value: Any) -> Any:
     return shifted - (shifted - value)
 
 
+def followed_rows(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+    """Follow every row to its end, `left` later.
+
+    Returns
+    -------
+    modes : (2, n) int array
+        Just after the start and at the end.
+    ends : (n, 2) array
+        States [x, v] at the ends.
+    events : StepEvents
+        With times from the starts on.
+    """
+    modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
+    quiet, states = quiet_ends(rows, left, K)
+    ends[quiet] = states
+    busy = np.delete(np.arange(len(rows)), quiet)
+    modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], K)
+    return modes, ends, replace(events, step=busy[events.step])
+
+
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow every row to its end, `left` later; return the last modes, states [x, v] there and events, from time 0."""
+    """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
     loops = chosen_loops(False if len(rows) < COMPILE_FROM else None)
     course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
@@ -229,3 +283,8 @@ def _joined(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEv
     }
     order = np.lexsort((columns["t"], columns["step"]))
     return StepEvents(**{name: column[order] for name, column in columns.items()})
+
+
+def concatenated(parts: Sequence[StepEvents]) -> StepEvents:
+    """Return events of several parts, one after the other."""
+    return StepEvents(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})

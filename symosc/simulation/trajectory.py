@@ -18,13 +18,18 @@ from symosc.aliases import Record
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.flow import Constants, constants
+from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, whole_number
 from symosc.files import write_text
+from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
 
+# So many times are evaluated as arrays, and how many at once.
+MANY_TIMES = 1 << 10
+TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {
     (1, "belt1", 1): "P1",
@@ -182,6 +187,8 @@ class Trajectory(Drawable):
             If a time is outside [t_start, t_end].
         """
         times = _read_times(t)
+        if times.size >= MANY_TIMES:
+            return self._states(times.ravel()).reshape((2, *times.shape))
         states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
@@ -214,11 +221,30 @@ class Trajectory(Drawable):
         turn = K.Om * (tau % K.period if tau > K.period else tau)
         s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(piece.theta), cos(piece.theta)
         c = c0 * c_Om - s0 * s_Om
-        if piece.mode > 3:
+        if piece.mode > ON_BELT:
             return piece.x + piece.v * tau, piece.v, c
         E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
         dx, dv, _ = motion(piece.v, piece.a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         return piece.x + dx, piece.v + dv, c
+
+    def _states(self, times: np.ndarray) -> np.ndarray:
+        """Return x and v at many times, a few at a time as arrays: what `_state` returns, but for rounding."""
+        for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
+            self._piece(outside)
+        K, starts, states = self._K, np.array(self._starts), np.empty((2, len(times)))
+        columns = np.array([(p.theta, p.mode, p.x, p.v, p.a, p.elapsed) for p in self._pieces], dtype=float)
+        for begin in range(0, len(times), TIMES_TOGETHER):
+            part = slice(begin, begin + TIMES_TOGETHER)
+            elapsed = (times[part] - self._t0) - self._t0_low
+            piece = np.maximum(np.searchsorted(starts, elapsed, "right") - 1, 0)
+            theta, mode, x, v, a, since = columns[piece].T
+            tau = np.maximum(elapsed - since, 0.0)
+            turn, s0, c0 = K.Om * np.where(tau > K.period, tau % K.period, tau), np.sin(theta), np.cos(theta)
+            E0, E1, E2, R2, I2, _, _ = entire_array.basis_at(tau, np.sin(turn), np.cos(turn), K)
+            dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+            held = mode > ON_BELT
+            states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)
+        return states
 
     def table(self) -> list[dict[str, Any]]:
         """Return the events as rows of plain values.

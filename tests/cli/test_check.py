@@ -78,7 +78,7 @@ def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
     ("text", "options", "words"),
     [
         ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig99"), "fig99"),
-        ("t,x\n0,1\n1,1\n", ("--scene", "fig9"), "column = 'v': is missing"),
+        ("t,x,w\n0,1,2\n1,1,2\n", ("--scene", "fig9"), "column = 'v': is missing"),
         ("t,x,v\n1,1,2\n0,1,2\n", ("--scene", "fig9"), "must increase"),
         ("t,x,v\n0,1,2\n1,nan,2\n", ("--scene", "fig9"), "must be finite"),
         ("t,x,v\n0,1,2\n1,1,2\n", (), "--scene"),
@@ -143,3 +143,77 @@ def test_help_has_an_example() -> None:
     assert result.exit_code == 0
     assert "symosc check run.csv --scene fig9" in result.output
     assert isinstance(check, click.Command)
+
+
+@pytest.mark.slow
+def test_a_scene_may_be_the_first_word_and_be_changed(tmp_path: Path, samples: Any) -> None:
+    path = write(tmp_path / "run.csv", *samples)
+    assert run("fig9", path).exit_code == 0
+    assert run("fig9", path, "--set", "k=3").exit_code == 0  # as it is
+    assert run("fig9", path, "--set", "k=3.1").exit_code == 1
+
+
+def test_standard_input(samples: Any, tmp_path: Path) -> None:
+    text = write(tmp_path / "run.csv", *samples).read_text()
+    for words in (("fig9", "-"), ("-", "--scene", "fig9")):
+        result = CliRunner().invoke(main, ["check", *words], input=text)
+        assert result.exit_code == 0, result.output
+    result = CliRunner().invoke(main, ["check", "fig9", "-"], input="")
+    assert (result.exit_code, "is empty" in result.stderr) == (2, True)
+
+
+@pytest.mark.slow
+def test_several_files_and_a_column_of_ids(tmp_path: Path, samples: Any) -> None:
+    t, x, v = samples
+    good, bad = write(tmp_path / "good.csv", t, x, v), write(tmp_path / "bad.csv", t, x, v + 0.1 * (t > 3))
+    result = run("fig9", good, bad)
+    assert result.exit_code == 1
+    assert result.stdout.startswith("FAILED: 2 solutions, 1 failed")
+    assert f"\n{bad}: " in result.stdout
+    data = json.loads(run("fig9", good, bad, "--json").stdout)
+    assert [each["ok"] for each in data["checks"]] == [True, False]
+    lines = [f"{name},{line}" for name in "ab" for line in good.read_text().splitlines()[1:]]
+    (tmp_path / "both.csv").write_text("which,t,x,v\n" + "\n".join(lines))
+    assert run("fig9", tmp_path / "both.csv", "--columns", "id=which").stdout.startswith("ok: 2 solutions")
+    result = run("fig9", tmp_path / "both.csv", "--columns", "id=which", "-o", tmp_path / "both.svg")
+    assert (result.exit_code, "draws one solution" in result.stderr) == (2, True)
+
+
+@pytest.mark.slow
+def test_a_solver_is_run(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        "from symosc import simulate\n"
+        "def solve(p, t0, x0, v0, t_end):\n"
+        "    print('working')\n"
+        "    return simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)\n"
+        "def wrong(p, *start):\n"
+        "    return solve(p.replace(mu1=p.mu1 * 2), *start)\n"
+    )
+    words = ("fig9", "--t-end", "4", "--json", "--solver")
+    result = run(*words, f"{tmp_path}/mine.py:solve")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["compared_until"] == 4
+    assert run(*words, f"{tmp_path}/mine.py:wrong").exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "give SCENE FILE"),
+        (("fig9",), "give SCENE FILE"),
+        (("--scene", "fig9"), "give a file of samples"),
+        (("fig9", "run.csv", "--solver", "a:b"), "not both"),
+        (("fig9", "run.csv", "--t-end", "3"), "--t-end is for --solver"),
+        (("fig9", "--solver", "nothing"), "must be MODULE:FUNCTION"),
+        (("fig9", "none.parquet"), "cannot be read"),
+        (("fig9", "."), "folder"),
+        (("fig9", "none.csv.gz"), "cannot be read"),
+        (("fig9", "run.csv", "--workers", "0"), "--workers"),
+        (("fig9", "run.csv", "--columns", "z=1"), "--columns"),
+    ],
+)
+def test_words_that_do_not_go_together(words: tuple[str, ...], said: str) -> None:
+    result = run(*words)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert said in result.stderr, result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1

@@ -37,14 +37,15 @@ def test_what_is_read(tmp_path: Path, grid: Any) -> None:
 
 def test_what_cannot_be_read(tmp_path: Path) -> None:
     files = {
-        "two.csv": ("t,x\n0,1\n1,2\n", "column = 'v': is missing"),
+        "two.csv": ("t,x,w\n0,1,2\n1,2,3\n", "column = 'v': is missing"),
         "short.csv": ("t,x,v\n0,1,2\n1,2\n", "row 3 has 2 entries"),
         "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is not a number"),
         "empty.csv": ("", "is empty"),
         "bad.json": ("{", "cannot be read"),
         "list.json": ("[1, 2]", "must hold columns"),
         "bad.npz": ("no zip", "is not an npz file"),
-        "run.txt": ("", "must end in"),
+        "run.doc": ("", "must end in"),
+        "run.txt": ("", "is empty"),
     }
     for name, (text, words) in files.items():
         (tmp_path / name).write_text(text)

@@ -84,7 +84,7 @@ def one_line(call: Callable[[], Any], *words: str) -> None:
 
 @pytest.mark.parametrize("what", COLUMNS)
 def test_what_is_no_column(what: str) -> None:
-    for name in "txv":
+    for name in "tx" if what == "nothing" else "txv":  # without velocities they are computed
         columns = {"t": T, "x": X, "v": V} | {name: COLUMNS[what]}
         words = ("lengths", f"'{name}'") if what in ("too short", "empty") else (f"{name}",)
         one_line(lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]), *words)  # type: ignore[misc]
@@ -111,10 +111,9 @@ def test_times() -> None:
 
 
 def test_a_missing_column_is_said() -> None:
-    one_line(lambda: crosscheck("fig9", T, X), "v = None", "missing")
     one_line(lambda: crosscheck("fig9", T, v=V), "x = None", "missing")
     for source in (None, 5, [1, 2], b"x", np.zeros((3, 4)), {}, {"t": T}, (value for value in T)):
-        one_line(lambda source=source: crosscheck("fig9", source), "is missing in")  # type: ignore[misc]
+        one_line(lambda source=source: crosscheck("fig9", source), " = ")  # type: ignore[misc]
 
 
 @pytest.mark.parametrize("y", [np.zeros((4, 30)), np.zeros((1, 30)), np.zeros(30), [[1, 2], [3]], None, 5])
@@ -152,12 +151,12 @@ TEXTS = {
     "empty.csv": ("", "is empty"),
     "header.csv": ("t,x,v\n", "at least 2"),
     "one.csv": ("t,x,v\n0,0,0\n", "at least 2"),
-    "headless.csv": (ROWS, "'t': is missing"),
-    "semicolons.csv": ("t;x;v\n0;0;0", "there are: t;x;v"),
+    "headless.csv": ("0,0,0,0\n1,1,1,1", "has no header and 4 columns; say which are meant, such as t=1,x=2,v=3"),
+    "semicolons.csv": ("t;x;w\n0;0;0", "there are: t, x, w"),
     "twice.csv": ("t,x,v,v\n0,0,0,0\n1,1,1,1", "has 'v' twice"),
     "holes.csv": ("t,x,v\n0,,0\n1,1,1", "x[0] = ''"),
     "blank.csv": ("\nt,x,v\n\n0,0,0\n\n1,1\n", "row 6 has 2 entries"),
-    "field.csv": ("t,x,v\n" + "1" * 200000 + ",0,0\n", "field larger"),
+    "field.csv": ("t,x,v\n" + "1" * 200000 + ",0,0\n1,1,1", "must be finite"),
     "hex.csv": ("t,x,v\n0x10,0,0\n1,1,1", "'0x10'"),
     "underscore.csv": ("t,x,v\n0,0,0\n1_0,1,1", "'1_0'"),
     "infinite.csv": ("t,x,v\n0,0,inf\n1,1,1", "v[0] = inf"),
@@ -195,7 +194,7 @@ def test_files_that_are_read_although_they_look_odd(tmp_path: Path) -> None:
 def test_files_that_are_no_text(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"file{suffix}"
     path.write_text(json.dumps(GOOD), encoding="utf-16")
-    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8")
+    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8" if suffix == ".json" else "'t': is missing")
 
 
 def test_npz_files(tmp_path: Path) -> None:
@@ -206,7 +205,7 @@ def test_npz_files(tmp_path: Path) -> None:
         (GOOD | {"events": np.array([(0.5, "stick")], object)}, "not of Python objects"),
         (GOOD | {"events": 5}, "events"),
         (GOOD | {"t": T + 0j}, "t[0]"),
-        ({"t": T, "x": X}, "there are: t, x"),
+        ({"t": T, "pos": X, "velo": V}, "there are: t, pos"),
     ):
         np.savez(path, **arrays)
         one_line(lambda: crosscheck("fig9", path), words)
@@ -215,8 +214,7 @@ def test_npz_files(tmp_path: Path) -> None:
     np.savez(path, **GOOD, events=np.array([["0.5", "stick"]]))  # type: ignore[arg-type]
     assert [event.t for event in crosscheck("fig9", path).invented] == [0.5]
     content = path.read_bytes()
-    np.save(tmp_path / "array.npy", T)
-    for damaged in (b"", b"no zip", content[: len(content) // 2], (tmp_path / "array.npy").read_bytes(), b"\x80\x04]."):
+    for damaged in (b"", b"no zip", content[: len(content) // 2], b"\x80\x04]."):
         path.write_bytes(damaged)
         one_line(lambda: crosscheck("fig9", path), "is not an npz file")
 

@@ -1,0 +1,170 @@
+"""Velocities of positions that were given without: those with which the exact motion leads from one to the next.
+
+In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
+each domain, and on a belt that of the belt. The velocity of a motion does not jump. So where two steps agree about the
+sample between them, both are in one piece, and that is its velocity. Steps with an event in them agree with none; the
+exact motion leads over them from the sample before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeGuard
+
+import numpy as np
+
+from symosc.crosschecks.rounding import find_digits
+from symosc.crosschecks.samples import Samples
+from symosc.crosschecks.steps import Pieces, phases
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import Constants
+from symosc.errors import ParameterError
+from symosc.kernels import entire_array
+from symosc.kernels._generated import acceleration, motion
+from symosc.model import Parameters
+from symosc.scenes import Scene
+
+NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
+NO_FIRST = "samples at the beginning that are left out, since the positions do not tell their velocity"
+# Rounds in which the exact motion leads on from samples whose velocity is known, before the best guess is taken.
+MOST_ROUNDS = 100
+# Velocities may be off by so many times the error of the positions that half of the steps show.
+NOISE_FACTOR = 20.0
+# Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
+LONGEST_TOLD = 1.0
+
+
+def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
+    """Return samples with velocities, and how far these may be off.
+
+    Parameters
+    ----------
+    samples : Samples
+    scene : Scene or Parameters
+        A scene's start tells the first velocity where nothing else does.
+    tolerance : float
+        Errors of the positions that are allowed, relative to the largest.
+
+    Raises
+    ------
+    ParameterError
+        If the positions are too far apart to tell any velocity.
+    """
+    p = scene if isinstance(scene, Parameters) else scene.parameters
+    K = Arithmetic(p).K._replace(sigmas=0.0)
+    t, x = samples.t, samples.x
+    tau = np.diff(t)
+    shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
+    longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
+    per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
+    theta = phases(p, t)[1]
+    digits, size = find_digits(x, x[:1]), float(np.max(np.abs(x)))
+    rounded = np.zeros(len(x)) if digits is None else digits.units
+    starts, ends = _flown(t, x, theta, K)
+    allowed = per_x * (tolerance * size + rounded)
+    gaps = _nearest(starts, ends)[0]
+    fly = gaps <= 4.0 * allowed[1:-1]
+    noise = NOISE_FACTOR * float(np.median((gaps / per_x[1:-1])[fly])) if fly.any() else tolerance * size
+    noise += 8.0 * float(np.spacing(size))
+    held = _held(t, x, noise + rounded, K)
+    starts, ends = np.concatenate([starts, held]), np.concatenate([ends, held])
+    off = np.minimum(per_x * (noise + rounded), allowed)
+    gaps, left, right = _nearest(starts, ends)
+    agree = gaps <= 2.0 * off[1:-1]
+    v = _agreed(starts, ends, left, right, np.flatnonzero(agree))
+    if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
+        v[0] = float(scene.v0)
+    if np.isnan(v).all():
+        raise ParameterError("v", None, "is missing, and the positions are too far apart to tell it: give velocities")
+    known = int(np.argmax(~np.isnan(v)))  # an event before it leaves open with which velocity the first step began
+    notes = (*samples.notes, NOTE) if known == 0 else (*samples.notes, NOTE, f"{NO_FIRST}: {known}")
+    v = _led_on(K, t, x, v, theta)
+    off = np.where((v == K.belt1.v) | (v == K.belt2.v), 0.0, off)
+    return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
+
+
+def _is_start(scene: Scene | Parameters, samples: Samples, off: float) -> TypeGuard[Scene]:
+    if isinstance(scene, Parameters):
+        return False
+    near = abs(float(scene.x0) - float(samples.x[0])) <= off
+    return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14))
+
+
+def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocities at the starts and the ends of the steps in domains 1 to 3, shape (3, n - 1).
+
+    NaN where a step cannot be such.
+    """
+    tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
+    usable = (tau > 0.0) & (K.rate * tau < LONGEST_TOLD)
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_TOLD / K.rate), K)
+
+    def flown(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
+        a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
+        dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        return dx, dv
+
+    starts = np.full((3, len(tau)), np.nan)
+    ends, walls = starts.copy(), (-np.inf, K.belt1.v, K.belt2.v, np.inf)
+    for domain, A in enumerate((K.A1, K.A2, K.A3)):
+        rest, slope = flown(0.0, A)[0], E1  # dx is linear in v: v (E1 + cm E2) - cm v E2
+        v = (np.diff(x) - rest) / slope
+        end = v + flown(v, A)[1]
+        inside = usable & (v >= walls[domain]) & (v <= walls[domain + 1])
+        inside &= (end >= walls[domain]) & (end <= walls[domain + 1])
+        starts[domain], ends[domain] = np.where(inside, v, np.nan), np.where(inside, end, np.nan)
+    return starts, ends
+
+
+def _held(t: np.ndarray, x: np.ndarray, off: float | np.ndarray, K: Constants) -> np.ndarray:
+    """Return the velocities of the belts where a step can be a stick, else NaN, shape (2, n - 1)."""
+    off = np.broadcast_to(off, x.shape)
+    belts, tau = np.array([[K.belt1.v], [K.belt2.v]]), np.diff(t)
+    near = np.abs(np.diff(x) - belts * tau) <= off[:-1] + off[1:]
+    return np.where(near & (tau > 0.0), belts, np.nan)
+
+
+def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return how well the two steps at each inner sample agree about it at best, and by which of their candidates."""
+    inner = starts.shape[1] - 1
+    best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
+    for i in range(len(ends)):
+        for j in range(len(starts)):
+            gap = np.abs(ends[i, :-1] - starts[j, 1:])
+            closer = gap < best
+            best[closer], left[closer], right[closer] = gap[closer], i, j
+    return best, left, right
+
+
+def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
+    """Return the velocities that are known where two steps agree: there, and at their other ends; NaN for others."""
+    v = np.full(starts.shape[1] + 1, np.nan)
+    left, right = left[sure], right[sure]
+    v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
+    arrives, leaves = ends[left, sure], starts[right, sure + 1]
+    # A belt's velocity is exact.
+    v[sure + 1] = np.where(left > 2, arrives, np.where(right > 2, leaves, 0.5 * (arrives + leaves)))
+    return v
+
+
+def _led_on(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Return all velocities: where none is known the exact motion leads there from the sample before, or a guess."""
+    for _ in range(MOST_ROUNDS):
+        open_ends = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
+        if not len(open_ends):
+            break
+        v[open_ends + 1] = _after(K, t, x, v, theta, open_ends)
+    rest = np.flatnonzero(np.isnan(v))
+    if len(rest):
+        v[rest] = np.interp(t[rest], t[~np.isnan(v)], v[~np.isnan(v)])
+    return v
+
+
+def _after(
+    K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray, steps: np.ndarray
+) -> np.ndarray:
+    """Return the velocities with which the exact motion arrives at the ends of some steps."""
+    on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
+    pieces = Pieces(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones(2))
+    found = pieces.of(steps, on)[0][:, 1]
+    return np.where(np.isnan(found), v[steps], found)

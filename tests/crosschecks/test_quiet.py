@@ -1,0 +1,71 @@
+"""Steps in which nothing happens: never one with an event, and their ends are those of the event search."""
+
+from __future__ import annotations
+
+import numpy as np
+from careful_solver import random_parameters
+
+from symosc.crosschecks import steps
+from symosc.crosschecks.quiet import quiet_ends
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.start import belt_rows
+
+
+def test_quiet_steps_are_those_of_the_event_search() -> None:
+    """Random systems, steps from far below a period to near the limit, samples near belts, on them and far away."""
+    rng, seen, there = np.random.default_rng(11), {0: 0, 1: 0}, 0
+    for _ in range(12):
+        p = random_parameters(rng)
+        K = Arithmetic(p).K._replace(sigmas=0.0)
+        belts, count = np.array([K.belt1.v, K.belt2.v]), 150
+        at = rng.integers(0, 3, count)
+        beside = rng.choice(belts, count) + rng.choice([-1, 1], count) * 10.0 ** rng.uniform(-8, 1, count)
+        v = np.where(at > 0, belts[at - 1], beside)
+        theta, x, left = rng.uniform(0, 6.2, count), rng.uniform(-9, 9, count), 10.0 ** rng.uniform(-5, 0.5, count)
+        rows = belt_rows(at, theta, x, v, left / K.rate, K)
+        quiet, ends = quiet_ends(rows, left / K.rate, K)
+        modes, exact, events = steps._follow(rows, left / K.rate, K)
+        assert not np.isin(events.step, quiet).any()
+        assert (modes[quiet] == rows[quiet, 0]).all()
+        np.testing.assert_allclose(ends, exact[quiet], rtol=1e-13, atol=1e-13)
+        there += len(np.unique(events.step))
+        for held in (0, 1):
+            seen[held] += int(np.sum((modes[quiet] > 3) == held))
+    assert min(seen.values()) > 50
+    assert there > 100
+
+
+def test_most_steps_of_a_fine_run_are_quiet() -> None:
+    rng = np.random.default_rng(5)
+    p = random_parameters(rng)
+    K = Arithmetic(p).K
+    theta, x, v = rng.uniform(0, 6.2, 2000), rng.uniform(-5, 5, 2000), rng.uniform(-5, 5, 2000)
+    left = np.full(2000, 1e-4 / K.rate)
+    quiet, _ = quiet_ends(belt_rows(np.zeros(2000, int), theta, x, v, left, K), left, K)
+    assert len(quiet) > 1900
+
+
+def test_a_stick_that_ends_between_the_ends_of_a_step_is_not_quiet() -> None:
+    """A force that passes 0 and is back, aimed at: at both ends of the step the mass would stick."""
+    rng, there = np.random.default_rng(6), 0
+    for _ in range(100):
+        K = Arithmetic(random_parameters(rng)).K
+        at = int(rng.integers(1, 3))
+        belt = (K.belt1, K.belt2)[at - 1]
+        if not belt.turns or K.w0sq == 0.0:
+            continue
+        left = rng.uniform(0.05, 0.45) / K.rate
+        middle = rng.choice([belt.angle, np.pi - belt.angle])
+        turned = np.cos(middle + np.array([-0.5, 0.5]) * K.Om * left)
+        side = 1 if (turned - np.cos(middle)).max() * K.f0 < 0 else 0
+        A, small = (K.A1, K.A2, K.A3)[at - 1 + side], rng.uniform(1e-6, 1e-3) * abs(K.f0) * (K.Om * left) ** 2
+        force = small if side else -small
+        x = (A + np.cos(middle) * K.f0 - belt.v * K.cm - force) / K.w0sq - 0.5 * belt.v * left
+        ones = np.ones(1)
+        theta = (middle - 0.5 * K.Om * left) % (2 * np.pi)
+        rows = belt_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, left * ones, K)
+        events = steps._follow(rows, left * ones, K)[2]
+        there += rows[0, 0] > 3 and len(events.step) > 0
+        if len(events.step):
+            assert len(quiet_ends(rows, left * ones, K)[0]) == 0
+    assert there > 10

@@ -1,0 +1,65 @@
+"""Velocities of positions that were given without."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from careful_solver import random_parameters
+
+from symosc import ParameterError, crosscheck, load_scene, simulate
+from symosc.crosschecks.samples import checked_positions
+from symosc.crosschecks.velocities import NOTE, with_velocities
+
+
+def test_velocities_are_those_of_the_motion() -> None:
+    """Random systems and times: across events, in sticks, at the ends; errors as far as they are said to be."""
+    rng, events, far, left_out = np.random.default_rng(7), 0, 0, 0
+    for _ in range(12):
+        p = random_parameters(rng)
+        motion = simulate(p, t0=0, x0=float(rng.uniform(-2, 2)), v0=float(rng.uniform(-4, 4)), t_end=8)
+        if motion.status not in ("t_end", "equilibrium"):
+            continue
+        t = np.sort(rng.uniform(0, float(motion.t_end), 300))
+        x, v = motion(t)
+        found = with_velocities(checked_positions(t, x), p, 1e-8)
+        assert found.v_off is not None
+        error = np.abs(found.v - v[len(v) - len(found.v) :])
+        left_out += len(v) - len(found.v)
+        far += int(np.sum(error > found.v_off + 1e-7))
+        events += len(motion.events)
+        assert np.median(error) < 1e-11
+    assert events > 20
+    assert left_out <= 4  # two motions have an event in their first step
+    assert far == 0
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize(("name", "count"), [("fig5", 400), ("fig9", 40), ("fig10", 200), ("fig5", 1000)])
+def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> None:
+    scene = load_scene(name)
+    t = np.linspace(float(scene.t0), float(scene.t0) + 8, count)
+    x = simulate(scene, t_end=float(t[-1]))(t)[0]
+    check = crosscheck(scene, t, x)
+    assert check.ok, check.summary()
+    assert NOTE in check.notes
+    events = [event.kind for event in simulate(scene, t_end=float(t[-1])).events]
+    assert [match.event.kind for match in check.matched] == events
+    assert not crosscheck(scene, t, x + 1e-3 * (t > 5)).ok
+    other = simulate(
+        scene.parameters.replace(mu1=scene.parameters.mu1 * 2), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=9
+    )
+    assert not crosscheck(scene, t, other(t)[0]).ok
+
+
+def test_rounded_positions_pass() -> None:
+    t = np.linspace(0.2, 6, 200)
+    x = simulate("fig9", t_end=7)(t)[0]
+    for digits in (4, 6, 9):
+        assert crosscheck(load_scene("fig9").parameters, t, np.round(x, digits)).ok
+
+
+def test_positions_that_are_too_far_apart_are_refused() -> None:
+    p = load_scene("fig9").parameters
+    with pytest.raises(ParameterError, match="too far apart to tell it: give velocities"):
+        crosscheck(p, [0.0, 3.0, 6.0], [1.0, 2.0, 3.0])
+    assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
