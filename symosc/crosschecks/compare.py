@@ -196,6 +196,7 @@ class Task:
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
+            own_start=_own_start(self.scene),
         )
 
     def _rounding_notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
@@ -241,6 +242,10 @@ def _positive(name: str, value: object) -> float:
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
     return number
+
+
+def _own_start(scene: Scene | Parameters) -> tuple[float, float, float] | None:
+    return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
 
 
 def _start(scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]) -> Record:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, is_dataclass
+from functools import cached_property
 from math import isnan
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.crosschecks.causes import Diagnosis
+from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
@@ -66,6 +69,8 @@ class CrossCheck(Drawable):
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.
+    own_start : tuple of three floats or None
+        Where the scene starts: t0, x0, v0; None if Parameters were given.
 
     Examples
     --------
@@ -104,6 +109,12 @@ class CrossCheck(Drawable):
     x: np.ndarray
     v: np.ndarray
     trajectory: Trajectory
+    own_start: tuple[float, float, float] | None = None
+
+    @cached_property
+    def diagnosis(self) -> tuple[Diagnosis, ...]:
+        """What is probably wrong, the likeliest first; worked out when it is first asked for."""
+        return diagnose(self)
 
     def __eq__(self, other: object) -> bool:
         """Whether all findings and samples are equal; NaN equals NaN."""

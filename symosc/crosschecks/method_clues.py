@@ -1,0 +1,112 @@
+"""Whether steps are those of a known method with a fixed step, or have errors like those of some method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from symosc.crosschecks.causes import Diagnosis
+from symosc.crosschecks.clues import Clues
+from symosc.kernels._generated import acceleration
+
+State = tuple[Any, Any]
+Force = Callable[[Any, Any, Any], Any]
+# Samples may be so many steps of the method apart.
+SUBSTEPS = (1, 2, 3, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 100)
+MOST_REPEATED = 60
+# A method is known by leaving so little of the defects.
+REPEATS = 0.02
+
+
+def euler(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Return the state after one explicit step of order 1."""
+    return x + h * v, v + h * a(t, x, v)
+
+
+def semi_implicit(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Return the state after one step that uses the new velocity for the position."""
+    v = v + h * a(t, x, v)
+    return x + h * v, v
+
+
+def midpoint(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Return the state after one step of order 2, by the slope in the middle."""
+    middle = v + 0.5 * h * a(t, x, v)
+    return x + h * middle, v + h * a(t + 0.5 * h, x + 0.5 * h * v, middle)
+
+
+def heun(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Return the state after one step of order 2, by the mean of two slopes."""
+    first = a(t, x, v)
+    ahead = v + h * first
+    return x + 0.5 * h * (v + ahead), v + 0.5 * h * (first + a(t + h, x + h * v, ahead))
+
+
+def rk4(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Return the state after one step of the classical Runge-Kutta method."""
+    slopes = [(v, a(t, x, v))]
+    for part in (0.5, 0.5, 1.0):
+        dx, dv = slopes[-1]
+        ahead = v + part * h * dv
+        slopes.append((ahead, a(t + part * h, x + part * h * dx, ahead)))
+    weights = (1.0, 2.0, 2.0, 1.0)
+    dx, dv = (sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True)) / 6.0 for i in (0, 1))
+    return x + h * dx, v + h * dv
+
+
+METHODS = {"Euler": euler, "semi-implicit Euler": semi_implicit, "midpoint": midpoint, "Heun": heun, "RK4": rk4}
+
+
+def truncation(clues: Clues) -> Iterator[Diagnosis]:
+    """Yield errors of a method: the method itself if it repeats the steps, else the size and order of the errors."""
+    wrong = clues.inside[clues.wrong[clues.inside]]
+    if len(wrong) < 3:
+        return
+    chosen = clues.some(wrong, MOST_REPEATED)
+    for count in SUBSTEPS:
+        for name, method in METHODS.items():
+            left = _repeated(clues, chosen, method, count) / clues.sizes[chosen]
+            if np.median(left) <= REPEATS:
+                h = (clues.steps.t[chosen + 1] - clues.steps.t[chosen]) / count
+                words = f"the steps are those of the method {name} with a step of {float(np.median(h)):.4g}"
+                evidence = f"{np.mean(left <= REPEATS):.0%} of {len(chosen)} steps are repeated by it"
+                yield Diagnosis("truncation", name, words, evidence, float(np.median(h)), 0.0, clues.flights_wrong)
+                return
+    size = float(np.median(np.max(np.abs(clues.steps.defects[wrong]) / clues.scales, axis=1)))
+    words = f"steps without events have errors of about {size:.1e} of the largest |x|, |v|: a tolerance of the method"
+    order = _order(clues, wrong)
+    more = f"; they grow like the step to the power {order[0]:.1f} ± {order[1]:.1g}" if order else ""
+    yield Diagnosis("truncation", "", words, f"no coefficient explains them{more}", size, None,
+                    0.9 * clues.flights_wrong)  # fmt: skip
+
+
+def _repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State], count: int) -> np.ndarray:
+    """Return what a method with so many steps from sample to sample misses."""
+    s, K = clues.steps, clues.steps.K
+    A = np.take([K.A1, K.A2, K.A3], clues.label[chosen] - 1)
+
+    def force(t: Any, x: Any, v: Any) -> Any:
+        return acceleration(x, v, np.cos(s.theta[chosen] + K.Om * t), A, K.cm, K.w0sq, K.f0)
+
+    t, x, v = np.zeros(len(chosen)), s.x[chosen], s.v[chosen]
+    h = (s.t[chosen + 1] - s.t[chosen]) / count
+    with np.errstate(all="ignore"):
+        for _ in range(count):
+            x, v = method(force, t, x, v, h)
+            t = t + h
+        misses = (np.column_stack([x, v]) - np.column_stack([s.x, s.v])[chosen + 1]) / clues.allowed[chosen]
+    return np.asarray(np.nan_to_num(np.max(np.abs(misses), axis=1), nan=np.inf))
+
+
+def _order(clues: Clues, wrong: np.ndarray) -> tuple[float, float] | None:
+    """Return the power of the step with which the errors grow, and its error, if the steps differ enough."""
+    h = np.log(np.diff(clues.steps.t)[wrong])
+    if np.ptp(h) < 1.0 or len(h) < 20:
+        return None
+    e = np.log(np.max(np.abs(clues.steps.defects[wrong]) / clues.scales, axis=1))
+    (slope, _), matrix = np.polyfit(h, e, 1, cov=True)
+    return float(slope), float(np.sqrt(matrix[0, 0]))
+
+
