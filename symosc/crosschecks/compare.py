@@ -298,7 +298,7 @@ def _faults(
     odd |= set(np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist())
     first = np.flatnonzero(wrong)[:MOST_FAULTS].tolist()
     chosen = sorted(set(first) | {i for i in odd if 0 <= i < len(wrong) and wrong[i]})
-    return tuple(explain(steps, i, modes, sizes, allowed, near) for i in chosen)
+    return explain(steps, chosen, modes, sizes, allowed, near)
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:

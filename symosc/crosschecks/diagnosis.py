@@ -64,6 +64,7 @@ def _models(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 
 
 def _methods(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+    yield from method_clues.repeated(clues)
     yield from friction_clues.at_belts(clues)
     yield from event_clues.delays(clues)
     yield from event_clues.left_early(clues)

@@ -16,9 +16,9 @@ from symosc.model import NEIGHBOURS
 # Steps with events that are looked at.
 MOST_DELAYS = 60
 # The delay is searched on a grid of this many points, which is made finer so many times.
-DELAY_GRID, DELAY_ZOOMS = 9, 7
-# A delay explains a step if it leaves this part of the defect: the search for it is no finer.
-DELAY_LEAVES = 0.05
+DELAY_GRID, DELAY_ZOOMS = 9, 8
+# A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
+DELAY_LEAVES = 0.005
 
 
 def double_roots(clues: Clues) -> Iterator[Diagnosis]:

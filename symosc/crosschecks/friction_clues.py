@@ -61,7 +61,7 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
     runs = np.diff(steps) == 1
     turned = float(np.mean(gap[1:][runs] * gap[:-1][runs] < 0.0)) if np.any(runs) else 0.0
     largest = float(np.max(np.abs(gap)))
-    rate, same, count = _rates(clues, steps, gap)
+    rate, same, count = _rates(clues, steps, boundary, gap)
     if same <= SAME_RATE:
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
@@ -110,16 +110,17 @@ def _smoothed_sticks(
     return found
 
 
-def _rates(clues: Clues, steps: np.ndarray, gap: np.ndarray) -> tuple[float, float, int]:
-    """Return how fast the gap grows from one sample to the next, how much that differs, and in how many steps."""
-    pairs = np.flatnonzero(np.diff(steps) == 1)
-    if len(pairs) < 2:
+def _rates(clues: Clues, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray) -> tuple[float, float, int]:
+    """Return how fast the gap grows in steps from the belt or beside it, how much that differs, and their number."""
+    s = clues.steps
+    before = s.v[steps] - np.array([s.K.belt1.v, s.K.belt2.v])[boundary - 1]
+    inside = np.isin(steps - 1, steps) | (np.abs(before) <= clues.near[steps])
+    if np.sum(inside) < 2:
         return 0.0, np.inf, 0
-    length = clues.steps.t[steps[pairs + 1] + 1] - clues.steps.t[steps[pairs] + 1]
-    rates = (gap[pairs + 1] - gap[pairs]) / length
+    rates = ((gap - before) / (s.t[steps + 1] - s.t[steps]))[inside]
     rate = float(np.median(rates))
     spread = 1.4826 * float(np.median(np.abs(rates - rate)))
-    return rate, spread / abs(rate) if rate else np.inf, len(pairs)
+    return rate, spread / abs(rate) if rate else np.inf, len(rates)
 
 
 def smoothed_passages(clues: Clues) -> Iterator[Diagnosis]:

@@ -59,21 +59,49 @@ def rk4(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
 METHODS = {"Euler": euler, "semi-implicit Euler": semi_implicit, "midpoint": midpoint, "Heun": heun, "RK4": rk4}
 
 
+def repeated(clues: Clues) -> Iterator[Diagnosis]:
+    """Yield the method that repeats the wrong steps: with events located, or with the friction of each stage's v."""
+    wrong = np.flatnonzero(clues.wrong & (np.diff(clues.steps.t) > 0.0))
+    inside = clues.inside[clues.wrong[clues.inside]]
+    at_events = clues.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
+    flights = clues.some(inside, MOST_REPEATED)
+    if len(wrong) < 2:
+        return
+    for count in SUBSTEPS:
+        for name, method in METHODS.items():
+            events, others = (_share_repeated(clues, chosen, method, count) for chosen in (at_events, flights))
+            h = float(np.median(clues.steps.t[wrong + 1] - clues.steps.t[wrong])) / count
+            if len(at_events) >= 2 and events >= 0.8 and (others >= 0.8 or len(flights) < 3):
+                yield _not_located(clues, name, h, events)
+                return
+            if len(flights) >= 3 and others >= 0.8:
+                words = f"the steps are those of the method {name} with a step of {h:.4g}"
+                evidence = f"{others:.0%} of {len(flights)} steps inside a domain are repeated by it"
+                yield Diagnosis("truncation", name, words, evidence, h, 0.0, others)
+                return
+
+
+def _not_located(clues: Clues, name: str, h: float, share: float) -> Diagnosis:
+    """Return that a method with a fixed step goes over events; in sticks that is chatter."""
+    evidence = f"{name} with steps of {h:.4g} and the friction of each stage's v repeats {share:.0%} of the steps"
+    if np.any(clues.wrong & (clues.steps.last > 3)):
+        words = f"v jumps to and fro about a belt's speed: {name} with a step of {h:.4g} goes over the events"
+        return Diagnosis("chatter", name, words, evidence, h, 0.0, share)
+    words = f"events are not located: {name} with a step of {h:.4g} goes over them"
+    return Diagnosis("late events", name, words, evidence, h, 0.0, share)
+
+
+def _share_repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State], count: int) -> float:
+    if not len(chosen):
+        return 0.0
+    return float(np.mean(_repeated(clues, chosen, method, count) <= clues.limits(REPEATS)[chosen]))
+
+
 def truncation(clues: Clues) -> Iterator[Diagnosis]:
-    """Yield errors of a method: the method itself if it repeats the steps, else the size and order of the errors."""
+    """Yield errors like those of some method, with their size and order."""
     wrong = clues.inside[clues.wrong[clues.inside]]
     if len(wrong) < 3:
         return
-    chosen = clues.some(wrong, MOST_REPEATED)
-    for count in SUBSTEPS:
-        for name, method in METHODS.items():
-            left = _repeated(clues, chosen, method, count) / clues.sizes[chosen]
-            if np.median(left) <= REPEATS:
-                h = (clues.steps.t[chosen + 1] - clues.steps.t[chosen]) / count
-                words = f"the steps are those of the method {name} with a step of {float(np.median(h)):.4g}"
-                evidence = f"{np.mean(left <= REPEATS):.0%} of {len(chosen)} steps are repeated by it"
-                yield Diagnosis("truncation", name, words, evidence, float(np.median(h)), 0.0, clues.flights_wrong)
-                return
     size = float(np.median(np.max(np.abs(clues.steps.defects[wrong]) / clues.scales, axis=1)))
     words = f"steps without events have errors of about {size:.1e} of the largest |x|, |v|: a tolerance of the method"
     order = _order(clues, wrong)
@@ -83,11 +111,12 @@ def truncation(clues: Clues) -> Iterator[Diagnosis]:
 
 
 def _repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State], count: int) -> np.ndarray:
-    """Return what a method with so many steps from sample to sample misses."""
+    """Return what a method with so many steps from sample to sample misses, in units of what is allowed."""
     s, K = clues.steps, clues.steps.K
-    A = np.take([K.A1, K.A2, K.A3], clues.label[chosen] - 1)
+    forces = np.array([K.A1, K.A2, K.A3])
 
     def force(t: Any, x: Any, v: Any) -> Any:
+        A = forces[(v > K.belt1.v).astype(int) + (v > K.belt2.v)]
         return acceleration(x, v, np.cos(s.theta[chosen] + K.Om * t), A, K.cm, K.w0sq, K.f0)
 
     t, x, v = np.zeros(len(chosen)), s.x[chosen], s.v[chosen]

@@ -13,6 +13,10 @@ from symosc.crosschecks.samples import Samples
 MOST_SAMPLE_DIGITS = 13
 # Numbers that show the rounding; 0, the belts' speeds and the start may be short by nature.
 LEAST_SHOWN = 3
+# An even grid that is not decimal is that of a converter: so many of its steps, at most, reach the largest number. So
+# many numbers must be on it, other than 0.
+MOST_GRID_STEPS, LEAST_ON_GRID = 2.0**24, 16
+OFF_GRID = 1e-6
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
@@ -117,7 +121,38 @@ def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:
             fits = np.array_equal(shown.astype(kind), shown)
         if fits:
             return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
-    return None
+    return _grid(values, shown)
+
+
+def _grid(values: np.ndarray, shown: np.ndarray) -> Digits | None:
+    """Return the step of an even grid that holds all numbers, as a converter makes them.
+
+    Two halves of the numbers must give the same step: a single number beside a grid would make a finer one.
+    """
+    levels = np.unique(np.abs(shown))
+    if len(levels) < LEAST_ON_GRID:
+        return None
+    largest = float(levels[-1])
+    counts = {round(largest / step) if (step := _common_step(part, largest)) else 0 for part in (levels[::2], levels[1::2])}
+    if len(counts) > 1 or 0 in counts:
+        return None
+    step = largest / counts.pop()
+    if np.any(np.abs(values - np.rint(values / step) * step) > OFF_GRID * step):
+        return None
+    return Digits(f"multiples of {step:.6g}", np.full(len(values), step))
+
+
+def _common_step(levels: np.ndarray, largest: float) -> float | None:
+    """Return the largest number of which all levels are multiples, by Euclid's algorithm; None if it is too small."""
+    step, least = float(levels[0]), largest / MOST_GRID_STEPS
+    for level in levels[1:].tolist():
+        rest, step = step, level
+        while rest > 0.5 * least:
+            step, rest = rest, abs(step - round(step / rest) * rest)
+        if step < least:
+            return None
+        step = level / round(level / step)  # without the rounding of the divisions
+    return step
 
 
 def _exponents(values: np.ndarray) -> np.ndarray:
