@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from symosc.crosschecks import data_clues, event_clues, friction_clues, method_clues, other_models
+from symosc.crosschecks import data_clues, event_clues, friction_clues, method_clues, other_models, stick_clues
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues
 from symosc.crosschecks.faults import REASONS
@@ -44,11 +44,20 @@ def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
     good = [one for one in tried if one.share >= max(NAMED, tried[0].share - AS_GOOD)] if tried else []
     if not good:
         return (*(one for one in tried[:1] if one.share >= NAMED), _unknown(check))
-    models = [one for one in good if one.cause in ("coefficient",)]
-    if good[0] in models and len(models) > 1:
-        first = replace(good[0], alternatives=tuple(models[1:]))
-        good = [first, *(one for one in good[1:] if one not in models)]
-    return tuple(good)
+    return (replace(good[0], alternatives=tuple(_others(good))),)
+
+
+def _others(good: list[Diagnosis]) -> Iterator[Diagnosis]:
+    """Yield the diagnoses after the first, each once; of several that name a method, one is enough."""
+    seen = {_name(good[0])}
+    for one in good[1:]:
+        if _name(one) not in seen:
+            seen.add(_name(one))
+            yield one
+
+
+def _name(one: Diagnosis) -> tuple[str, str]:
+    return one.cause, one.subject if one.cause in ("coefficient", "sign", "columns") else ""
 
 
 def _simple(clues: Clues, check: Any) -> Iterator[Diagnosis]:
@@ -66,8 +75,9 @@ def _models(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 def _methods(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from method_clues.repeated(clues)
     yield from friction_clues.at_belts(clues)
+    yield from stick_clues.stick_ends(clues)
+    yield from stick_clues.drift_within_steps(clues)
     yield from event_clues.delays(clues)
-    yield from event_clues.left_early(clues)
 
 
 def _rest(clues: Clues, check: Any) -> Iterator[Diagnosis]:

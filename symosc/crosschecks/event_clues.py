@@ -1,4 +1,4 @@
-"""Whether events are at the wrong times: double roots missed, events seen late, sticks left too early or too late."""
+"""Whether events are at the wrong times: double roots that are missed, events that are seen late."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues
 from symosc.engine.state import SLIP
-from symosc.kernels._generated import acceleration
-from symosc.model import NEIGHBOURS
 
 # Steps with events that are looked at.
 MOST_DELAYS = 60
@@ -56,44 +54,19 @@ def delays(clues: Clues) -> Iterator[Diagnosis]:
     fits = leaves <= clues.limits(DELAY_LEAVES)[chosen]
     if not np.any(fits):
         return
-    slips = s.events.kind[rows] == SLIP
+    if np.all(s.events.kind[rows][fits] == SLIP):
+        return  # sticks that end late are a matter of their own
     share = float(np.sum(fits)) / len(chosen) * len(wrong[has]) / len(wrong)
-    mean, spread = float(np.mean(delay[fits])), float(np.std(delay[fits]))
+    room = s.t[chosen + 1] - s.events.t[rows]
+    unseen = fits & (delay >= 0.999 * room) & (clues.label[chosen + 1] == s.first[chosen])
+    mean, spread, largest = float(np.mean(delay[fits])), float(np.std(delay[fits])), float(np.max(delay[fits]))
+    if 2 * np.sum(unseen) > np.sum(fits):
+        words = f"belts are met and left within a step, and that is not seen ({int(np.sum(unseen))} times)"
+        yield Diagnosis("double root", "", words, "without these contacts the steps are right", share=share)
+        return
     evidence = f"{int(np.sum(fits))} events are late by {mean:.3g} on average (spread {spread:.2g})"
-    others_right = not np.any(~slips & fits) and _has_other_events(clues)
-    if others_right:
-        yield _left_late(clues, rows[fits], delay[fits], share, evidence)
-    else:
-        largest = float(np.max(delay[fits]))
-        words = f"events are not located: they happen up to {largest:.3g} late, at the end of the solver's step"
-        yield Diagnosis("late events", "", words, evidence, mean, spread, share)
-
-
-def _has_other_events(clues: Clues) -> bool:
-    """Return whether right steps hold events that are no slips: a solver that locates these is late on purpose."""
-    events = clues.steps.events
-    return bool(np.any((events.kind != SLIP) & ~clues.wrong[events.step])) or not np.any(events.kind != SLIP)
-
-
-def _left_late(clues: Clues, rows: np.ndarray, delay: np.ndarray, share: float, evidence: str) -> Diagnosis:
-    """Return sticks that are left too late, with the friction at which they are left."""
-    held = np.array([_friction(clues, int(row), float(late)) for row, late in zip(rows, delay, strict=True)])
-    ratio, spread = float(np.median(held)), float(np.std(held))
-    error = spread / np.sqrt(len(held)) if len(held) > 1 else 0.1 * abs(ratio - 1.0)
-    words = f"sticks are left too late: they hold up to {ratio:.4g} times the friction (static friction?)"
-    evidence = f"{evidence}; friction there {ratio:.4g} ± {error:.1g} times the limit"
-    return Diagnosis("stick left late", "", words, evidence, ratio, error, share)
-
-
-def _friction(clues: Clues, row: int, late: float) -> float:
-    """Return which part of the friction a stick needs some time after its end."""
-    s, K = clues.steps, clues.steps.K
-    boundary = int(s.events.boundary[row])
-    belt, (below, above) = (K.belt1, K.belt2)[boundary - 1], NEIGHBOURS[boundary]
-    x, theta = float(s.events.x[row]) + belt.v * late, float(s.events.theta[row]) + K.Om * late
-    A = (K.A1, K.A2, K.A3)
-    low, high = (float(acceleration(x, belt.v, np.cos(theta), A[d - 1], K.cm, K.w0sq, K.f0)) for d in (below, above))
-    return abs(low + high) / belt.J
+    words = f"events are not located: they happen up to {largest:.3g} late, at the end of the solver's step"
+    yield Diagnosis("late events", "", words, evidence, mean, spread, share)
 
 
 def _best_delays(clues: Clues, chosen: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,54 +105,3 @@ def _with_delay(clues: Clues, chosen: np.ndarray, rows: np.ndarray, delay: np.nd
     begin = np.column_stack([time, x, v])
     after = clues.between(begin, chosen + 1, np.zeros(len(chosen)))
     return np.asarray(np.max(np.abs(after / clues.allowed[chosen]), axis=1))
-
-
-def left_early(clues: Clues) -> Iterator[Diagnosis]:
-    """Yield sticks that end while the belt still holds: a flight with one force begins there."""
-    s = clues.steps
-    held = clues.wrong & (s.first > 3) & (clues.label[1:] > 0) & (np.diff(s.t) > 0.0)
-    begins = np.flatnonzero(held)
-    if not len(begins):
-        return
-    begins = clues.some(begins, MOST_DELAYS)
-    part, leaves = _best_exits(clues, begins)
-    fits = leaves <= clues.limits(DELAY_LEAVES)[begins]
-    # What follows each is a flight with the force of that domain, also on the other side of the belt.
-    wrong = np.flatnonzero(clues.wrong & ~held)
-    flights = np.array([s.flight(d, wrong, wrong + 1) for d in (1, 2, 3)]) - np.column_stack([s.x, s.v])[wrong + 1]
-    left = np.min(np.max(np.abs(flights / clues.allowed[wrong]), axis=2), axis=0)
-    follows = left <= clues.limits()[wrong]
-    share = float(np.mean(fits) * np.sum(held) + np.sum(follows)) / int(np.sum(clues.wrong))
-    if np.any(fits):
-        first = int(begins[fits][0])
-        time = s.t[first] + part[fits][0] * (s.t[first + 1] - s.t[first])
-        words = f"sticks are left while the belt still holds, first at t = {time:.8g}"
-        evidence = f"{int(np.sum(fits))} of {len(begins)} such steps are a stick and then a flight without a cause"
-        yield Diagnosis("stick left early", "", words, evidence, share=share)
-
-
-def _best_exits(clues: Clues, begins: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return at which part of the step a flight off the belt begins, if that fits best, and what it leaves."""
-    s, belts = clues.steps, np.array([clues.steps.K.belt1.v, clues.steps.K.belt2.v])
-    boundary, length = s.first[begins] - 3, s.t[begins + 1] - s.t[begins]
-    best, leaves = np.zeros(len(begins)), np.full(len(begins), np.inf)
-    low, high = np.zeros(len(begins)), np.ones(len(begins))
-    ahead = np.column_stack([s.x, s.v])[begins + 1]
-    even = np.arange(0, 2 * len(begins), 2)
-    for _ in range(DELAY_ZOOMS):
-        for part in np.linspace(0.0, 1.0, 2 * DELAY_GRID):
-            tried = low + part * (high - low)
-            lead = tried * length
-            x, v = s.x[begins] + belts[boundary - 1] * lead, belts[boundary - 1]
-            path = replace(
-                s, x=np.repeat(x, 2), v=np.repeat(v, 2), theta=np.repeat(s.theta[begins] + s.K.Om * lead, 2),
-                t=np.column_stack([s.t[begins] + lead, s.t[begins + 1]]).ravel(),
-            )  # fmt: skip
-            for side in (0, 1):
-                there = path.flight(boundary + side, even, even + 1)
-                left = np.max(np.abs((there - ahead) / clues.allowed[begins]), axis=1)
-                better = left < leaves
-                best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
-        width = (high - low) / (2 * DELAY_GRID - 1)
-        low, high = np.maximum(best - width, 0.0), np.minimum(best + width, 1.0)
-    return best, leaves

@@ -99,10 +99,19 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     shown = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(shown) < least:
         return None
+    decimal, grid = _decimal(values, shown), _grid(values, shown)
+    # Steps of a converter may have a few decimals themselves.
+    if decimal is None or (grid is not None and np.min(grid.units) > 1.5 * np.max(decimal.units)):
+        return _single(values, shown) or grid
+    return decimal
+
+
+def _decimal(values: np.ndarray, shown: np.ndarray) -> Digits | None:
+    """Return to how many decimals or significant digits numbers were rounded, or None."""
     exponents = _exponents(shown)
     significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(shown, n - 1 - exponents)), None)
     if significant is None:
-        return _single(values, shown)
+        return None
     places = significant - 1 - exponents
     tried = range(int(np.min(places)), int(np.max(places)))
     decimals = next((d for d in tried if _fits(shown, np.full(len(shown), float(d)))), int(np.max(places)))
@@ -121,7 +130,7 @@ def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:
             fits = np.array_equal(shown.astype(kind), shown)
         if fits:
             return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
-    return _grid(values, shown)
+    return None
 
 
 def _grid(values: np.ndarray, shown: np.ndarray) -> Digits | None:

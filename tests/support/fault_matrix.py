@@ -15,12 +15,12 @@ from symosc import crosscheck
 from symosc.crosschecks.compare import CrossCheck
 
 
-def is_named(check: CrossCheck, spoilt: Spoilt) -> bool:
-    """Return whether the first diagnosis, or one that the samples cannot tell from it, is the right one."""
+def is_named(check: CrossCheck, spoilt: Spoilt, first_only: bool = False) -> bool:
+    """Return whether the first diagnosis is the right one, or one that the samples cannot tell from it."""
     if not check.diagnosis:
         return False
     first = check.diagnosis[0]
-    names = {(one.cause, one.subject) for one in (first, *first.alternatives)}
+    names = {(one.cause, one.subject) for one in (first, *(() if first_only else first.alternatives))}
     return any((cause, subject) in names or (not subject and cause in {name for name, _ in names})
                for cause, subject in spoilt.causes)  # fmt: skip
 
@@ -38,10 +38,11 @@ def judge(kind: str, case: Case, sampling: str, seed: int) -> tuple[bool, bool, 
 
 def table(counts: Counter[tuple[str, str]]) -> str:
     """Return the counts of each kind as lines of text."""
-    rows = [f"{'kind of fault':20} {'faults':>7} {'found':>7} {'named':>7}"]
+    rows = [f"{'kind of fault':20} {'faults':>7} {'found':>7} {'named':>7} {'first':>7}"]
     for kind in (*KINDS, "all"):
-        total, found, named = (counts[kind, what] for what in ("faults", "found", "named"))
-        rows.append(f"{kind:20} {total:7d} {found / max(total, 1):7.1%} {named / max(total, 1):7.1%}")
+        total = counts[kind, "faults"]
+        parts = (counts[kind, what] / max(total, 1) for what in ("found", "named", "first"))
+        rows.append(f"{kind:20} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
     return "\n".join(rows)
 
 
@@ -58,6 +59,7 @@ def run(seed: int, chosen: Iterable[tuple[str, Case, str]], talk: bool = False) 
             counts[name, "faults"] += 1
             counts[name, "found"] += found
             counts[name, "named"] += named
+            counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
         if talk and not named:
             said = "; ".join(f"{one.cause} {one.subject} {one.share:.2f}" for one in check.diagnosis[:2])
             took = time.process_time() - begin
