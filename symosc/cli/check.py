@@ -23,6 +23,11 @@ def _columns(text: str | None) -> dict[str, str]:
     return names
 
 
+def _check_page_name(report: str | None) -> None:
+    if report is not None and not report.lower().endswith((".html", ".htm")):
+        raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
+
+
 @click.command()
 @click.argument("file")
 @click.option("--scene", required=True, metavar="SCENE", help="Name of a scene or path of a TOML file.")
@@ -35,6 +40,7 @@ def _columns(text: str | None) -> dict[str, str]:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the summary.")
 @click.option("-o", "--output", metavar="FIGURE", help="Draw the errors against time as well: .pdf, .svg or .png.")
+@click.option("--report", metavar="FILE.html", help="Write a page with diagnosis, events and pictures as well.")
 def check(
     file: str,
     scene: str,
@@ -43,13 +49,14 @@ def check(
     global_tolerance: str | None,
     as_json: bool,
     output: str | None,
+    report: str | None,
 ) -> int:
     """Check somebody's solution against the exact motion.
 
     FILE holds samples t, x, v in columns: .csv with a header, .npz or .json. Each step is compared with the exact
     motion over it: the difference is its defect. The whole is compared with the exact motion from the same start, and
-    the switching events of the samples with the exact ones. Says which were missed or invented, and what probably went
-    wrong first. A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind
+    the switching events of the samples with the exact ones. Says which were missed or invented, and what is probably
+    wrong: a coefficient, a sign, the clock, smoothed friction, late events, the method, ... A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind
     (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at
     their precision.
 
@@ -59,11 +66,13 @@ def check(
     Examples:
       symosc check run.csv --scene fig9
       symosc check run.csv --scene fig5 --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
+      symosc check run.csv --scene fig9 --report check.html
     """
     piped = goes_to_stdout(output, "--output", as_json)
     from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
     from symosc.crosschecks.files import read_samples
 
+    _check_page_name(report)
     if output is not None:
         from symosc import plot
 
@@ -77,6 +86,8 @@ def check(
         from symosc.plot import crosscheck as crosscheck_module
 
         crosscheck_module.write(result, output)
+    if report is not None:
+        result.to_html(report)
     if piped:
         return int(not result.ok)
     click.echo(json.dumps(result.as_dict(), indent=1) if as_json else result.summary())

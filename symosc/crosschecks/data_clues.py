@@ -58,7 +58,7 @@ def noise(clues: Clues) -> Iterator[Diagnosis]:
         sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
         words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
         evidence = f"defects of neighbouring steps are opposite: correlation {found[0]:.2f} in x, {found[1]:.2f} in v"
-        error = float(sizes[1]) / np.sqrt(2.0 * len(inside))
+        error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
         yield Diagnosis("noise", "", words, evidence, float(sizes[1]), error, clues.flights_wrong)
 
 

@@ -65,10 +65,10 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
     if same <= SAME_RATE:
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
-    elif turned > CHATTERS or np.sum(gap > 0) * np.sum(gap < 0) > 0.02 * len(gap) ** 2:
+    elif turned > CHATTERS:
         words = f"v jumps to and fro about the belt's speed, by up to {largest:.3g}, where the mass should stick"
         evidence = f"{len(gap)} samples; {turned:.0%} of them are on the other side than the one before"
-        yield Diagnosis("chatter", "", words, evidence, largest, None, max(share, 0.5 + 0.5 * share))
+        yield Diagnosis("chatter", "", words, evidence, largest, None, share)
     else:
         words = f"in a stick v drifts off the belt, by up to {largest:.3g}"
         yield Diagnosis("drift", "", words, f"{len(gap)} samples, on one side of the belt", largest, None, share)
@@ -106,7 +106,7 @@ def _smoothed_sticks(
             needed = (push - width * steep * slope / half) / half
         if not width > 0.0:
             spread = np.inf
-        found.append((name, width, spread * abs(width) / np.sqrt(len(steps)), spread))
+        found.append((name, width, float(spread * abs(width) / np.sqrt(len(steps))), spread))
     return found
 
 

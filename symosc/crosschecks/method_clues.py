@@ -18,7 +18,7 @@ Force = Callable[[Any, Any, Any], Any]
 SUBSTEPS = (1, 2, 3, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 100)
 MOST_REPEATED = 60
 # A method is known by leaving so little of the defects.
-REPEATS = 0.02
+REPEATS = 0.005
 
 
 def euler(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
@@ -67,13 +67,11 @@ def repeated(clues: Clues) -> Iterator[Diagnosis]:
     inside = clues.inside[clues.wrong[clues.inside]]
     at_events = clues.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = clues.some(inside, MOST_REPEATED)
-    if len(wrong) < 2:
-        return
     for count in SUBSTEPS:
         for name, method in METHODS.items():
             events, others = (_share_repeated(clues, chosen, method, count) for chosen in (at_events, flights))
             h = float(np.median(clues.steps.t[wrong + 1] - clues.steps.t[wrong])) / count
-            if len(at_events) >= 2 and events >= 0.8 and (others >= 0.8 or len(flights) < 3):
+            if len(at_events) and events >= 0.8 and (others >= 0.8 or len(flights) < 3):
                 unseen = clues.label[at_events + 1] == clues.label[at_events]
                 yield _not_located(clues, name, h, events, count == 1 and 2 * np.sum(unseen) > len(unseen))
                 return

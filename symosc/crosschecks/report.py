@@ -15,14 +15,14 @@ from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
-from symosc.display.drawable import Drawable
+from symosc.display.drawable import Drawable, Reportable
 from symosc.simulation.trajectory import Event, Trajectory
 
 EVENTS_LISTED = 5  # events of a kind in a summary
 
 
 @dataclass(frozen=True, eq=False)
-class CrossCheck(Drawable):
+class CrossCheck(Drawable, Reportable):
     """How samples compare with the exact motion.
 
     Attributes
@@ -152,7 +152,17 @@ class CrossCheck(Drawable):
             lines.append(f"wrong decision: step {fault.step}, t = {fault.t_next:.10g}: {what}")
         if len(self.decisions) > EVENTS_LISTED:
             lines.append(f"wrong decision: and {len(self.decisions) - EVENTS_LISTED} more")
+        lines += [f"diagnosis: {line}" for line in self._diagnosed()]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def _diagnosed(self) -> list[str]:
+        """Return the diagnoses as lines; a note says already that samples are rounded."""
+        lines = []
+        for one in self.diagnosis:
+            if one.cause != "precision":
+                lines.append(f"{one.words} ({one.evidence})")
+                lines += [f"or: {other.words} ({other.evidence})" for other in one.alternatives]
+        return lines
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
@@ -189,6 +199,7 @@ class CrossCheck(Drawable):
             "first_switching": fault(self.first_switching),
             "compared_until": self.compared_until,
             "rounded": dict(self.rounded),
+            "diagnosis": [asdict(one) for one in self.diagnosis],
             "notes": list(self.notes),
         }
 

@@ -19,6 +19,8 @@ from symosc.model import NEIGHBOURS
 ON_TIME = 1e-6
 # A number that differs so little from stick to stick is one number.
 ONE_NUMBER = 1e-6
+# More than this part of the largest velocity is no drift.
+LARGEST_DRIFT = 0.02
 
 
 @dataclass(frozen=True)
@@ -48,24 +50,43 @@ def find_sticks(clues: Clues) -> Sticks | None:
         part = s.events.rows(i, i)
         kinds, times, targets = s.events.kind[part], s.events.t[part], s.events.target[part]
         slips, onsets = np.flatnonzero(kinds == SLIP), np.flatnonzero(targets > 3)
+        end = float(times[slips[0]]) if len(slips) else float(s.t[i + 1])
         if s.first[i] > 3:
             boundary, begin, x = int(s.first[i]) - 3, float(s.t[i]), float(s.x[i])
+        elif clues.label[i] == 0:  # the samples stick, the exact motion has left by now
+            boundary, begin, x = int(_nearest_belt(clues, np.array([i]))[0]), float(s.t[i]), float(s.x[i])
+            end = begin
         elif len(onsets):
             k = int(onsets[0])
             boundary, begin, x = int(targets[k]) - 3, float(times[k]), float(s.events.x[part][k])
         else:
             continue
-        rows.append((i, boundary, begin, x, float(times[slips[0]]) if len(slips) else float(s.t[i + 1])))
+        rows.append((i, boundary, begin, x, end))
     if not rows:
         return None
     step, boundary, *numbers = zip(*rows, strict=True)
     return Sticks(np.array(step), np.array(boundary), *(np.array(column) for column in numbers))
 
 
+def _nearest_belt(clues: Clues, samples: np.ndarray) -> np.ndarray:
+    v, K = clues.steps.v[samples], clues.steps.K
+    return np.where(np.abs(v - K.belt1.v) <= np.abs(v - K.belt2.v), 1, 2)
+
+
+def _kept_on(clues: Clues, steps: np.ndarray) -> np.ndarray:
+    """Return which of the steps go on with a belt from beginning to end."""
+    s = clues.steps
+    speed = np.array([s.K.belt1.v, s.K.belt2.v])[_nearest_belt(clues, steps) - 1]
+    x = s.x[steps] + speed * (s.t[steps + 1] - s.t[steps])
+    misses = np.column_stack([x - s.x[steps + 1], speed - s.v[steps + 1]]) / clues.allowed[steps]
+    return np.asarray((np.max(np.abs(misses), axis=1) <= clues.limits()[steps]) & (clues.label[steps] == 0))
+
+
 def stick_ends(clues: Clues) -> Iterator[Diagnosis]:
     """Yield sticks that end too early or too late: then a flight with one force begins, without a cause."""
-    sticks = find_sticks(clues)
+    sticks, total = find_sticks(clues), int(np.sum(clues.wrong))
     if sticks is None:
+        yield from _kept_too_long(clues)
         return
     s, there = clues.steps, sticks.step
     early = _best_exit(clues, sticks, sticks.begin, sticks.end)
@@ -75,16 +96,33 @@ def stick_ends(clues: Clues) -> Iterator[Diagnosis]:
     fits = leaves <= clues.limits(DELAY_LEAVES)[there]
     fits &= np.abs(time - sticks.end) > ON_TIME * (s.t[there + 1] - s.t[there])
     if not np.any(fits):
+        yield from _kept_too_long(clues)
         return
-    total, rest = int(np.sum(clues.wrong)), np.setdiff1d(np.flatnonzero(clues.wrong), there)
-    share = (np.sum(fits) + np.mean(fits) * _flights_without_cause(clues, rest)) / total
+    rest = np.setdiff1d(np.flatnonzero(clues.wrong), there[fits])
     count, lasting = int(np.sum(fits)), time[fits] - sticks.end[fits]
     if 2 * np.sum(is_late[fits]) > count:
-        yield _late(clues, sticks, time, fits & is_late, float(share))
+        held = _friction(clues, sticks, time)[fits & is_late]
+        evidence = f"{count} sticks are late by {float(np.mean(lasting)):.3g} on average"
+        yield _late(held, evidence, (count + int(np.sum(_kept_on(clues, rest)))) / total)
         return
+    share = (count + _flights_without_cause(clues, rest)) / total
     words = f"sticks are left while the belt still holds, first at t = {float(time[fits][0]):.8g}"
     evidence = f"{count} sticks end up to {float(np.max(-lasting)):.3g} too early; flights without a cause follow"
-    yield Diagnosis("stick left early", "", words, evidence, share=float(share))
+    yield Diagnosis("stick left early", "", words, evidence, share=share)
+
+
+def _kept_too_long(clues: Clues) -> Iterator[Diagnosis]:
+    """Yield sticks that end too late, where the samples show their ends: only steps on the belt are wrong."""
+    s, wrong = clues.steps, np.flatnonzero(clues.wrong)
+    on = wrong[(clues.label[wrong] == 0) & (s.last[wrong] <= 3)]
+    on = on[_kept_on(clues, on)]
+    if len(on):
+        ends = on[np.diff(on, append=-1) != 1] + 1
+        zero = np.zeros(len(ends))
+        sticks = Sticks(np.minimum(ends, len(s.first) - 1), _nearest_belt(clues, ends), s.t[ends],
+                        s.x[ends], zero)  # fmt: skip
+        evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
+        yield _late(_friction(clues, sticks, s.t[ends]), evidence, len(on) / len(wrong))
 
 
 def _flights_without_cause(clues: Clues, steps: np.ndarray) -> int:
@@ -97,14 +135,12 @@ def _flights_without_cause(clues: Clues, steps: np.ndarray) -> int:
     return int(np.sum(left <= clues.limits()[steps]))
 
 
-def _late(clues: Clues, sticks: Sticks, time: np.ndarray, fits: np.ndarray, share: float) -> Diagnosis:
+def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
     """Return sticks that are left too late, with the friction at which they are left."""
-    held = _friction(clues, sticks, time)[fits]
     ratio, count = float(np.median(held)), len(held)
-    error = float(np.std(held)) / np.sqrt(count) if count > 1 else 0.01 * abs(ratio)
+    error = float(np.std(held) / np.sqrt(count)) if count > 1 else 0.01 * abs(ratio)
     words = f"sticks are left too late: they hold up to {ratio:.4g} times the friction (static friction?)"
-    late = float(np.mean((time - sticks.end)[fits]))
-    evidence = f"{count} sticks are late by {late:.3g} on average; friction there {ratio:.4g} ± {error:.1g} times the limit"
+    evidence = f"{evidence}; friction there {ratio:.4g} ± {error:.1g} times the limit"
     return Diagnosis("stick left late", "", words, evidence, ratio, error, share)
 
 
@@ -162,7 +198,7 @@ def _best_exit(clues: Clues, sticks: Sticks, low: np.ndarray, high: np.ndarray) 
 def drift_within_steps(clues: Clues) -> Iterator[Diagnosis]:
     """Yield a velocity that drifts off the belt in sticks within one step: it shows in what follows."""
     sticks = find_sticks(clues)
-    if sticks is None or len(sticks.step) < 2:
+    if sticks is None:
         return
     T = sticks.end - sticks.begin
     best, leaves = np.zeros(len(T)), np.full(len(T), np.inf)
@@ -173,8 +209,8 @@ def drift_within_steps(clues: Clues) -> Iterator[Diagnosis]:
         rate = -np.sum(slope * base, axis=1) / np.maximum(np.sum(slope * slope, axis=1), 1e-300)
         left = np.max(np.abs(base + slope * rate[:, None]), axis=1)
         best, leaves = np.where(left < leaves, rate, best), np.minimum(left, leaves)
-    fits = leaves <= clues.limits(0.1)[sticks.step]
-    if np.sum(fits) < 2:
+    fits = (leaves <= clues.limits(0.1)[sticks.step]) & (np.abs(best) * T <= LARGEST_DRIFT * clues.scales[1])
+    if not np.any(fits):
         return
     rate = float(np.median(best[fits]))
     spread = 1.4826 * float(np.median(np.abs(best[fits] - rate)))
@@ -184,4 +220,4 @@ def drift_within_steps(clues: Clues) -> Iterator[Diagnosis]:
         share = surely + float(np.sum(fits)) / int(np.sum(clues.wrong))
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         evidence = f"one rate explains what follows {int(np.sum(fits))} sticks"
-        yield Diagnosis("drift", "", words, evidence, rate, spread, share)
+        yield Diagnosis("drift", "", words, evidence, rate, spread if np.sum(fits) > 1 else None, share)
