@@ -56,9 +56,9 @@ def check(
     FILE holds samples t, x, v in columns: .csv with a header, .npz or .json. Each step is compared with the exact
     motion over it: the difference is its defect. The whole is compared with the exact motion from the same start, and
     the switching events of the samples with the exact ones. Says which were missed or invented, and what is probably
-    wrong: a coefficient, a sign, the clock, smoothed friction, late events, the method, ... A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind
-    (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at
-    their precision.
+    wrong: a coefficient, a sign, the clock, smoothed friction, late events, the method, ... A JSON or npz file may list
+    the events that the solver reported, as "events": pairs of t and kind (cross, stick, slip, graze). Pieces joined at
+    an event may repeat its time. Samples with few digits are judged at their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 

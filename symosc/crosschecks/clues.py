@@ -60,9 +60,7 @@ class Clues:
         part = slice(low, low + MOST_CLUES + 1)
         allowed, scales = check.allowed[low : low + MOST_CLUES], np.array(check.scales)
         near = np.append(allowed[:1, 1], allowed[:, 1])
-        steps = follow_steps(
-            check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales
-        )
+        steps = follow_steps(check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales)
         return cls(steps, low, allowed, scales, near)
 
     @property

@@ -15,6 +15,7 @@ from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_eve
 from symosc.crosschecks.faults import Fault, explain
 from symosc.crosschecks.files import read_samples
 from symosc.crosschecks.matching import Match, Matcher, Matching
+from symosc.crosschecks.other_models import own_start
 from symosc.crosschecks.reach import Reach
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.rounding import Rounding, find_rounding
@@ -196,7 +197,7 @@ class Task:
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
-            own_start=_own_start(self.scene),
+            own_start=own_start(self.scene),
         )
 
     def _rounding_notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
@@ -242,10 +243,6 @@ def _positive(name: str, value: object) -> float:
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
     return number
-
-
-def _own_start(scene: Scene | Parameters) -> tuple[float, float, float] | None:
-    return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
 
 
 def _start(scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]) -> Record:

@@ -63,7 +63,7 @@ def _name(one: Diagnosis) -> tuple[str, str]:
 def _simple(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from data_clues.outliers(check)
     yield from other_models.other_signs(clues)
-    yield from other_models.phases_of_drive(clues, check.trajectory, check.own_start)
+    yield from other_models.phases_of_drive(clues, check.own_start)
     yield from other_models.sign_of_friction(clues)
 
 

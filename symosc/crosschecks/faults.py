@@ -73,7 +73,12 @@ class Fault:
 
 
 def explain(
-    steps: ExactSteps, chosen: Sequence[int], modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
+    steps: ExactSteps,
+    chosen: Sequence[int],
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
 ) -> tuple[Fault, ...]:
     """Return the faults of steps.
 

@@ -1,4 +1,4 @@
-"""Whether friction is smoothed, or the velocity chatters about a belt's speed or drifts off it where it should stick."""
+"""Whether friction is smoothed, or the velocity chatters about a belt's speed or drifts off it in a stick."""
 
 from __future__ import annotations
 
@@ -167,7 +167,12 @@ def _paths(clues: Clues, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _effect(
-    clues: Clues, steps: np.ndarray, time: np.ndarray, velocity: np.ndarray, width: float, integral: Callable[[Any], Any]
+    clues: Clues,
+    steps: np.ndarray,
+    time: np.ndarray,
+    velocity: np.ndarray,
+    width: float,
+    integral: Callable[[Any], Any],
 ) -> np.ndarray:
     """Return how smoothed friction moves the ends of steps in x and v, to first order, shape (steps, 2)."""
     K = clues.steps.K

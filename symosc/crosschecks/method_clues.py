@@ -58,7 +58,14 @@ def rk4(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
 
 
 #: "exact" is the closed form, with the force of the domain at the beginning of the step.
-METHODS = {"exact": None, "Euler": euler, "semi-implicit Euler": semi_implicit, "midpoint": midpoint, "Heun": heun, "RK4": rk4}
+METHODS = {
+    "exact": None,
+    "Euler": euler,
+    "semi-implicit Euler": semi_implicit,
+    "midpoint": midpoint,
+    "Heun": heun,
+    "RK4": rk4,
+}
 
 
 def repeated(clues: Clues) -> Iterator[Diagnosis]:
@@ -134,7 +141,9 @@ def _repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State] | N
         for _ in range(count):
             if method is None:
                 theta = np.repeat(s.theta[chosen] + K.Om * t, 2)
-                path = replace(s, t=np.column_stack([0.0 * h, h]).ravel(), x=np.repeat(x, 2), v=np.repeat(v, 2), theta=theta)
+                path = replace(
+                    s, t=np.column_stack([0.0 * h, h]).ravel(), x=np.repeat(x, 2), v=np.repeat(v, 2), theta=theta
+                )
                 x, v = path.flight(1 + (v > K.belt1.v) + (v > K.belt2.v), even, even + 1).T
             else:
                 x, v = method(force, t, x, v, h)
@@ -151,5 +160,3 @@ def _order(clues: Clues, wrong: np.ndarray) -> tuple[float, float] | None:
     e = np.log(np.max(np.abs(clues.steps.defects[wrong]) / clues.scales, axis=1))
     (slope, _), matrix = np.polyfit(h, e, 1, cov=True)
     return float(slope), float(np.sqrt(matrix[0, 0]))
-
-

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from math import pi, remainder, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.simulation.trajectory import Trajectory
+from symosc.scenes import Scene
 
 # A diagnosis explains the samples if it explains this part of the wrong steps.
 ENOUGH = 0.9
@@ -35,8 +34,8 @@ def other_signs(clues: Clues) -> Iterator[Diagnosis]:
     columns = {"x": (-s.x, s.v), "v": (s.x, -s.v), "x and v": (-s.x, -s.v)}
     for name, (x, v) in columns.items():
         share = clues.share(clues.followed(p, x=x, v=v))
-        yield Diagnosis("sign", name, f"{name} has the wrong sign", f"with -{name.replace(' and ', ', -')} steps are right",
-                        share=share)  # fmt: skip
+        evidence = f"with -{name.replace(' and ', ', -')} steps are right"
+        yield Diagnosis("sign", name, f"{name} has the wrong sign", evidence, share=share)
     share = clues.share(clues.followed(p, x=s.v, v=s.x))
     yield Diagnosis("columns", "x and v", "the columns x and v are swapped", "swapped, steps are right", share=share)
     for boundary in (1, 2):
@@ -179,15 +178,18 @@ def _held_speed(clues: Clues, name: str) -> float | None:
     return float(np.median(near)) if len(near) >= 2 else None
 
 
-def phases_of_drive(clues: Clues, trajectory: Trajectory, own_start: Any) -> Iterator[Diagnosis]:
+def own_start(scene: Scene | Parameters) -> tuple[float, float, float] | None:
+    """Return where a scene starts: t0, x0, v0; None for Parameters, which start nowhere."""
+    return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
+
+
+def phases_of_drive(clues: Clues, start: tuple[float, float, float] | None) -> Iterator[Diagnosis]:
     """Yield another phase of the drive, as a phase or as a shifted clock: the steps cannot tell, the start can.
 
     Parameters
     ----------
     clues : Clues
-    trajectory : Trajectory
-        The exact motion.
-    own_start : tuple of floats (t0, x0, v0) or None
+    start : tuple of floats (t0, x0, v0) or None
         Where the scene starts.
     """
     flights, p = clues.some(clues.inside, MOST_FLOWN), clues.parameters
@@ -211,11 +213,11 @@ def phases_of_drive(clues: Clues, trajectory: Trajectory, own_start: Any) -> Ite
         turn, error = float(finer.value[0]), float(finer.error[0])
         turn = remainder(turn, 2.0 * pi)
         share = clues.share(clues.followed(p, ahead=turn / K.Om))
-        yield _shift_or_phase(clues, turn, error, share, trajectory, own_start)
+        yield _shift_or_phase(clues, turn, error, share, start)
 
 
 def _shift_or_phase(
-    clues: Clues, turn: float, error: float, share: float, trajectory: Trajectory, own_start: Any
+    clues: Clues, turn: float, error: float, share: float, start: tuple[float, float, float] | None
 ) -> Diagnosis:
     """Return which of the two it is: with a shifted clock the samples are the scene's own motion at other times."""
     Om, s = clues.steps.K.Om, clues.steps
@@ -228,9 +230,9 @@ def _shift_or_phase(
     shift = -turn / Om
     words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
     clock = Diagnosis("time shift", "", words, evidence, shift, error / Om, share)
-    if own_start is None:
+    if start is None:
         return replace(clock, alternatives=(phase,))
-    t0, x0, v0 = own_start
+    t0, x0, v0 = start
     # The scene's motion at the first sample's own time, at this phase or one of whole periods later.
     far = abs(s.t[0] - t0) > 4.0 * np.spacing(abs(t0)) if not clues.offset else False
     slack = 1e3 * clues.allowed[0]

@@ -142,7 +142,9 @@ def _grid(values: np.ndarray, shown: np.ndarray) -> Digits | None:
     if len(levels) < LEAST_ON_GRID:
         return None
     largest = float(levels[-1])
-    counts = {round(largest / step) if (step := _common_step(part, largest)) else 0 for part in (levels[::2], levels[1::2])}
+    counts = {
+        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in (levels[::2], levels[1::2])
+    }
     if len(counts) > 1 or 0 in counts:
         return None
     step = largest / counts.pop()

@@ -64,8 +64,8 @@ def find_sticks(clues: Clues) -> Sticks | None:
         rows.append((i, boundary, begin, x, end))
     if not rows:
         return None
-    step, boundary, *numbers = zip(*rows, strict=True)
-    return Sticks(np.array(step), np.array(boundary), *(np.array(column) for column in numbers))
+    table = np.array(rows)
+    return Sticks(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
 
 
 def _nearest_belt(clues: Clues, samples: np.ndarray) -> np.ndarray:
@@ -162,7 +162,12 @@ def _phase(clues: Clues, step: np.ndarray, time: np.ndarray) -> np.ndarray:
 
 
 def _left_at(
-    clues: Clues, sticks: Sticks, time: np.ndarray, side: int, dx: np.ndarray | float = 0.0, dv: np.ndarray | float = 0.0
+    clues: Clues,
+    sticks: Sticks,
+    time: np.ndarray,
+    side: int,
+    dx: np.ndarray | float = 0.0,
+    dv: np.ndarray | float = 0.0,
 ) -> np.ndarray:
     """Return what steps miss if their stick is left at a time, with a flight below (0) or above (1) it."""
     s = clues.steps

@@ -63,8 +63,8 @@ def page(check: CrossCheck) -> Record:
 def _verdict(check: CrossCheck) -> str:
     if check.ok:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
-    wrong = f"{len(check.wrong_steps)} of {len(check.defects)} steps are wrong"
-    events = f"{len(check.missed)} events are missed, {len(check.invented)} invented"
+    wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
+    events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
     return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step)."
 
 
@@ -106,7 +106,7 @@ def _fault(fault: Fault | None) -> Record | None:
         "v": f"{fault.defect_v:.1e}",
         "expected": fault.expected,
         "found": fault.found or "passing",
-        "reason": REASONS[fault.reason],
+        "reason": REASONS[fault.reason].capitalize(),
         "words": fault.words,
     }
 
@@ -128,7 +128,6 @@ def _events(check: CrossCheck) -> Iterator[Record]:
 def _pictures(check: CrossCheck) -> Iterator[Record]:
     first = check.first_wrong
     if first:
-        # A step that cannot be decided has no exact motion to draw.
         yield _picture(
             step_figure(check), False, "First wrong step",
             f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion from "
@@ -136,8 +135,8 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
         )  # fmt: skip
     many = len(check.t) > MOST_LINES
     yield _picture(crosscheck_figure(check, "b"), many, "Errors of the steps",
-                   "The exact motion from each sample over one step, minus the next sample, in units of the largest |x| "
-                   "and |v|. Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange "
+                   "The exact motion from each sample over one step, minus the next sample, in units of the largest "
+                   "|x| and |v|. Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange "
                    "invented.")  # fmt: skip
     yield _picture(crosscheck_figure(check, "a"), many, "Global error",
                    "The samples minus the exact motion from the start, in the same units.")  # fmt: skip
@@ -146,7 +145,9 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
 
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     width, height = drawing.get_size_inches()
-    drawing.set_size_inches(min(width, 4.8), max(height, 2.8))  # letters that a phone can show
+    if len(drawing.axes) == 1:
+        drawing.axes[0].set_title("", loc="left")  # no letter for a single panel
+    drawing.set_size_inches(min(width, 4.0), max(height, 2.9))  # letters that a phone can show
     kind, media = ("png", "png") if pixels else ("svg", "svg+xml")
     options: dict[str, Any] = {"dpi": PIXELS_PER_INCH} if pixels else {"metadata": {"Date": None}}
     data = BytesIO()

@@ -59,6 +59,12 @@ def other(case: Case, t: np.ndarray, p: Parameters, ahead: float = 0.0) -> tuple
     return x, v
 
 
+def exact(case: Case, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return x, v of the exact motion."""
+    x, v = case.exact(t)
+    return x, v
+
+
 def changed(case: Case, sampling: str, rng: np.random.Generator, name: str, low: float, high: float) -> Spoilt | None:
     """Return the motion with one parameter changed by a part of itself."""
     p, t = case.scene.parameters, case.times(sampling, rng)
@@ -114,10 +120,10 @@ def time_shift(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
     t = case.times(sampling, rng)
     shift = rng.uniform(0.002, 0.05) * 2.0 * pi / float(case.scene.parameters.Omega)
     if rng.random() < 0.5:  # the clock is fast
-        return Spoilt(t + shift, *case.exact(t), (("time shift", ""),), shift)
+        return Spoilt(t + shift, *exact(case, t), (("time shift", ""),), shift)
     begin = float(case.exact.t_start)
     t = t[t <= case.t_end - shift]
-    return Spoilt(t, *case.exact(np.maximum(t + shift, begin)), (("time shift", ""),), -shift)
+    return Spoilt(t, *exact(case, np.maximum(t + shift, begin)), (("time shift", ""),), -shift)
 
 
 def phase(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
@@ -130,8 +136,8 @@ def phase(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
 def smoothed_friction(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
     p, t = case.scene.parameters, case.times(sampling, rng)
     width = float(p.v2 - p.v1) * 10.0 ** rng.uniform(-3.0, -1.0)
-    found = smoothed(p, t, *case.start, width, str(rng.choice(list(CURVES))))
-    return Spoilt(*found, (("smoothed friction", ""),), width)  # type: ignore[arg-type]
+    t, x, v = smoothed(p, t, *case.start, width, str(rng.choice(list(CURVES))))
+    return Spoilt(t, x, v, (("smoothed friction", ""),), width)
 
 
 def chatter(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
@@ -174,16 +180,13 @@ def left_early(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
 def left_late(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
     flaw, joints = Flaw(static=1.0 + rng.uniform(0.03, 0.3)), sampling == "own steps"
     n = 1 if joints else {"coarse": 40}.get(sampling, 8)
-    return flawed(
-        case, case.times(sampling, rng), n, flaw, joints, (("stick left late", ""),), value=flaw.static
-    )
+    return flawed(case, case.times(sampling, rng), n, flaw, joints, (("stick left late", ""),), value=flaw.static)
 
 
 def drift(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
-    p, joints = case.scene.parameters, sampling == "own steps"
+    p, n = case.scene.parameters, {"coarse": 40}.get(sampling, 8)
     rate = float(p.v2 - p.v1) * float(p.Omega) * float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-5.0, -3.0)
-    n = 1 if joints else {"coarse": 40}.get(sampling, 8)
-    return flawed(case, case.times(sampling, rng), n, Flaw(drift=rate), joints, (("drift", ""),), value=rate)
+    return flawed(case, case.times(sampling, rng), n, Flaw(drift=rate), False, (("drift", ""),), value=rate)
 
 
 def fixed_step(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
@@ -218,7 +221,7 @@ def listed_events(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt
         time = rng.uniform(begin + 0.02 * (end - begin), end - 0.02 * (end - begin))
         events = sorted([*events, (time, str(rng.choice(["cross", "stick"])))])
         cause = "invented events"
-    return Spoilt(t, *case.exact(t), ((cause, ""),), events=events, always=True)
+    return Spoilt(t, *exact(case, t), ((cause, ""),), events=events, always=True)
 
 
 KINDS: dict[str, Maker] = {
@@ -254,7 +257,7 @@ def spoil(kind: str, case: Case, sampling: str, seed: int) -> Spoilt | None:
     if found.always:
         return found
     inside = (found.t >= case.span[0]) & (found.t <= case.span[1])
-    exact = case.exact(found.t[inside])
-    scales = np.max(np.abs(exact), axis=1, keepdims=True)
-    off = np.abs(exact - [found.x[inside], found.v[inside]]) / np.where(scales > 0.0, scales, 1.0)
+    right = case.exact(found.t[inside])
+    scales = np.max(np.abs(right), axis=1, keepdims=True)
+    off = np.abs(right - [found.x[inside], found.v[inside]]) / np.where(scales > 0.0, scales, 1.0)
     return found if np.max(off) > WRONG else None

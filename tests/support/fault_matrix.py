@@ -73,8 +73,9 @@ def whole() -> list[tuple[str, Case, str]]:
 
 
 if __name__ == "__main__":
-    every, seed = int(sys.argv[1]), int(sys.argv[2])
-    only = set(sys.argv[3:])
-    start = time.process_time()
-    print(table(run(seed, [one for one in whole()[seed::every] if not only or one[0] in only], talk=True)))
-    print(f"{time.process_time() - start:.0f} s")
+    # python tests/support/fault_matrix.py PARTS SEED [PART ...]: one part after the other, each with its counts.
+    parts, seed = int(sys.argv[1]), int(sys.argv[2])
+    counts: Counter[tuple[str, str]] = Counter()
+    for part in map(int, sys.argv[3:] or range(parts)):
+        counts += run(seed, whole()[part::parts], talk=True)
+        print(f"after part {part}\n{table(counts)}\n{time.process_time():.0f} s of processor time", flush=True)

@@ -1,8 +1,8 @@
-"""Thirty scenes to be solved wrongly: the shipped ones, and random ones of all regimes; and four ways to sample them."""
+"""Thirty scenes to be solved wrongly, shipped ones and random ones of all regimes, and four ways to sample them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from math import pi
 
@@ -10,6 +10,7 @@ import numpy as np
 from regimes import random_sets
 
 from symosc import Scene, load_scene, simulate
+from symosc.exact import read_exact
 from symosc.scenes import scene_names
 from symosc.simulation.trajectory import Trajectory
 
@@ -59,7 +60,8 @@ def cases() -> tuple[Case, ...]:
             break
         v0 = round(float(p.v1) + float(p.v2 - p.v1) * rng.uniform(-0.5, 1.5), 3)
         name = f"random-{len(found)}"
-        scene = Scene(name=name, parameters=p, t0=round(rng.uniform(0, 5), 3), x0=round(rng.normal(), 3), v0=v0, t_end=9)
+        t0, x0 = round(rng.uniform(0, 5), 3), round(rng.normal(), 3)
+        scene = Scene(name, p, *(read_exact("start", value) for value in (t0, x0, v0, 9.0)))  # type: ignore[arg-type]
         case = _case(scene)
         if case and 4 <= len(case.exact.events) <= 60:
             found.append(case)
@@ -72,5 +74,5 @@ def _case(scene: Scene) -> Case | None:
     t_end = float(f"{begin + PERIODS * period:.6g}")
     if scene.name in scene_names():
         t_end = min(t_end, float(scene.t_end))
-    exact = simulate(replace(scene, t_end=t_end))
+    exact = simulate(scene, t_end=t_end)
     return Case(scene, t_end, exact) if exact.status == "t_end" else None

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import cos, inf, sin, tanh
 from typing import Any
 
@@ -97,7 +98,7 @@ class Solver:
         self.out.add(times[0], x, v)
         if at:
             v = self.decide(at, times[0], x, v, None)
-        for begin, end in zip(times[:-1], times[1:], strict=True):
+        for begin, end in pairwise(times):
             t = begin
             for _ in range(50):
                 t, x, v = self.stick(t, x, v, end) if self.mode > 3 else self.fly(t, x, v, end)
