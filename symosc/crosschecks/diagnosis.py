@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from symosc.crosschecks import data_clues, event_clues, friction_clues, method_clues, other_models, stick_clues
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues
@@ -28,8 +30,8 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     if not len(check.wrong_steps):
         found = tuple(data_clues.listed(check)) or (_start(check),)
         return (*found, *few_digits)
-    clues = Clues.of(check)
-    found = _best(clues, check)
+    with np.errstate(all="ignore"):  # what cannot be computed explains nothing
+        found = _best(Clues.of(check), check)
     return (*found, *few_digits)
 
 
@@ -38,7 +40,7 @@ def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
     tried: list[Diagnosis] = []
     for stage in (_simple, _models, _methods, _rest):
         tried += stage(clues, check)
-        tried.sort(key=lambda one: -min(one.share, 1.0))
+        tried.sort(key=lambda one: -one.share)
         if tried and tried[0].share >= ENOUGH:
             break
     good = [one for one in tried if one.share >= max(NAMED, tried[0].share - AS_GOOD)] if tried else []
