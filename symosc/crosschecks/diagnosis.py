@@ -38,7 +38,7 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
 def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
     """Return what explains the wrong steps; causes that cost more are tried only if the cheaper ones do not."""
     tried: list[Diagnosis] = []
-    for stage in (_simple, _models, _methods, _rest):
+    for stage in (_simple, _models, _methods, _sticks, _delays, _rest):
         tried += stage(clues, check)
         tried.sort(key=lambda one: -one.share)
         if tried and tried[0].share >= ENOUGH:
@@ -64,6 +64,7 @@ def _name(one: Diagnosis) -> tuple[str, str]:
 
 def _simple(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from data_clues.outliers(check)
+    yield from data_clues.noise(clues)
     yield from other_models.other_signs(clues)
     yield from other_models.phases_of_drive(clues, check.own_start)
     yield from other_models.sign_of_friction(clues)
@@ -76,16 +77,21 @@ def _models(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 
 def _methods(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from method_clues.repeated(clues)
+
+
+def _sticks(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from friction_clues.at_belts(clues)
     yield from stick_clues.stick_ends(clues)
     yield from stick_clues.drift_within_steps(clues)
+
+
+def _delays(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from event_clues.delays(clues)
 
 
 def _rest(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from friction_clues.smoothed_passages(clues)
     yield from method_clues.truncation(clues)
-    yield from data_clues.noise(clues)
     yield from other_models.forces(clues)
 
 

@@ -9,7 +9,10 @@ from faulty_solver import Flaw, Solver
 from symosc import crosscheck, load_scene
 
 
-@pytest.mark.parametrize(("name", "every"), [("fig5", 1), ("fig9", 1), ("fig10", 2)])
+@pytest.mark.parametrize(
+    ("name", "every"),
+    [pytest.param("fig5", 1, marks=pytest.mark.slow), pytest.param("fig9", 1, marks=pytest.mark.slow), ("fig10", 2)],
+)
 def test_events_that_are_not_located(name: str, every: int) -> None:
     scene = load_scene(name)
     grid = np.linspace(float(scene.t0), 10, 400 * every + 1)

@@ -13,7 +13,11 @@ from fault_scenes import SAMPLINGS, Case, cases
 from symosc import crosscheck
 
 #: Significant digits, decimals, steps of a converter in bits; None: all digits.
-WAYS = [None, *((what, n) for n in range(6, 17) for what in ("digits", "decimals")), *(("bits", n) for n in (8, 12, 16))]
+WAYS = [
+    None,
+    *((what, n) for n in range(6, 17) for what in ("digits", "decimals")),
+    *(("bits", n) for n in (8, 12, 16)),
+]
 
 
 def rounded(values: np.ndarray, way: tuple[str, int] | None) -> np.ndarray:
@@ -48,7 +52,11 @@ def alarms(chosen: list[tuple[Case, str, tuple[str, int] | None]]) -> Iterator[s
 
 @pytest.mark.parametrize(
     "every",
-    [pytest.param(211, id="few"), pytest.param(37, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.campaign)],
+    [
+        pytest.param(211, id="few"),
+        pytest.param(37, marks=pytest.mark.slow),
+        pytest.param(1, marks=pytest.mark.campaign),
+    ],
 )
 def test_right_solutions_are_right(every: int) -> None:
     assert list(alarms(everything()[3::every])) == []

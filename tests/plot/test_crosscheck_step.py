@@ -32,7 +32,7 @@ def test_the_first_wrong_step_is_drawn() -> None:
 
 def test_events_of_the_step_are_marked() -> None:
     check = spoilt()
-    event = check.trajectory.events[2]
+    event = check.trajectory.events[0]
     step = int(np.searchsorted(check.t, float(event.t))) - 1
     axes = plot.step_figure(check, step, "a").axes[0]
     marked = [line.get_xdata()[0] for line in axes.get_lines() if line.get_label() == "exact event"]  # type: ignore[index]
