@@ -46,7 +46,7 @@ def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
     good = [one for one in tried if one.share >= max(NAMED, tried[0].share - AS_GOOD)] if tried else []
     if not good:
         return (*(one for one in tried[:1] if one.share >= NAMED), _unknown(check))
-    return (replace(good[0], alternatives=tuple(_others(good))),)
+    return (replace(good[0], alternatives=(*good[0].alternatives, *_others(good))),)
 
 
 def _others(good: list[Diagnosis]) -> Iterator[Diagnosis]:
@@ -87,10 +87,10 @@ def _sticks(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 
 def _delays(clues: Clues, check: Any) -> Iterator[Diagnosis]:
     yield from event_clues.delays(clues)
+    yield from friction_clues.smoothed_passages(clues)
 
 
 def _rest(clues: Clues, check: Any) -> Iterator[Diagnosis]:
-    yield from friction_clues.smoothed_passages(clues)
     yield from method_clues.truncation(clues)
     yield from other_models.forces(clues)
 

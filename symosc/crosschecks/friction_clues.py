@@ -29,10 +29,12 @@ SAME_WIDTH = 0.2
 # Steps that are looked at, and pieces of each.
 MOST_SMOOTHED, PIECES = 40, 48
 # Needed friction beyond this tells nothing: the curve is flat.
-FLAT = 0.97
+FLAT_ABOVE = 0.97
 # Samples off a belt that change the side so often chatter.
-CHATTERS = 0.2
+TURNS_OFTEN = 0.2
 SAME_RATE = 0.1
+# What is left of the defects if all is of first order in the width.
+FIRST_ORDER = 0.05
 
 
 def held_samples(clues: Clues) -> np.ndarray:
@@ -65,7 +67,7 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
     if same <= SAME_RATE:
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
-    elif turned > CHATTERS:
+    elif turned > TURNS_OFTEN:
         words = f"v jumps to and fro about the belt's speed, by up to {largest:.3g}, where the mass should stick"
         evidence = f"{len(gap)} samples; {turned:.0%} of them are on the other side than the one before"
         yield Diagnosis("chatter", "", words, evidence, largest, None, share)
@@ -95,14 +97,17 @@ def _smoothed_sticks(
         width = spread = np.nan
         needed = push / half
         for _ in range(4):  # the creep has an acceleration of its own
-            good = (np.abs(needed) < FLAT) & (np.abs(needed) > 1.0 - FLAT)
+            good = (np.abs(needed) < FLAT_ABOVE) & (np.abs(needed) > 1.0 - FLAT_ABOVE)
             if np.sum(good) < 3:
                 width, spread = np.nan, np.inf
                 break
             ratio = gap[good] / inverse(needed[good])
             width = float(np.median(ratio))
             spread = 1.4826 * float(np.median(np.abs(ratio - width))) / abs(width)
-            steep = (inverse(np.clip(needed, -FLAT, FLAT) + 1e-6) - inverse(np.clip(needed, -FLAT, FLAT))) / 1e-6
+            steep = (
+                inverse(np.clip(needed, -FLAT_ABOVE, FLAT_ABOVE) + 1e-6)
+                - inverse(np.clip(needed, -FLAT_ABOVE, FLAT_ABOVE))
+            ) / 1e-6
             needed = (push - width * steep * slope / half) / half
         if not width > 0.0:
             spread = np.inf
@@ -146,7 +151,9 @@ def smoothed_passages(clues: Clues) -> Iterator[Diagnosis]:
     if best is not None and best[0] <= SAME_WIDTH:
         middle, name, width, misses = best
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
-        yield _smoothed(name, width, max(middle, 0.05) * width, evidence, float(np.mean(misses < 2.0 * SAME_WIDTH)))
+        # One width for all steps says more than a delay for each.
+        share = float(np.mean(misses < 2.0 * SAME_WIDTH)) + (0.01 if middle <= FIRST_ORDER else 0.0)
+        yield _smoothed(name, width, max(middle, FIRST_ORDER) * width, evidence, share)
 
 
 def _paths(clues: Clues, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,7 +18,7 @@ Force = Callable[[Any, Any, Any], Any]
 SUBSTEPS = (1, 2, 3, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 100)
 MOST_REPEATED = 60
 # A method is known by leaving so little of the defects.
-REPEATS = 0.005
+REPEATED_TO = 0.005
 
 
 def euler(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
@@ -58,7 +58,7 @@ def rk4(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
 
 
 #: "exact" is the closed form, with the force of the domain at the beginning of the step.
-METHODS = {
+FIXED_STEP_METHODS = {
     "exact": None,
     "Euler": euler,
     "semi-implicit Euler": semi_implicit,
@@ -75,7 +75,7 @@ def repeated(clues: Clues) -> Iterator[Diagnosis]:
     at_events = clues.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = clues.some(inside, MOST_REPEATED)
     for count in SUBSTEPS:
-        for name, method in METHODS.items():
+        for name, method in FIXED_STEP_METHODS.items():
             events, others = (_share_repeated(clues, chosen, method, count) for chosen in (at_events, flights))
             h = float(np.median(clues.steps.t[wrong + 1] - clues.steps.t[wrong])) / count
             if len(at_events) and events >= 0.8 and (others >= 0.8 or len(flights) < 3):
@@ -109,7 +109,7 @@ def _not_located(clues: Clues, name: str, h: float, share: float, unseen: bool) 
 def _share_repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State] | None, count: int) -> float:
     if not len(chosen):
         return 0.0
-    return float(np.mean(_repeated(clues, chosen, method, count) <= clues.limits(REPEATS)[chosen]))
+    return float(np.mean(_repeated(clues, chosen, method, count) <= clues.limits(REPEATED_TO)[chosen]))
 
 
 def truncation(clues: Clues) -> Iterator[Diagnosis]:

@@ -27,9 +27,10 @@ def diagnosed(name: str, **changes: float) -> tuple[Diagnosis, ...]:
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 def test_a_wrong_coefficient_is_estimated(name: str) -> None:
     rng = np.random.default_rng([ord(letter) for letter in name])
-    right = float(getattr(load_scene("fig10").parameters, name))
+    scene = "fig5" if name == "v1" else "fig10"  # where that belt is met
+    right = float(getattr(load_scene(scene).parameters, name))
     value = round(right * (1.0 + float(rng.choice([-1, 1])) * rng.uniform(0.01, 0.1)), 6)
-    found = [one for one in diagnosed("fig10", **{name: value}) if one.subject == name]
+    found = [one for one in diagnosed(scene, **{name: value}) if one.subject == name]
     assert [one.cause for one in found] == ["coefficient"]
     assert found[0].share > 0.9
     assert found[0].value is not None
