@@ -153,7 +153,7 @@ def smoothed_passages(clues: Clues) -> Iterator[Diagnosis]:
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
         # One width for all steps says more than a delay for each.
         share = float(np.mean(misses < 2.0 * SAME_WIDTH)) + (0.01 if middle <= FIRST_ORDER else 0.0)
-        yield _smoothed(name, width, max(middle, FIRST_ORDER) * width, evidence, share)
+        yield _smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
 
 
 def _paths(clues: Clues, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -163,6 +163,10 @@ def _paths(clues: Clues, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(steps)
     time, velocity = np.outer(length, np.linspace(0.0, 1.0, PIECES + 1)), np.empty((len(steps), PIECES + 1))
     velocity[:, 0] = s.v[steps]
+    for k, i in enumerate(steps.tolist()):  # the path has a kink at each event: it is the end of a piece
+        for event in s.events.t[s.events.rows(i, i)].tolist():
+            after = event - s.t[i]
+            time[k, 1 + int(np.argmin(np.abs(time[k, 1:-1] - after)))] = after
     for j in range(1, PIECES + 1):
         i = steps[order]
         times = np.column_stack([s.t[i], s.t[i] + time[order, j]]).ravel()

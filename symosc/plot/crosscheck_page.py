@@ -140,7 +140,9 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
                    "invented.")  # fmt: skip
     yield _picture(crosscheck_figure(check, "a"), many, "Global error",
                    "The samples minus the exact motion from the start, in the same units.")  # fmt: skip
-    yield _picture(crosscheck_figure(check, "c"), many, "Velocity", "The samples' velocity; black lines are the belts' speeds.")
+    yield _picture(
+        crosscheck_figure(check, "c"), many, "Velocity", "The samples' velocity; black lines are the belts' speeds."
+    )
 
 
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
