@@ -52,6 +52,8 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "certificates.ends": ("certificates/test_branch.py", "an end is part of a branch"),
     "certificates.family": ("certificates/test_branch.py", "what it proves are the boxes of a branch"),
     "certificates.certificate": ("certificates/test_certify.py", "it is what certify hands over"),
+    "crosschecks.causes": ("crosschecks/test_diagnosis.py", "it is the list of names that diagnoses have"),
+    "crosschecks.clues": ("crosschecks/test_other_models.py", "what it fits and follows are those models"),
     "cli.app": ("cli/test_errors.py", "what all commands share is how they end"),
     "cli.derive": ("derive/test_document.py", COMMAND),
     "cli.orbit": ("orbits/test_continuation.py", COMMAND),

@@ -30,6 +30,11 @@ def _columns(text: str | None) -> dict[str, str]:
     return names
 
 
+def _check_page_name(report: str | None) -> None:
+    if report is not None and not report.lower().endswith((".html", ".htm")):
+        raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
+
+
 @click.command()
 @click.argument("files", nargs=-1)
 @click.option("--scene", metavar="SCENE", help="Name of a scene or path of a TOML file, if it is not the first word.")
@@ -48,17 +53,19 @@ def _columns(text: str | None) -> dict[str, str]:
 @click.option("--workers", type=WholeNumber(min=1), metavar="N", help="Processes for several solutions; default 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in place of the summary.")
 @click.option("-o", "--output", metavar="FIGURE", help="Draw the errors against time as well: .pdf, .svg or .png.")
-def check(files: tuple[str, ...], output: str | None, as_json: bool, **options: Any) -> int:
+@click.option("--report", metavar="FILE.html", help="Write a page with diagnosis, events and pictures as well.")
+def check(files: tuple[str, ...], output: str | None, report: str | None, as_json: bool, **options: Any) -> int:
     """Check somebody's solution against the exact motion.
 
     Give SCENE FILE, or FILE --scene SCENE; FILE is - for standard input. It holds samples t, x, v in columns: .csv,
     .tsv, .txt (any delimiter, with a header or without), .npz, .json, .mat, .parquet, .feather, .h5, and .gz of them.
     Each step is compared with the exact motion over it: the difference is its defect. The whole is compared with the
     exact motion from the same start, and the switching events of the samples with the exact ones. Says which were
-    missed or invented, and what probably went wrong first. Velocities that are not there are computed. A column of ids,
-    or more than one FILE, is several solutions. A JSON or npz file may list the events that the solver reported, as
-    "events": pairs of t and kind (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples
-    with few digits are judged at their precision.
+    missed or invented, and what is probably wrong: a coefficient, a sign, the clock, smoothed friction, late events,
+    the method, ... Velocities that are not there are computed. A column of ids, or more than one FILE, is several
+    solutions. A JSON or npz file may list the events that the solver reported, as "events": pairs of t and kind (cross,
+    stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at their
+    precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 
@@ -66,9 +73,11 @@ def check(files: tuple[str, ...], output: str | None, as_json: bool, **options: 
     Examples:
       symosc check run.csv --scene fig9
       symosc check fig5 run.csv --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
+      symosc check fig9 run.csv --report check.html
       symosc check fig9 --set k=3 --solver mysolver:solve
     """
     piped = goes_to_stdout(output, "--output", as_json)
+    _check_page_name(report)
     scene, words = _scene_and_files(files, options["scene"], options["solver"])
     problem = scene_with(scene, options["settings"], {"t_end": options["t_end"]})
     if options["t_end"] is not None and options["solver"] is None:
@@ -79,7 +88,11 @@ def check(files: tuple[str, ...], output: str | None, as_json: bool, **options: 
         plot.check_suffix(output)  # before the work
     result = _checked(problem, words, options)
     if output is not None:
-        _draw(result, output)
+        from symosc.plot import crosscheck as drawing
+
+        drawing.write(_only_one(result, "--output"), output)
+    if report is not None:
+        _only_one(result, "--report").to_html(report)
     if not piped:
         write(json.dumps(result.as_dict(), indent=1) if as_json else result.summary())
     return int(not result.ok)
@@ -115,9 +128,7 @@ def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
     return crosscheck(problem, source, progress=True, **limits)
 
 
-def _draw(result: Any, output: str) -> None:
-    from symosc.plot import crosscheck as drawing
-
+def _only_one(result: Any, option: str) -> Any:
     if isinstance(result, list):
-        raise click.BadParameter(f"draws one solution, and there are {len(result)}", param_hint="--output")
-    drawing.write(result, output)
+        raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=option)
+    return result

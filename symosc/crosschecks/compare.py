@@ -19,6 +19,7 @@ from symosc.crosschecks.functions import dense_note
 from symosc.crosschecks.given import given_solutions
 from symosc.crosschecks.many import CrossChecks, check_all
 from symosc.crosschecks.matching import Match, Matcher, Matching
+from symosc.crosschecks.other_models import own_start
 from symosc.crosschecks.reach import Reach
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.rounding import Rounding, find_rounding
@@ -206,6 +207,7 @@ class Task:
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
+            own_start=own_start(self.scene),
         )
 
     def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
@@ -309,7 +311,7 @@ def _faults(
     odd |= set(np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist())
     first = np.flatnonzero(wrong)[:MOST_FAULTS].tolist()
     chosen = sorted(set(first) | {i for i in odd if 0 <= i < len(wrong) and wrong[i]})
-    return tuple(explain(steps, i, modes, sizes, allowed, near) for i in chosen)
+    return explain(steps, chosen, modes, sizes, allowed, near)
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,14 +73,19 @@ class Fault:
 
 
 def explain(
-    steps: ExactSteps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
-) -> Fault:
-    """Return the fault of step `i`.
+    steps: ExactSteps,
+    chosen: Sequence[int],
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+) -> tuple[Fault, ...]:
+    """Return the faults of steps.
 
     Parameters
     ----------
     steps : ExactSteps
-    i : int
+    chosen : sequence of int
     modes : (n,) int array
         Modes of the samples, 0 where they only pass a belt.
     sizes : (n - 1,) array
@@ -88,16 +94,34 @@ def explain(
     near : (n,) array
         Distances from a belt that count as on it.
     """
-    t, t_next = float(steps.t[i]), float(steps.t[i + 1])
-    expected, found = int(steps.last[i]), int(modes[i + 1])
-    reason, words = _guess(steps, i, modes, sizes, allowed, near)
-    dx, dv = (float(value) for value in steps.defects[i])
-    return Fault(i, t, t_next, dx, dv, MODE_NAMES[expected], MODE_NAMES.get(found, ""), reason, words)
+    since = np.array(chosen, dtype=int)
+    misfits = np.stack([_misfits(steps, since, np.minimum(since + n, len(steps.t) - 1), allowed) for n in (1, 2)])
+    found = []
+    for k, i in enumerate(since.tolist()):
+        reason, words = _guess(steps, i, modes, sizes, allowed, near, misfits[:, :, k])
+        dx, dv = (float(value) for value in steps.defects[i])
+        expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
+        found.append(Fault(i, float(steps.t[i]), float(steps.t[i + 1]), dx, dv, expected, mode, reason, words))
+    return tuple(found)
+
+
+def _misfits(steps: ExactSteps, since: np.ndarray, until: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """Return what flights with the force of each domain miss, in units of what is allowed, shape (3, steps)."""
+    ahead = np.column_stack([steps.x, steps.v])[until]
+    gaps = np.array([steps.flight(domain, since, until) - ahead for domain in (1, 2, 3)])
+    return np.asarray(np.max(np.abs(gaps / allowed[since]), axis=2))
 
 
 def _guess(
-    steps: ExactSteps, i: int, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray
+    steps: ExactSteps,
+    i: int,
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+    misfits: np.ndarray,
 ) -> tuple[str, str]:
+    """Return a reason and its words; `misfits` are those to the next sample, and to the one after, for each domain."""
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"
     if steps.t[i + 1] == steps.t[i]:
@@ -108,11 +132,7 @@ def _guess(
     boundaries = steps.events.boundary[rows]
     limit = max(1.0, EXPLAINS * float(sizes[i]))
 
-    def misfit(domain: int, until: int) -> float:
-        gap = steps.flight(domain, np.array([i]), np.array([until]))[0] - (steps.x[until], steps.v[until])
-        return float(np.max(np.abs(gap) / allowed[i]))
-
-    fitting = [domain for domain in (1, 2, 3) if misfit(domain, i + 1) <= limit]
+    fitting = [domain for domain in (1, 2, 3) if misfits[0, domain - 1] <= limit]
     gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
     nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
     here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
@@ -132,7 +152,7 @@ def _guess(
     if len(times) and last == first and found == first:
         what = f"the motion meets belt {boundaries[0]} at t = {times[0]:.10g} and is back at t = {times[-1]:.10g}"
         return "double root", f"{what}; signs at the ends of the step do not show it"
-    if not len(times) and i + 2 < len(steps.t) and first <= 3 and misfit(first, i + 2) <= limit:
+    if not len(times) and i + 2 < len(steps.t) and first <= 3 and misfits[1, first - 1] <= limit:
         return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} is right"
     if len(times):
         force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""

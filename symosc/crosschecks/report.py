@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, is_dataclass
+from functools import cached_property
 from math import isnan
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.crosschecks.causes import Diagnosis
+from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.matching import Match
-from symosc.display.drawable import Drawable
+from symosc.display.drawable import Drawable, Reportable
 from symosc.simulation.trajectory import Event, Trajectory
 
 EVENTS_LISTED = 5  # events of a kind in a summary
 
 
 @dataclass(frozen=True, eq=False)
-class CrossCheck(Drawable):
+class CrossCheck(Drawable, Reportable):
     """How samples compare with the exact motion.
 
     Attributes
@@ -66,6 +69,8 @@ class CrossCheck(Drawable):
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.
+    own_start : tuple of three floats or None
+        Where the scene starts: t0, x0, v0; None if Parameters were given.
 
     Examples
     --------
@@ -104,6 +109,12 @@ class CrossCheck(Drawable):
     x: np.ndarray
     v: np.ndarray
     trajectory: Trajectory
+    own_start: tuple[float, float, float] | None = None
+
+    @cached_property
+    def diagnosis(self) -> tuple[Diagnosis, ...]:
+        """What is probably wrong, the likeliest first; worked out when it is first asked for."""
+        return diagnose(self)
 
     def __eq__(self, other: object) -> bool:
         """Whether all findings and samples are equal; NaN equals NaN."""
@@ -141,7 +152,17 @@ class CrossCheck(Drawable):
             lines.append(f"wrong decision: step {fault.step}, t = {fault.t_next:.10g}: {what}")
         if len(self.decisions) > EVENTS_LISTED:
             lines.append(f"wrong decision: and {len(self.decisions) - EVENTS_LISTED} more")
+        lines += [f"diagnosis: {line}" for line in self._diagnosed()]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def _diagnosed(self) -> list[str]:
+        """Return the diagnoses as lines; a note says already that samples are rounded."""
+        lines = []
+        for one in self.diagnosis:
+            if one.cause != "precision":
+                lines.append(f"{one.words} ({one.evidence})")
+                lines += [f"or: {other.words} ({other.evidence})" for other in one.alternatives]
+        return lines
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
@@ -178,6 +199,7 @@ class CrossCheck(Drawable):
             "first_switching": fault(self.first_switching),
             "compared_until": self.compared_until,
             "rounded": dict(self.rounded),
+            "diagnosis": [asdict(one) for one in self.diagnosis],
             "notes": list(self.notes),
         }
 

@@ -14,6 +14,10 @@ MOST_SAMPLE_DIGITS = 13
 # Numbers that show the rounding; 0, the belts' speeds and the start may be short by nature.
 LEAST_SHOWN = 3
 FEW_VALUES = 1000
+# An even grid that is not decimal is that of a converter: so many of its steps, at most, reach the largest number. So
+# many numbers must be on it, other than 0.
+MOST_GRID_STEPS, LEAST_ON_GRID = 2.0**24, 16
+OFF_GRID = 1e-6
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
@@ -99,10 +103,19 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     shown = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(shown) < least:
         return None
+    decimal, grid = _decimal(values, shown), _grid(values, shown)
+    # Steps of a converter may have a few decimals themselves.
+    if decimal is None or (grid is not None and np.min(grid.units) > 1.5 * np.max(decimal.units)):
+        return _single(values, shown) or grid
+    return decimal
+
+
+def _decimal(values: np.ndarray, shown: np.ndarray) -> Digits | None:
+    """Return to how many decimals or significant digits numbers were rounded, or None."""
     exponents = _exponents(shown)
     significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(shown, n - 1 - exponents)), None)
     if significant is None:
-        return _single(values, shown)
+        return None
     places = significant - 1 - exponents
     tried = range(int(np.min(places)), int(np.max(places)))
     decimals = next((d for d in tried if _fits(shown, np.full(len(shown), float(d)))), int(np.max(places)))
@@ -122,6 +135,39 @@ def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:
         if fits:
             return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
     return None
+
+
+def _grid(values: np.ndarray, shown: np.ndarray) -> Digits | None:
+    """Return the step of an even grid that holds all numbers, as a converter makes them.
+
+    Two halves of the numbers must give the same step: a single number beside a grid would make a finer one.
+    """
+    levels = np.unique(np.abs(shown))
+    if len(levels) < LEAST_ON_GRID:
+        return None
+    largest = float(levels[-1])
+    counts = {
+        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in (levels[::2], levels[1::2])
+    }
+    if len(counts) > 1 or 0 in counts:
+        return None
+    step = largest / counts.pop()
+    if np.any(np.abs(values - np.rint(values / step) * step) > OFF_GRID * step):
+        return None
+    return Digits(f"multiples of {step:.6g}", np.full(len(values), step))
+
+
+def _common_step(levels: np.ndarray, largest: float) -> float | None:
+    """Return the largest number of which all levels are multiples, by Euclid's algorithm; None if it is too small."""
+    step, least = float(levels[0]), largest / MOST_GRID_STEPS
+    for level in levels[1:].tolist():
+        rest, step = step, level
+        while rest > 0.5 * least:
+            step, rest = rest, abs(step - round(step / rest) * rest)
+        if step < least:
+            return None
+        step = level / round(level / step)  # without the rounding of the divisions
+    return step
 
 
 def _exponents(values: np.ndarray) -> np.ndarray:

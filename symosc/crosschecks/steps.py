@@ -90,12 +90,16 @@ class ExactSteps:
         last = len(self.first) - 1
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
-    def flight(self, domain: int, since: Any, until: Any) -> np.ndarray:
-        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since` (index arrays)."""
+    def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
+        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since`.
+
+        Both are index arrays; `domain` is one for all, or an array.
+        """
         K, tau = self.K, self.t[until] - self.t[since]
         s0, c0 = np.sin(self.theta[since]), np.cos(self.theta[since])
         x0, v0 = self.x[since], self.v[since]
-        a0 = acceleration(x0, v0, c0, (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        A = np.take([K.A1, K.A2, K.A3], domain - 1)
+        a0 = acceleration(x0, v0, c0, A, K.cm, K.w0sq, K.f0)
         E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
         dx, dv, _ = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         return np.stack([x0 + dx, v0 + dv], axis=-1)

@@ -8,12 +8,15 @@ for that, when the first one is shown.
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 Show = Callable[..., Any]
 #: What draws each kind of answer, and what makes its page; filled by `symosc.plot` and `symosc.plot.notebooks`.
 _drawers: dict[str, Show] = {}
 _pages: dict[str, Show] = {}
+#: What writes a page about each kind of answer into a file; filled by `symosc.plot`.
+_writers: dict[str, Show] = {}
 #: Called before the first drawing or page; they load what registers.
 loaders: list[Callable[[], object]] = []
 page_loaders: list[Callable[[], object]] = []
@@ -30,6 +33,11 @@ def register(kind: type | str, draw: Show) -> None:
 def register_page(kind: type | str, page: Show) -> None:
     """Let notebooks show ``page(answer)``, which is HTML, for answers of a kind; `kind` as for `register`."""
     _pages[kind if isinstance(kind, str) else _name(kind)] = page
+
+
+def register_writer(kind: type | str, write: Show) -> None:
+    """Let ``answer.to_html(path)`` return ``write(answer, path)`` for answers of a kind; `kind` as for `register`."""
+    _writers[kind if isinstance(kind, str) else _name(kind)] = write
 
 
 def _name(kind: type) -> str:
@@ -84,3 +92,41 @@ class Drawable:
     def __dir__(self) -> list[str]:
         """Return the names that a user is meant to use, for completion."""
         return sorted(name for name in super().__dir__() if not name.startswith("_"))
+
+
+class Reportable:
+    """An answer that writes a page about itself."""
+
+    __slots__ = ()
+
+    def to_html(self, path: str | Path) -> Path:
+        """Write a page about this: one HTML file that needs nothing else, readable on a phone.
+
+        Parameters
+        ----------
+        path : path
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> from tempfile import TemporaryDirectory
+        >>> import numpy as np
+        >>> from symosc import crosscheck, simulate
+        >>> t = np.linspace(0, 3, 40)
+        >>> x, v = simulate("fig5", t_end=3)(t)
+        >>> with TemporaryDirectory() as folder:
+        ...     crosscheck("fig5", t, x, v).to_html(f"{folder}/check.html").name
+        'check.html'
+        """
+        write = _found(self, _writers, loaders)
+        if write is None:
+            raise NotImplementedError(f"nothing writes a page about a {type(self).__name__}")
+        return Path(write(self, path))

@@ -20,7 +20,7 @@ from typing import Any
 
 import lazy_loader
 
-from symosc.display.drawable import register
+from symosc.display.drawable import register, register_writer
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
@@ -47,3 +47,12 @@ def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
 
 for _kind, _name in DRAWN_BY.items():
     register(_kind, partial(_draw, _name))
+
+
+def _write(answer: Any, path: Any) -> Any:
+    from symosc.plot.crosscheck_page import write_page
+
+    return write_page(answer, path)
+
+
+register_writer("symosc.crosschecks.report.CrossCheck", _write)

@@ -3,6 +3,7 @@ from .bifurcation import bifurcation_figure as bifurcation_figure
 from .bifurcation import curve_figure as curve_figure
 from .branch import branch_figure as branch_figure
 from .crosscheck import crosscheck_figure as crosscheck_figure
+from .crosscheck_step import step_figure as step_figure
 from .curve import figure_grazing_curve as figure_grazing_curve
 from .drawing import check_suffix as check_suffix
 from .drawing import save as save

@@ -130,7 +130,7 @@ def made_up(**told: Any) -> tuple[str, str]:
     )  # fmt: skip
     modes, near = np.array([value["before"], value["found"], 2][:n]), np.full(n, value["near"])
     allowed = np.full((n - 1, 2), 0.1)
-    fault = explain(steps, 0, modes, np.full(n - 1, value["size"]), allowed, near)  # type: ignore[arg-type]
+    (fault,) = explain(steps, [0], modes, np.full(n - 1, value["size"]), allowed, near)  # type: ignore[arg-type]
     assert fault.words
     assert (fault.defect_x, fault.defect_v) == pytest.approx(value["defect"], nan_ok=True)
     return fault.reason, fault.words

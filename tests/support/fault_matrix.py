@@ -1,0 +1,81 @@
+"""Kinds of fault times scenes times samplings: which are found, which are called by their name."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterable
+from itertools import product
+
+from fault_kinds import KINDS, Spoilt, spoil
+from fault_scenes import SAMPLINGS, Case, cases
+
+from symosc import crosscheck
+from symosc.crosschecks.compare import CrossCheck
+
+
+def is_named(check: CrossCheck, spoilt: Spoilt, first_only: bool = False) -> bool:
+    """Return whether the first diagnosis is the right one, or one that the samples cannot tell from it."""
+    if not check.diagnosis:
+        return False
+    first = check.diagnosis[0]
+    names = {(one.cause, one.subject) for one in (first, *(() if first_only else first.alternatives))}
+    return any((cause, subject) in names or (not subject and cause in {name for name, _ in names})
+               for cause, subject in spoilt.causes)  # fmt: skip
+
+
+def judge(kind: str, case: Case, sampling: str, seed: int) -> tuple[bool, bool, CrossCheck, Spoilt] | None:
+    """Return whether a fault is found and named; None if there is none."""
+    spoilt = spoil(kind, case, sampling, seed)
+    if spoilt is None:
+        return None
+    check = crosscheck(case.scene, spoilt.t, spoilt.x, spoilt.v, events=spoilt.events)
+    # Rounded data are not wrong at their own precision; that they are rounded is to be said.
+    found = not check.ok or (kind == "precision" and bool(check.diagnosis))
+    return found, found and is_named(check, spoilt), check, spoilt
+
+
+def table(counts: Counter[tuple[str, str]]) -> str:
+    """Return the counts of each kind as lines of text."""
+    rows = [f"{'kind of fault':20} {'faults':>7} {'found':>7} {'named':>7} {'first':>7}"]
+    for kind in (*KINDS, "all"):
+        total = counts[kind, "faults"]
+        parts = (counts[kind, what] / max(total, 1) for what in ("found", "named", "first"))
+        rows.append(f"{kind:20} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
+    return "\n".join(rows)
+
+
+def run(seed: int, chosen: Iterable[tuple[str, Case, str]], talk: bool = False) -> Counter[tuple[str, str]]:
+    """Judge faults and count them."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for kind, case, sampling in chosen:
+        begin = time.process_time()
+        judged = judge(kind, case, sampling, seed)
+        if judged is None:
+            continue
+        found, named, check, spoilt = judged
+        for name in (kind, "all"):
+            counts[name, "faults"] += 1
+            counts[name, "found"] += found
+            counts[name, "named"] += named
+            counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
+        if talk and not named:
+            said = "; ".join(f"{one.cause} {one.subject} {one.share:.2f}" for one in check.diagnosis[:2])
+            took = time.process_time() - begin
+            print(f"{kind} | {case.scene.name} | {sampling} | {'' if found else 'NOT FOUND '}"
+                  f"{spoilt.causes[0]} {spoilt.value} | {said} | {took:.2f} s", flush=True)  # fmt: skip
+    return counts
+
+
+def whole() -> list[tuple[str, Case, str]]:
+    return [(kind, case, sampling) for case, kind, sampling in product(cases(), KINDS, SAMPLINGS)]
+
+
+if __name__ == "__main__":
+    # python tests/support/fault_matrix.py PARTS SEED [PART ...]: one part after the other, each with its counts.
+    parts, seed = int(sys.argv[1]), int(sys.argv[2])
+    counts: Counter[tuple[str, str]] = Counter()
+    for part in map(int, sys.argv[3:] or range(parts)):
+        counts += run(seed, whole()[part::parts], talk=True)
+        print(f"after part {part}\n{table(counts)}\n{time.process_time():.0f} s of processor time", flush=True)
