@@ -1,7 +1,7 @@
 """The scores of all solvers on the reference cases, as a page: what `symosc score` would say of each.
 
-A solver follows a case at its finest tolerance, in a process of its own and within a time limit. The raw peers, as they
-come, are left out: the hard cases have them.
+A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
+other work on the machine changes no score. The raw peers, as they come, are left out: the hard cases have them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from symosc.bench.hard import CASE_LIMIT, Job, in_parallel
 from symosc.bench.machine import machine, sentence
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import Solver
-from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome
+from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, processor_limit
 from symosc.files import write_text
 from symosc.reference.case import ReferenceCase
 from symosc.reference.results import CaseResult, GivenEvent
@@ -29,8 +29,8 @@ from symosc.reference.stored import stored
 
 #: What is measured before a solver's results: a case as its files would have it.
 KNOWN = "known"
-#: Seconds for a case: twice what the hard cases have, as the time is not what is judged.
-SCORE_LIMIT = 2 * CASE_LIMIT
+#: The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
+CLOCK_FACTOR = 10.0
 COMMAND = "symosc bench --scores"
 
 
@@ -38,7 +38,7 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
     solvers: Sequence[Solver] = SOLVERS,
     cases: Sequence[ReferenceCase] | None = None,
-    limit: float = SCORE_LIMIT,
+    limit: float = CASE_LIMIT,
 ) -> Record:
     """Let all solvers follow all cases, and judge what they find.
 
@@ -49,7 +49,7 @@ def run(
     solvers, cases : optional
         In place of all.
     limit : float
-        Seconds that a solver may take for a case, with its preparation.
+        Seconds of processor time that a solver may take for a case, with its preparation.
 
     Returns
     -------
@@ -61,8 +61,10 @@ def run(
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
     chunks = [[Job((KNOWN, i), stored, (chosen[i],)) for i in range(k, len(chosen), 2)] for k in range(2)]
     known = {i: _value(outcome) for (_, i), outcome, _ in in_parallel(chunks, FIRST_LIMIT, None, steps)}
-    jobs = [[Job((s.name, i), found_by, (s, case)) for i, case in enumerate(chosen)] for s in able]
-    made = {key: _result(outcome, limit) for key, outcome, _ in in_parallel(jobs, limit, FIRST_LIMIT, steps)}
+    jobs = [[Job((s.name, i), found_by, (s, case, limit)) for i, case in enumerate(chosen)] for s in able]
+    made = {
+        key: _result(outcome, limit) for key, outcome, _ in in_parallel(jobs, CLOCK_FACTOR * limit, FIRST_LIMIT, steps)
+    }
     next(steps, None)  # lets a progress bar come to its end
     scores = [
         Score(s.name, SCORE_TOLERANCE, [judge_case(known[i], made[s.name, i], SCORE_TOLERANCE) for i in sorted(known)])
@@ -72,17 +74,22 @@ def run(
     return {"scores": scores, "limit_s": limit, "skipped": skipped, "machine": machine()}
 
 
-def found_by(solver: Solver, case: ReferenceCase) -> list[tuple[Any, ...]]:
-    """Return what a solver finds in a case: t, x, kind, boundary."""
-    events = solver.prepare(case.scene, solver.tolerances[-1])()
-    return [(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
+def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[tuple[Any, ...]] | None:
+    """Return what a solver finds in a case (t, x, kind, boundary); None if it takes longer than `limit`."""
+    try:
+        with processor_limit(limit):
+            events = solver.prepare(case.scene, solver.tolerances[-1])()
+            return [(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
+    except TimeoutError:
+        return None
 
 
 def _result(outcome: Outcome, limit: float) -> CaseResult:
     """Return the result of a case, or one that says why there is none."""
+    if outcome.failure == HANG or (not outcome.failure and outcome.value is None):
+        return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
-        chatters = "chatters" if "chatters" in outcome.failure else "gives up"
-        return CaseResult(note=f"> {limit:g} s" if outcome.failure == HANG else chatters)
+        return CaseResult(note="chatters" if "chatters" in outcome.failure else "gives up")
     finite = [row for row in outcome.value if isfinite(row[0]) and isfinite(row[1])]
     if len(finite) < len(outcome.value):
         return CaseResult(note="not finite")
@@ -107,7 +114,7 @@ def write(path: str | Path, result: Record) -> list[Path]:
     scores: list[Score] = result["scores"]
     more = [
         f"Made by `{COMMAND} {Path(path).as_posix()}`. Each solver of `symosc bench` at its finest tolerance, with at "
-        f"most {result['limit_s']:g} s for a case. {sentence(result['machine'])}",
+        f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"![The largest error of each case, a mark per solver]({picture.name})",
         *(f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()),
     ]

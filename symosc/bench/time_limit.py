@@ -8,9 +8,11 @@ and compilation are paid once; after that the next call gets a new process.
 from __future__ import annotations
 
 import os
+import signal
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import TimeoutError
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
@@ -86,6 +88,28 @@ class Worker:
         except ProcessExpired as death:
             return Outcome(failure=f"{CRASH}: the process ended with exit code {death.exitcode}")
         return outcome
+
+
+@contextmanager
+def processor_limit(seconds: float) -> Iterator[None]:
+    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns.
+
+    In the main thread only, and where the system has such a timer.
+    """
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"more than {seconds:g} s of processor time")
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Outcome:

@@ -45,7 +45,7 @@ class KnownEvent(NamedTuple):
     >>> from symosc import reference_cases
     >>> event = reference_cases()[1].events[0]
     >>> event.kind, event.word, event.t[0][:12], float(event.middle[1])
-    ('slip', 'P4', '1.5826058214', 7.913029107052569)
+    ('slip', 'P4', '1.5826058214', 7.913029107052609)
     """
 
     t: tuple[str, str]

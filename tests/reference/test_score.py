@@ -95,6 +95,14 @@ def test_an_event_far_from_its_time_is_missed_and_invented() -> None:
     assert counts(judged(case, events)) == {"missed": 1, "invented": 1}
 
 
+def test_faults_are_in_order_of_time() -> None:
+    case = CASES["paper-fig5"]
+    events = right(case).events
+    early = GivenEvent(Fraction(3), None, "cross", 2)
+    found = judged(case, [early, *events[:-1]])
+    assert [wrong.fault for wrong in found.wrong] == ["invented", "missed"]
+
+
 def test_swapped_kinds_are_two_wrong_kinds() -> None:
     case = CASES["paper-fig5"]
     events = right(case).events
