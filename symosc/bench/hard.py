@@ -71,7 +71,7 @@ def reference_of(case: HardCase) -> Sequence[Event | ProvenMiddle]:
     if known.reason:
         return case.reference()
 
-    def number(value: Number) -> Number:
+    def number(value: Any) -> Number:
         return mp.mpf(value.numerator) / value.denominator
 
     return [event._replace(t=number(event.t), x=number(event.x)) for event in known.events]

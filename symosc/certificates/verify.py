@@ -206,7 +206,7 @@ def begin(p, start, errors):
         a = (modes[mode].exact * fmpq_mat([[x0], [v0], [1], [1], [0]]))[1, 0]
         return Motion(modes, mode, 0, centre, columns, {}, v0**2 + a**2 * p["m"] / p["k"] if round_ else None)
     require(arb(errors[2] == 0) - arb(0.5), "a start on a belt whose velocity is known exactly")
-    at, signs, orders = 1 if v0 == p["v1"] else 2, [], []
+    at, found = 1 if v0 == p["v1"] else 2, []
     row = fmpq_mat(list(modes[3 + at].ends.values()))
     first = modes[3 + at].rows[0] * Motion(modes, 3 + at, at, centre, columns).first
     for i in (0, 1):
@@ -215,10 +215,10 @@ def begin(p, start, errors):
             value, z = arb((row * z)[i, 0]), modes[3 + at].exact * z
             order += value == 0
         require(abs(value), "F on the belt at the start")
-        signs, orders = [*signs, 1 if value > 0 else -1], [*orders, order]
-    if min(signs) > 0:
-        return Motion(modes, 3 + at, at, centre, columns, {at + i: order for i, order in enumerate(orders) if order})
-    return Motion(modes, at + (signs[0] > 0), at, centre, columns, {at: orders[signs[0] > 0] + 1})
+        found.append((1 if value > 0 else -1, order))
+    if min(found)[0] > 0:
+        return Motion(modes, 3 + at, at, centre, columns, {at + i: n for i, (_, n) in enumerate(found) if n})
+    return Motion(modes, at + (found[0][0] > 0), at, centre, columns, {at: found[found[0][0] > 0][1] + 1})
 
 
 def read_row(row):
@@ -261,7 +261,7 @@ def number(value):
     """Return a number of the file, which is text, as a fraction; and of a list of them all."""
     if isinstance(value, list):
         return [number(each) for each in value]
-    if type(value) is not str or not NUMBER.fullmatch(value) or not TINY <= abs(Fraction(value) or 1) <= 1 / TINY:
+    if type(value) is not str or not NUMBER.fullmatch(value) or not TINY <= abs(Fraction(value) or TINY) <= 1 / TINY:
         raise Stop(BAD, f"{str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100")
     return fmpq(*Fraction(value).as_integer_ratio())
 
