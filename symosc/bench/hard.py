@@ -1,7 +1,8 @@
 """Numerical stability: every solver at its finest tolerance on the hard cases, beside the condition of each case.
 
-A solver follows a case in a process of its own, within a time limit. Its events are compared with the reference (40
-digits); what it makes of the case is an error, or what went wrong. Ours must be within
+A solver follows a case in a process of its own, within a time limit. Its events are compared with the reference: the
+proven enclosures of the events (`symosc.certify`), or 40 digits where there is no proof. What it makes of the case is
+an error, or what went wrong. Ours must be within
 
     max(1e-12, 100 * condition * 1e-16)
 
@@ -20,14 +21,16 @@ from threading import Event as Flag
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from symosc.aliases import Record
+from symosc.aliases import Number, Record
 from symosc.bench import ours
 from symosc.bench.hard_table import cell_text, legend, summary, table
 from symosc.bench.machine import machine
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
-from symosc.reference.compare import FoundEvents, compare, window_of
+from symosc.certificates.known import Known, ProvenMiddle, known_events
+from symosc.engine.arithmetic import mp_context
+from symosc.reference.compare import REFERENCE_DIGITS, FoundEvents, compare, window_of
 from symosc.reference.condition import conditions, distance
 from symosc.reference.hard_cases import HardCase, hard_cases
 from symosc.simulation.simulate import simulate
@@ -54,14 +57,34 @@ def bound(condition: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def reference_of(case: HardCase) -> Sequence[Event]:
-    """Return the events of a case; a process computes them once."""
-    return case.reference()
+def proof_of(case: HardCase) -> Known:
+    """Return the proven events of a case, or why there are none; a process computes them once."""
+    if case.periods:
+        return Known((), f"the events of {case.periods:.0e} periods are more than are proven one by one")
+    return known_events(case.scene)
+
+
+@lru_cache(maxsize=256)
+def reference_of(case: HardCase) -> Sequence[Event | ProvenMiddle]:
+    """Return the events of a case, proven if they can be; a process computes them once."""
+    known, mp = proof_of(case), mp_context(REFERENCE_DIGITS)
+    if known.reason:
+        return case.reference()
+
+    def number(value: Any) -> Number:
+        return mp.mpf(value.numerator) / value.denominator
+
+    return [event._replace(t=number(event.t), x=number(event.x)) for event in known.events]
 
 
 def conditions_of(case: HardCase) -> list[float]:
     """Return the condition numbers of a case's events."""
     return conditions(case.scene, case.reference)
+
+
+def about(case: HardCase) -> tuple[list[float], str]:
+    """Return the condition numbers of a case's events, and why they are not proven ("" if they are)."""
+    return conditions_of(case), proof_of(case).reason
 
 
 def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> Record:
@@ -144,24 +167,25 @@ def run(
         machine, limit_s, solvers (name, raw, tolerance, note, ours), skipped
         (solver: why it cannot run here), rows, ok (whether ours kept the bound in every case) and violations (the
         cases where it did not). A row has group, case, events (of the reference, all events of a long run), condition
-        (the largest of its events, None if there are none) and cells: solver name to what `judge` returns, with failure
-        ("" or what went wrong, as `symosc.bench.time_limit.Outcome` says) and seconds (with preparation).
+        (the largest of its events, None if there are none), open (why the reference is not proven) and cells: solver
+        name to what `judge` returns, with failure ("" or what went wrong, as `symosc.bench.time_limit.Outcome` says)
+        and seconds (with preparation).
     """
     limit = QUICK_CASE_LIMIT if quick else CASE_LIMIT
     chosen = [case for case in hard_cases() if case.quick or not quick] if cases is None else list(cases)
     able = [solver for solver in solvers if not solver.missing and not (quick and solver.raw)]
-    chunks = [[Job(i, conditions_of, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]
+    chunks = [[Job(i, about, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)]
     plan = {s.name: [i for i, case in enumerate(chosen) if case.quick or not s.raw] for s in able}
     steps = iter(progress(range(len(chosen) + sum(map(len, plan.values())))))
     known = {i: _value(outcome) for i, outcome, _ in in_parallel(chunks, FIRST_LIMIT, None, steps)}
-    allowed = [[bound(condition) for condition in known[i]] for i in range(len(chosen))]
+    allowed = [[bound(condition) for condition in known[i][0]] for i in range(len(chosen))]
     chunks = [[Job((i, s.name), judge, (s, chosen[i], allowed[i])) for i in plan[s.name]] for s in able]
     cells = {
         key: _cell(outcome) | {"seconds": time} for key, outcome, time in in_parallel(chunks, limit, FIRST_LIMIT, steps)
     }
     next(steps, None)  # lets a progress bar come to its end
     rows = [
-        _row(case, known[i], {s.name: cells[i, s.name] for s in able if i in plan[s.name]})
+        _row(case, known[i][0], known[i][1], {s.name: cells[i, s.name] for s in able if i in plan[s.name]})
         for i, case in enumerate(chosen)
     ]
     wrong = violations(rows)
@@ -237,10 +261,11 @@ def _cell(outcome: Outcome) -> Record:
     return {"failure": outcome.failure, **(outcome.value or dict.fromkeys(names))}
 
 
-def _row(case: HardCase, known: Sequence[float], cells: Record) -> Record:
+def _row(case: HardCase, known: Sequence[float], reason: str, cells: Record) -> Record:
     count = len(known) * max(case.periods, 1)
     condition = max(known, default=None)
-    return {"group": case.group, "case": case.name, "events": count, "condition": condition, "cells": cells}
+    row = {"group": case.group, "case": case.name, "events": count, "condition": condition, "open": reason}
+    return row | {"cells": cells}
 
 
 def violations(rows: Sequence[Record]) -> list[str]:

@@ -12,6 +12,8 @@ from symosc.bench.machine import sentence
 from symosc.bench.time_limit import HANG
 from symosc.reference.hard_cases import GROUPS
 
+#: What a reference is.
+BY_PROOF, BY_DIGITS = "proven", "40 digits"
 #: Forms of tabulate that are Markdown.
 MARKDOWN = ("github", "pipe")
 # Names of solvers are broken into lines of this many letters, except in Markdown.
@@ -71,13 +73,16 @@ def table(result: Record, form: str = "simple", raw: bool = False) -> str:
         if row["group"] != group:
             group = row["group"]
             heading = f"**{group}**" if form in MARKDOWN else f"{group}:"
-            rows.append([heading, *[""] * (2 + len(solvers))])
+            rows.append([heading, *[""] * (3 + len(solvers))])
         condition = "" if row["condition"] is None else f"{row['condition']:.0e}"
         cells = [cell_text(row["cells"][name], result["limit_s"], notes) for name in solvers]
-        rows.append([_plain(row["case"], form), str(row["events"]), condition, *cells])
+        reference = BY_DIGITS if row["open"] else BY_PROOF
+        rows.append([_plain(row["case"], form), str(row["events"]), reference, condition, *cells])
     counts = [sum(all_found(row["cells"][name]) for row in members) for name in solvers]
-    rows.append(["all events found", "", "", *(f"{count} of {len(members)}" for count in counts)])
-    return "\n".join([_tabulate(rows, ["case", "events", "condition", *solvers], form), *notes.lines(form)])
+    rows.append(["all events found", "", "", "", *(f"{count} of {len(members)}" for count in counts)])
+    return "\n".join(
+        [_tabulate(rows, ["case", "events", "reference", "condition", *solvers], form), *notes.lines(form)]
+    )
 
 
 def summary(result: Record, form: str = "simple", raw: bool = False) -> str:
@@ -117,12 +122,17 @@ def legend(result: Record) -> list[str]:
     """Return what the cells mean, what the solvers were set to, and the verdict on ours."""
     limit = result["limit_s"]
     lines = [
-        "Cells: largest error of event times and positions, relative to max(1, |value|), against 40 digits; or what "
-        f"went wrong: events missed or invented, over the limit of {limit:g} s, chattering between a flight and a "
+        "Cells: largest error of event times and positions, relative to max(1, |value|), against the reference; or "
+        f"what went wrong: events missed or invented, over the limit of {limit:g} s, chattering between a flight and a "
         "stick, or an exception. 'right': nothing happens in the case and nothing was reported.",
         "Condition: by how much relative errors of parameters and start values are amplified in the event that is "
         "worst; so much times 1e-16 is what the rounding of these numbers alone may do.",
     ]
+    lines.append(
+        f"Reference: {BY_PROOF}: enclosures of 24 digits and more, proven (symosc.certify), in "
+        f"{sum(not row['open'] for row in result['rows'])} of {len(result['rows'])} cases; else {BY_DIGITS} (mpmath)."
+    )
+    lines += [f"Not proven: {row['group']}, {row['case']}: {row['open']}." for row in result["rows"] if row["open"]]
     settings = [f"{each['name']} {each['tolerance']:g}" for each in result["solvers"] if each["tolerance"]]
     if settings:
         lines.append(f"Tolerances: {', '.join(settings)}.")

@@ -8,6 +8,7 @@ How the pieces fit, from below:
     contact      the first zero of the gap to a belt: pieces between turns, where g/phi is convex or concave
     stick        both exits of a stick, by monotone pieces
     sets         sets of states, carried on by a Jacobian and an orthogonal frame: no growth by wrapping
+    circles      exact touches without damping and drive, by an identity of rational numbers
     motion       `begin`, `next_event`: Theorems 4 and 5 on enclosures; sets of (t, x) from event to event
     graze        a touch, as a statement about some start within the start's error
     trajectory   all events up to t_end, with as many bits as it takes
@@ -19,20 +20,22 @@ How the pieces fit, from below:
     family       one root for every value of a parameter, about a curve
     branch, ends a branch of orbits up to its ends
     window       a grazing window, for all phases
+    known        the events of a scene as a reference, proven or why not
     certificate  `Certificate` and its JSON
     verify       proves a file again by other means; one file that needs nothing of symosc
     verify_orbits  the same for orbits and windows; needs verify.py only
+    verify_branches  the same for branches; needs these two only
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
 and returns the proven event and the set after it; `contact_jacobian` has the derivatives of a flight's end, and
 `StateSet` carries them. `Undecided` says what is open, and a `touch` where it may be one. Parameters are exact in
-`flow.Oscillator` and `turns.Turns`: whether a motion is underdamped, resonant or has turns is decided in rationals, so
-a parameter that is an interval needs those decisions for all of it. Its file has the same "format" and its own "kind",
-for which `verify.KINDS` names what proves it; there `Motion.behind` gives the motion after a stated event with the
-derivatives of all starts (`columns`).
+`flow.Oscillator` and `turns.Turns`: whether a motion is underdamped, resonant or has turns is decided in rationals. A
+family over a parameter may pass through critical damping, where entire functions take over, but not through resonance.
+Its file has the same "format" and its own "kind", for which `verify.KINDS` names what proves it; there `Motion.behind`
+gives the motion after a stated event with the derivatives of all starts (`columns`).
 
-What is not proven, and says so: touches from exact starts (double zeros; steady or undamped motions that touch in
-every period), forces that are exactly 0 where they turn, motions of more than MOST_PROVEN_EVENTS events.
+What is not proven, and says so: touches from exact starts with damping or drive (double zeros), forces that are exactly
+0 where they turn, motions of more than MOST_PROVEN_EVENTS events.
 
 The package may import orbits, grazing, simulation and what is below them; plot, bench, paper and cli may import it.
 """

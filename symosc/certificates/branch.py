@@ -61,12 +61,17 @@ class Box(NamedTuple):
 
 
 class ProvenEnd(NamedTuple):
-    """An end: its kind, the inequality, a value inside at which it holds, one outside at which it fails."""
+    """An end: its kind, a value inside at which all inequalities hold, one outside at which one of them fails.
+
+    And that inequality, the time at which it fails, and enclosures of the points for all values between the two.
+    """
 
     kind: str
-    inequality: str
     inside: Fraction
     outside: Fraction
+    inequality: str = ""
+    at: str = ""
+    box: Box | None = None
 
 
 def prove_branch(branch: Branch, progress: Progress | bool | None = None) -> Certificate:
@@ -111,20 +116,20 @@ def _end(
     That all inequalities hold on its inner side is proven with the branch.
     """
     if kind == END_OF_RANGE:
-        return ProvenEnd(kind, "", value, value)
+        return ProvenEnd(kind, value, value)
     width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), task.ends[1][1] - task.ends[0][1])))
     value = round(value / width) * width
     inside, outside = value - side * width, value + side * width
     family = Family(task.p, task.name, min(inside, outside), max(inside, outside), pieces, task.periods)
-    family.prove(near)
+    box = Box(family, family.prove(near))
     within = _closing(task, pieces, inside)
     prove_course(within, _narrow(within, family, inside))
     thin = _closing(task, pieces, outside)
     points = _narrow(thin, family, outside)
-    inequality = violated(thin, points)
-    if inequality is None:
+    broken = violated(thin, points)
+    if broken is None:
         raise Undecided(f"which inequality fails beyond the {kind} at {task.name} = {float(value):.12g}")
-    return ProvenEnd(kind, inequality, inside, outside)
+    return ProvenEnd(kind, inside, outside, broken.text, broken.t.mid().str(BRANCH_DIGITS, radius=False), box)
 
 
 def _narrow(thin: ClosingBalls, family: Family, value: Fraction) -> Values:
@@ -182,20 +187,10 @@ def _box(task: BranchToProve, pieces: tuple[OrbitPiece, ...], low: Fraction, hig
 
 
 def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> Certificate:
-    rows = []
-    for family, points in boxes:
-        events = switchings(family.wide, points)
-        rows.append(
-            {
-                "value": [show(family.low), show(family.high)],
-                "t": [list(outward(event[4], BRANCH_DIGITS)) for event in events],
-                "x": [list(outward(event[5], BRANCH_DIGITS)) for event in events],
-                "near": [_first(family, value) for value in (family.low, family.high)],
-            }
-        )
+    rows = [{"value": [show(box.family.low), show(box.family.high)]} | _points(box) for box in boxes]
     course = [
         {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        for kind, boundary, source, target, _, _ in switchings(boxes[0].family.wide, boxes[0].points)
+        for kind, boundary, source, target, _, _ in switchings(boxes[0].family.wide, boxes[0].points, 0)
     ]
     stable = all(stability(family.wide, points).stable for family, points in boxes)
     statement: Record = {
@@ -207,9 +202,8 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
         "periods": task.periods,
         "stable": True if stable else None,
         "ends": [
-            {"kind": end.kind}
-            | ({} if end.kind == END_OF_RANGE else {"inequality": end.inequality})
-            | {"inside": show(end.inside), "outside": show(end.outside)}
+            {"kind": end.kind, "inside": show(end.inside), "outside": show(end.outside)}
+            | ({} if end.box is None else {"inequality": end.inequality, "at": end.at} | _points(end.box))
             for end in ends
         ],
         "events": course,
@@ -220,10 +214,10 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
     return Certificate("branch", True, message, changes, stable=True if stable else None, statement=statement)
 
 
-def _first(family: Family, value: Fraction) -> list[str]:
-    """Return t and x near the first event at a value of the parameter: a hint, no proof."""
-    t, x = switchings(family.thin, family.near(value))[0][4:]
-    return [f"{float(each):.15g}" for each in (t, x)]
+def _points(box: Box) -> Record:
+    """Return the enclosures of the points as a file has them."""
+    events = switchings(box.family.wide, box.family.stated, 0)
+    return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}
 
 
 def _message(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> str:

@@ -7,6 +7,8 @@ sides depend continuously on the root, so it becomes an equality between the two
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from flint import arb
 
 from symosc.certificates.balls import Ball, sure_sign
@@ -15,22 +17,32 @@ from symosc.certificates.course import Margin, borders, forces_at, starts_with
 
 #: Times of a piece that are looked at, and Newton steps from the lowest of them.
 LOW_SAMPLES, MOST_LOW_STEPS = 96, 12
+#: Nearest times to the start or the end of a piece, as negative powers of 2.
+MOST_NEAR = 60
 
 
-def violated(closing: ClosingBalls, values: Values) -> str | None:
-    """Return an inequality that surely does not hold for the root in `values`, in words; None if none is found."""
+class Violation(NamedTuple):
+    """An inequality that surely does not hold, in words, and a time at which it does not."""
+
+    text: str
+    t: Ball
+
+
+def violated(closing: ClosingBalls, values: Values) -> Violation | None:
+    """Return an inequality that surely does not hold for the root in `values`; None if none is found."""
     ends = closing.ends(values)
     spans = [ends[2 * i] - values[2 * i] for i in range(len(closing.pieces))]
-    for piece, span in zip(closing.pieces, spans, strict=True):
+    for i, (piece, span) in enumerate(zip(closing.pieces, spans, strict=True)):
         if span < 0:
-            return f"{piece.label} lasts"
+            return Violation(f"{piece.label} lasts", values[2 * i])
     for i in range(len(closing.pieces)):
         for domain, force, wanted in forces_at(closing, i, values):
             if sure_sign(force) == -wanted:
-                return passage_text(closing, i, domain, wanted)
+                return Violation(passage_text(closing, i, domain, wanted), values[2 * i])
         for border in borders(closing, i, values):
-            if spans[i] > 0 and falls_below(border, spans[i]):
-                return border.what
+            tau = below(border, spans[i]) if spans[i] > 0 else None
+            if tau is not None:
+                return Violation(border.what, values[2 * i] + tau)
     return None
 
 
@@ -39,20 +51,19 @@ def passage_text(closing: ClosingBalls, i: int, domain: int, wanted: int) -> str
     return f"F^({domain}) {'>' if wanted > 0 else '<'} 0 where {closing.pieces[i - 1].label} ends"
 
 
-def falls_below(border: Margin, span: Ball) -> bool:
-    """Return whether a border is surely negative somewhere between 0 and `span`."""
+def below(border: Margin, span: Ball) -> Ball | None:
+    """Return a time between 0 and `span` at which a border is surely negative; None if none is found."""
     last = span.lower().mid()
-    first = border.curve(arb(0))
-    if starts_with(first, border.at_start) < 0 or (border.at_end and border.curve(span).dg > 0):
-        return True
     times = [(last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)]
     tau = min(times, key=lambda time: float(border.curve(time).g))
     for _ in range(MOST_LOW_STEPS):
         there = border.curve(tau)
         if there.g < 0:
-            return True
+            return tau
         following = (tau - there.dg / there.ddg).mid()
         if not (following.is_finite() and 0 < following < last):
-            return False
+            break
         tau = following
-    return False
+    near = [last * arb(2) ** -power for power in range(8, MOST_NEAR)]  # right after the start, right before the end
+    near = near if starts_with(border.curve(arb(0)), border.at_start) < 0 else [last - each for each in near]
+    return next((each for each in near if border.curve(each).g < 0), None)

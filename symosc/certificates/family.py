@@ -8,7 +8,8 @@ near the curve of roots (Newton's method for power series gives it; nothing rest
 with the coefficients f_j of its power series at 0, and those of order N at all delta in D. Both come from arithmetic
 with power series whose coefficients are balls. Let F be an enclosure of this, of order h^N, R a box about 0, J the
 Jacobian over all c(delta) + R, and Y any matrix. If - Y F + (1 - Y J) R lies inside R, then for every delta there is
-exactly one root in c(delta) + R.
+exactly one root in c(delta) + R. Then 1 - Y J has a norm below 1, so f is one-to-one where J is: the root is the only
+one there too.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ from symosc.orbits.closing_equations import OrbitPiece
 ORDER = 3
 MOST_INFLATIONS = 8
 INFLATION = 1.2
+#: How much wider the balls are in which a root is the only one: those that are stated; those that are proven, so that
+#: somebody whose balls are a little wider proves the others.
+STATED_WIDTH, PROVEN_WIDTH = 1.2, 1.5
 
 
 class Family:
@@ -54,6 +58,8 @@ class Family:
         self.wide = ClosingBalls(Oscillator(self.p, {name: self.range}), pieces, periods)
         self.curve: list[Values] = []
         self.tube: Values = []
+        #: Balls in which the root is the only one, for every value of the parameter.
+        self.stated: Values = []
 
     def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
         """Return the first coefficients of f about a value of the parameter, along a curve given there."""
@@ -87,11 +93,12 @@ class Family:
         box = pushed
         for _ in range(MOST_INFLATIONS):
             box = [_inflated(each) for each in box]
-            J = self.wide.jacobian([c + r for c, r in zip(along, box, strict=True)])
+            whole = [c + r for c, r in zip(along, box, strict=True)]
+            J = self.wide.jacobian([_scaled(each, PROVEN_WIDTH) for each in whole])
             turned = ((unit - Y * J) * arb_mat([[each] for each in box])).entries()
             image = [a + b for a, b in zip(pushed, turned, strict=True)]
             if all(r.contains_interior(each) for r, each in zip(box, image, strict=True)):
-                self.curve, self.tube = curve, box
+                self.curve, self.tube, self.stated = curve, box, [_scaled(each, STATED_WIDTH) for each in whole]
                 return [c + each for c, each in zip(along, image, strict=True)]
             if not all(each.is_finite() for each in image):
                 break
@@ -127,6 +134,11 @@ def _horner(coefficients: list[Values], at: Ball) -> Values:
     for row in reversed(coefficients[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
     return total
+
+
+def _scaled(value: Ball, factor: float) -> Ball:
+    """Return a ball with the same middle and a radius that is larger by a factor."""
+    return value.mid() + arb(0, (factor * value.rad()).mid())
 
 
 def _inflated(value: Ball) -> Ball:

@@ -13,15 +13,32 @@ from typing import NamedTuple
 
 from flint import arb, arb_series
 
-from symosc.certificates.balls import Ball, Undecided, ball, decided_sign
+from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
 
 Entire = tuple[Ball, Ball, Ball]
+#: A family is treated as nearly critical where the frequency is not known to this part.
+ROUGH = 32
 
 
 def level(value: Ball) -> Ball:
     """Return a ball as it is, and the first coefficient of a power series."""
     return value[0] if isinstance(value, arb_series) else value
+
+
+def entire_0f1(b: Ball, z: Ball) -> Ball:
+    """Return 0F1(b; z), an entire function of a ball or a power series.
+
+    0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is
+    0F1(b + 1; z)/b, which gives the Taylor series.
+    """
+    if not isinstance(z, arb_series):
+        return z.hypgeom_0f1(b)
+    total, factor = z * 0, arb_series([1], prec=z.prec)
+    for j in range(z.prec):
+        total = total + factor * z[0].hypgeom_0f1(b + j)
+        factor = factor * (z - z[0]) / ((b + j) * (j + 1))
+    return total
 
 
 class Oscillator:
@@ -37,7 +54,7 @@ class Oscillator:
     Raises
     ------
     Undecided
-        If a family has more than one damping regime, or may be at resonance without damping.
+        If a family may be at resonance without damping.
     """
 
     def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
@@ -46,13 +63,15 @@ class Oscillator:
         self.B0, self.c, self.k, self.m, self.Omega = (b[name] for name in ("B0", "c", "k", "m", "Omega"))
         self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
         self.drive = self.B0 * self.Omega / self.m
-        #: The sign of (c/2m)^2 - k/m, and the root of its size: the damped frequency, or the overdamped one's twin.
+        #: The sign of (c/2m)^2 - k/m, 0 if it is open, and the root of its size: the damped frequency or its twin.
         square = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
         self.damping, self.kappa = (square > 0) - (square < 0), ball(square)
         if ranges.keys() & {"m", "c", "k"}:
             self.kappa = self.h * self.h - self.km
-            self.damping = decided_sign(level(self.kappa), "the damping regime")
+            self.damping = sure_sign(level(self.kappa))
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
+        if not level(self.omega_d) > ROUGH * level(self.omega_d).rad():  # it is critical, or nearly so in the family
+            self.damping = 0
         if self.damping > 0:
             self.fast = -(self.h + self.omega_d)
             self.slow = self.km / self.fast
@@ -85,8 +104,9 @@ class Oscillator:
         else:
             decay = (-self.h * tau).exp()
             if self.damping == 0:
-                E = tau * decay
-                E1 = decay - self.h * E
+                z = self.kappa * tau * tau / 4
+                E = decay * tau * entire_0f1(arb(1.5), z)
+                E1 = decay * entire_0f1(arb(0.5), z) - self.h * E
             else:
                 s, c = (self.omega_d * tau).sin_cos()
                 E = decay * s / self.omega_d

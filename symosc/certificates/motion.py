@@ -8,6 +8,7 @@ from typing import NamedTuple
 from flint import arb
 
 from symosc.certificates.balls import Ball, Undecided, ball, decided_sign, sure_sign
+from symosc.certificates.circles import Circle, ExactTouch, circle_of_start, exact_touches, goes_round
 from symosc.certificates.contact import Wall, first_zero, gap_of, sharper, zero_in
 from symosc.certificates.flow import Flight, FlightPoint, FlightStart, Oscillator
 from symosc.certificates.sets import StateSet
@@ -35,11 +36,14 @@ class Moving(NamedTuple):
         A code of `symosc.model.MODE_NAMES`.
     boundary : int
         The belt that it is on or leaves just now, or 0. That it leaves it into its mode is proven.
+    circle : Circle or None
+        The exact velocity and acceleration, where velocities go round circles and it is known (`circles`).
     """
 
     mode: int
     boundary: int
     states: StateSet
+    circle: Circle | None = None
 
 
 class ProvenEvent(NamedTuple):
@@ -64,7 +68,8 @@ def begin(problem: Problem, start: tuple[Fraction, ...], errors: tuple[Fraction,
     p, v0 = problem.p, start[2]
     values = [ball(each) + arb(0, ball(error).upper()) for each, error in zip(start, errors, strict=True)]
     if v0 not in (p.v1, p.v2):
-        return Moving(1 + (v0 > p.v1) + (v0 > p.v2), 0, StateSet.of(values))
+        mode = 1 + (v0 > p.v1) + (v0 > p.v2)
+        return Moving(mode, 0, StateSet.of(values), _circle(p, mode, start, errors))
     if errors[2] > 0:
         raise Undecided("a start on a belt whose velocity is known to an error only", values[0])
     boundary = 1 if v0 == p.v1 else 2
@@ -86,7 +91,14 @@ def begin(problem: Problem, start: tuple[Fraction, ...], errors: tuple[Fraction,
         signs.append(sign)
     below, above = signs
     mode = boundary + 1 if above > 0 else boundary if below < 0 else ON_A_BELT + boundary
-    return Moving(mode, boundary, StateSet.of(values[:2]))
+    return Moving(mode, boundary, StateSet.of(values[:2]), _circle(p, mode, start, errors))
+
+
+def _circle(p: Parameters, mode: int, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Circle | None:
+    """Return the circle of an exact start in a domain, if there are circles."""
+    if any(errors) or mode > ON_A_BELT or not goes_round(p):
+        return None
+    return circle_of_start(p, mode, start[1], start[2])
 
 
 def next_event(problem: Problem, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
@@ -129,8 +141,13 @@ def first_wall(flight: Flight, walls: list[Wall], boundary: int, t_end: Ball) ->
 
 
 def _contact(problem: Problem, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    flight = launch(problem, state, state.states.hull())
-    met = first_wall(flight, walls_of(problem, state.mode), state.boundary, t_end)
+    flight, walls = launch(problem, state, state.states.hull()), walls_of(problem, state.mode)
+    touches = [] if state.circle is None else exact_touches(problem.p, state.circle, walls)
+    crossed = [wall for wall in walls if wall.boundary not in {touch.wall.boundary for touch in touches}]
+    met = first_wall(flight, crossed, state.boundary, t_end)
+    touch = min(touches, key=lambda each: float(each.tau), default=None)
+    if touch is not None and (met is None or not met[1] < touch.tau):
+        return _touch(problem, state, flight, touch, t_end if met is None else flight.start.t + met[1])
     if met is None:
         return None
     wall, tau = met
@@ -148,6 +165,18 @@ def _contact(problem: Problem, state: Moving, t_end: Ball) -> tuple[ProvenEvent,
     kind = "stick" if target > ON_A_BELT else "cross"
     event = ProvenEvent(kind, boundary, MODE_NAMES[state.mode], MODE_NAMES[target], t, x)
     return event, Moving(target, boundary, states)
+
+
+def _touch(
+    problem: Problem, state: Moving, flight: Flight, touch: ExactTouch, until: Ball
+) -> tuple[ProvenEvent, Moving] | None:
+    """Return a touch that is exact, if it surely comes before a time; None if it surely does not."""
+    p, boundary, t = problem.p, touch.wall.boundary, flight.start.t + touch.tau
+    if decided_sign(until - t, "whether a touch is the next event", t) < 0:
+        return None
+    x, name = ball(p.A(state.mode) / p.k), MODE_NAMES[state.mode]
+    after = Moving(state.mode, boundary, StateSet.of([t, x]), Circle(p.belt(boundary), Fraction(0)))
+    return ProvenEvent("graze", boundary, name, name, t, x), after
 
 
 def _after(problem: Problem, mode: int, boundary: int, force: Ball, t: Ball) -> int:
@@ -195,4 +224,5 @@ def _slip(problem: Problem, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
         states = state.states.mapped([t_c + then, x_c + speed * then], jacobian)
     t, x = states.hull()
     event = ProvenEvent("slip", boundary, MODE_NAMES[state.mode], MODE_NAMES[slip.domain], t, x)
-    return event, Moving(slip.domain, boundary, states)
+    circle = Circle(problem.p.belt(boundary), Fraction(0)) if goes_round(problem.p) else None
+    return event, Moving(slip.domain, boundary, states, circle)

@@ -108,10 +108,9 @@ def first_arrival(pieces: tuple[OrbitPiece, ...]) -> int:
     return next(i for i in range(len(pieces)) if not pieces[i - 1].sticks)
 
 
-def switchings(closing: ClosingBalls, values: Values) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return kind, boundary, source, target, t and x from the first arrival up to the same one a period later."""
-    pieces, n = closing.pieces, len(closing.pieces)
-    begin, rows = first_arrival(pieces), []
+def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
+    """Return kind, boundary, source, target, t and x from one switching up to the same one a period later."""
+    pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         i = j % n
         source, target = pieces[i - 1].mode, pieces[i].mode
@@ -144,7 +143,7 @@ def statement_of(closing: ClosingBalls, root: Root) -> Record:
         {"kind": kind, "boundary": boundary, "source": source, "target": target}
         | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
         for (kind, boundary, source, target, t, x), reach in zip(
-            switchings(closing, root.points), reaches(closing, root), strict=True
+            switchings(closing, root.points, begin), reaches(closing, root), strict=True
         )
     ]
     alone = [one_digit(STATED * value.rad()) for value in root.box[2 * begin : 2 * begin + 2]]

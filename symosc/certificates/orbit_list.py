@@ -13,6 +13,8 @@ from functools import cache
 from importlib.resources import files
 from math import pi
 from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from pebble import ProcessPool
@@ -99,6 +101,21 @@ def _prove_some(orbits: Sequence[ListedOrbit]) -> list[str]:
     return ["" if each.proven else each.message for each in found]
 
 
+def _verify_some(orbits: Sequence[ListedOrbit]) -> list[str]:
+    """Return for each orbit "" if its certificate, written to a file, is proven again, else why not."""
+    from symosc.certificates.verify_orbits import verify
+
+    answers = []
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "orbit.json"
+        for orbit in orbits:
+            found = prove_listed(orbit)
+            found.to_json(path)
+            code, line = verify(str(path))
+            answers.append(f"{orbit.word} at {orbit.p}: {line}" if code else "")
+    return answers
+
+
 def prove_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> Proven:
@@ -113,14 +130,37 @@ def prove_list(
         Called with how many orbits are done, and how many there are.
     """
     orbits = listed_orbits() if orbits is None else orbits
+    return summary(orbits, _of_each(_prove_some, orbits, workers, progress))
+
+
+def verify_list(
+    orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
+) -> list[str]:
+    """Certify all orbits of a list and prove each file once more; return for each "", or what is not proven.
+
+    Parameters
+    ----------
+    orbits, workers, progress
+        As for `prove_list`.
+    """
+    return _of_each(_verify_some, listed_orbits() if orbits is None else orbits, workers, progress)
+
+
+def _of_each(
+    work: Callable[[Sequence[ListedOrbit]], list[str]],
+    orbits: Sequence[ListedOrbit],
+    workers: int,
+    progress: Callable[[int, int], None] | None,
+) -> list[str]:
+    """Return what `work` says of each orbit."""
     parts = [orbits[i : i + ORBITS_PER_TASK] for i in range(0, len(orbits), ORBITS_PER_TASK)]
     answers: list[str] = []
     with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
-        for answer in pool.map(_prove_some, parts).result():
+        for answer in pool.map(work, parts).result():
             answers += answer
             if progress:
                 progress(len(answers), len(orbits))
-    return summary(orbits, answers)
+    return answers
 
 
 def summary(orbits: Iterable[ListedOrbit], answers: Sequence[str]) -> Proven:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from symosc.aliases import Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, ball, exact_ends, outward, size, working_bits
 from symosc.certificates.certificate import Certificate
+from symosc.certificates.circles import IDENTITY
 from symosc.certificates.graze import FREE, prove_touch
 from symosc.certificates.motion import Moving, Problem, ProvenEvent, begin, next_event
 from symosc.exact import show
@@ -191,6 +192,8 @@ def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
         digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
     numbers = {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
     about = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
+    if event.kind == "graze" and task.exact:
+        about["because"] = IDENTITY
     return about | numbers
 
 

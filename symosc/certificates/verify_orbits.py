@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prove a certificate of an orbit, a branch or a window once more: ``python verify_orbits.py FILE``.
+"""Prove a certificate of an orbit or a window once more: ``python verify_orbits.py FILE``.
 
 Needs verify.py beside it, python-flint, and nothing of symosc. verify.py has the equation and how a motion is followed
 from event to event, for all starts of a box at once.
@@ -29,7 +29,7 @@ import sys
 from importlib import import_module
 from itertools import pairwise
 
-from flint import arb, arb_mat, fmpq
+from flint import arb, arb_mat, arb_series, fmpq
 
 base = import_module(".verify", __package__) if __package__ else import_module("verify")
 Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
@@ -70,18 +70,62 @@ def read(data):
     return p, rows, periods
 
 
+def chain(rows):
+    """Return kind, boundary, source and target of events, if they follow each other and come back to the first."""
+    found = [(r["kind"], r["boundary"], *(MODES.index(r[name], 1) for name in ("source", "target"))) for r in rows]
+    for before, (kind, belt, source, target) in pairwise(found):
+        made = "slip" if source > 3 else "stick" if target > 3 else "cross"
+        if (kind, source) != (made, before[3]) or not {source, target} <= {belt, belt + 1, belt + 3}:
+            raise Stop(FALSE, "events that follow each other")
+    if found[0] != found[-1] or len(found) < 3 or any(source == target for *_, source, target in found):
+        raise Stop(FALSE, "a last event that is the first one again")
+    return found
+
+
+def column(values):
+    """Return a matrix of one column."""
+    return arb_mat(len(values), 1, values)
+
+
+def horner(rows, at):
+    """Return the values of polynomials whose coefficients are rows."""
+    total = rows[-1]
+    for row in reversed(rows[:-1]):
+        total = [a + at * b for a, b in zip(row, total, strict=True)]
+    return total
+
+
+def level(value):
+    """Return a ball, or the first coefficient of a series."""
+    return value[0] if isinstance(value, arb_series) else value
+
+
+def entire(b, z):
+    """Return 0F1(b; z) of a ball or a series: cosh w for b = 1/2, sinh(w)/w for b = 3/2, z = w^2/4 of any sign."""
+    if isinstance(z, arb):
+        return z.hypgeom_0f1(b)
+    total, factor = 0 * z, 1 + 0 * z
+    for j in range(z.prec):  # by its derivative 0F1(b + 1; z)/b
+        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * (z - z[0]) / ((b + j) * (j + 1))
+    return total
+
+
 def wider(row, reach):
     """Return a row whose times may be off by `reach`."""
     t = [number(each) for each in row["t"]]
     return base.read_row(row | {"t": [str(t[0] - reach), str(t[1] + reach)]})
 
 
-def follow(p, rows, centre, errors):
+#: A motion of which it is known that nothing happens between its events: it is one of more that are proven.
+Within = type("Within", (base.Motion,), {"positive": lambda motion, until: None})
+
+
+def follow(p, rows, centre, errors, kind=base.Motion):
     """Return the motions from a box of t and x around the first event, behind every event up to the last."""
     belt, mode = rows[0][1], rows[0][3]
     columns, leaves = [(errors[0], arb(0), arb(0)), (arb(0), errors[1], arb(0))], {belt: 1} if mode < 4 else {}
     modes = {i: base.Mode(p, i) for i in (1, 2, 3, 4, 5)}
-    motions = [base.Motion(modes, mode, belt, [*centre, arb(p[f"v{belt}"])], columns, leaves)]
+    motions = [kind(modes, mode, belt, [*centre, arb(p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].behind(row))
     return motions
@@ -93,7 +137,7 @@ def fixed_point(p, motions, centre, errors, periods):
     D = arb_mat([[last.columns[j][i] / errors[j] for j in (0, 1)] for i in (0, 1)])
     moved = [last.centre[0] - 2 * periods * arb.pi() / arb(p["Omega"]) - centre[0], last.centre[1] - centre[1]]
     try:
-        off = (arb_mat([[1, 0], [0, 1]]) - D).solve(arb_mat([[each] for each in moved]))
+        off = (arb_mat([[1, 0], [0, 1]]) - D).solve(column(moved))
     except ZeroDivisionError:
         raise Stop(OPEN, "1 - D, which may be singular") from None
     return [off[0, 0], off[1, 0]], D
@@ -133,16 +177,23 @@ def orbit(data):
     errors = [arb(number(each)) for each in data["alone_within"]]
     for error in errors:
         require(error, "a box of no width")
-    for scale in (1, fmpq(1, 10**15), 0):  # the box stated; a smaller one; one with the events as stated
-        motions = follow(p, [wider(row, number(row["reach"]) * scale) for row in stated], centre, errors)
+    boxes = []
+    for scale, kind in ((1, base.Motion), (fmpq(1, 10**15), Within)):  # the box stated, and a smaller one in it
+        motions = follow(p, [wider(row, number(row["reach"]) * scale) for row in stated], centre, errors, kind)
         off, D = fixed_point(p, motions, centre, errors, periods)
+        boxes += [(c, error) for c, error in zip(centre, errors, strict=True)]
         for each, error in zip(off, errors, strict=True):
             require(error - abs(each), "1 above")
-        root = [c + each for c, each in zip(centre, off, strict=True)]
-        centre, errors = [each.mid() for each in root], [(2 * each.rad()).mid() for each in root]
+        if scale == 1:
+            root = [c + each for c, each in zip(centre, off, strict=True)]
+            centre, errors = [each.mid() for each in root], [(2 * each.rad()).mid() for each in root]
+    for (c, whole), (middle, error) in zip(boxes[:2], boxes[2:], strict=True):
+        require(whole - abs(middle - c) - error, "the smaller box in the other")
+    parts = [each / error for each, error in zip(off, errors, strict=True)]
     for motion, row in zip(motions, stated, strict=True):
-        inside(motion.t, row["t"])
-        inside(motion.first[0, 0], row["x"])
+        for i, name in enumerate("tx"):  # of the fixed point, by the derivatives
+            moved = [part * column[i] for part, column in zip(parts, motion.columns, strict=True)]
+            inside(motion.centre[i] + sum(moved, arb(0)), row[name])
     T, d = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
     d = arb(0) if any(row[0] == "stick" for row in rows) else d
     for parts, about in zip(eigenvalues(T, d), data["multipliers"], strict=True):
@@ -215,12 +266,7 @@ def window(data):
     return f"{data['map']} grazes {where}, order {data['order']}, for all phases"
 
 
-def branch(data):
-    """Say that a branch is not proven here: balls for a parameter grow too fast along whole orbits."""
-    raise Stop(FALSE, f"the branch {str(data.get('word'))[:40]}: this checker has no proof of branches")
-
-
-base.KINDS.update(orbit=orbit, window=window, branch=branch)
+base.KINDS.update(orbit=orbit, window=window)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import click
 
 from symosc.cli.output import complain, write
@@ -9,25 +11,44 @@ from symosc.errors import MissingExtraError
 
 
 @click.command()
-@click.argument("file")
-def verify(file: str) -> int:
+@click.argument("file", required=False)
+@click.option("--orbits", "listed", is_flag=True, help="Certify and verify the list of orbits that ships.")
+def verify(file: str | None, *, listed: bool) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`.
 
-    The checker is symosc/certificates/verify.py, and verify_orbits.py beside it for orbits and windows. They need
-    python-flint and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not
-    proven, 2 no certificate.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and windows, and
+    verify_branches.py for branches. They need python-flint and nothing of symosc: copy them, read them, and run them
+    alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
-    Example:
+    Examples:
       symosc verify fig8.json
+      symosc verify --orbits
     """
+    if (file is None) != listed:
+        raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates.verify_orbits import verify as prove
+        from symosc.certificates.verify_branches import verify as prove
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
+    if file is None:
+        return _list()
     code, line = prove(file)
     if code:
         complain(f"{line}")
     else:
         write(line)
     return code
+
+
+def _list() -> int:
+    from symosc.certificates.orbit_list import listed_orbits, verify_list
+
+    count = len(listed_orbits())
+    with click.progressbar(length=count, label="orbits", file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
+        answers = verify_list(progress=bar.update)
+    wrong = [answer for answer in answers if answer]
+    write(f"proven again: {count - len(wrong)} of {count} orbits")
+    for line in wrong:
+        click.echo(f"symosc: {line}", err=True)
+    return 1 if wrong else 0

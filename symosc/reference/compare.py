@@ -15,6 +15,7 @@ from math import isfinite, pi
 from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
+from symosc.certificates.known import ProvenMiddle
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
@@ -90,14 +91,14 @@ def window_of(scene: Scene) -> float:
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
-def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: float) -> Comparison:
+def compare(found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMiddle], window: float) -> Comparison:
     """Compare a solver's events with the reference.
 
     Parameters
     ----------
     found : iterable of FoundEvents
         In any order. An event whose time or position is not finite is invented.
-    reference : sequence of Event
+    reference : sequence of Event or ProvenMiddle
         In order of time; t and x may be mpmath numbers, and are compared in their precision.
     window : float
         How far apart in time (> 0) a match may be; see `window_of`.

@@ -45,6 +45,31 @@ def test_ours_keep_the_bound_in_every_group(group: str) -> None:
         assert cell["error"] is None or 0 < cell["error"] < (1e-20 if "mpmath" in solver.name else 1e-12)
 
 
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_proven_reference_is_that_of_40_digits(group: str) -> None:
+    case = ONE_OF_EACH[group]
+    known = hard.proof_of(case)
+    if case.periods:
+        assert (known.events, "1e+05 periods" in known.reason) == ((), True)
+        assert hard.reference_of(case)[-1].kind == case.reference()[-1].kind
+        return
+    assert known.reason == ""
+    exact = case.reference()
+    reference = hard.reference_of(case)
+    assert [(e.kind, e.boundary) for e in reference] == [(e.kind, e.boundary) for e in exact]
+    for event, other in zip(reference, exact, strict=True):
+        assert max(hard.distance(event.t, other.t), hard.distance(event.x, other.x)) < 1e-24
+
+
+def test_what_is_not_proven_is_named_with_the_reason() -> None:
+    result = {"rows": [row(), row() | {"case": "b", "open": "it touches"}], "solvers": [], "skipped": {}}
+    result |= {"limit_s": 2.0, "machine": {"processor": "P", "cores": "2", "date": "today"}, "violations": []}
+    text = "\n".join(hard_table.legend(result))
+    assert "proven (symosc.certify), in 1 of 2 cases" in text
+    assert "Not proven: easy, b: it touches." in text
+
+
 def test_the_bound() -> None:
     assert hard.bound(3.0) == 1e-12
     assert hard.bound(1e6) == pytest.approx(1e-8)
@@ -101,7 +126,7 @@ def test_failures_are_shown_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
 def row(**cell: Any) -> dict[str, Any]:
     good = {"failure": "", "error": 1e-16, "missed": 0, "invented": 0, "found": 2, "worst": 0.1, "undecidable": None}
     cells = {solver.name: good | cell for solver in ours.SOLVERS[:1]}
-    return {"group": "easy", "case": "a", "events": 2, "condition": 3.0, "cells": cells}
+    return {"group": "easy", "case": "a", "events": 2, "condition": 3.0, "open": "", "cells": cells}
 
 
 @pytest.mark.parametrize(

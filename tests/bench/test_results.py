@@ -48,7 +48,9 @@ def test_results_are_written_into_the_readme(
     case = {"failure": "", "error": 1e-14, "missed": 0, "invented": 0, "found": 3, "worst": 0.1, "undecidable": None}
     hard = {"machine": SPEED["machine"], "limit_s": 6.0, "skipped": {}, "ok": True, "violations": []}
     hard["solvers"] = [{"name": "symosc", "raw": False, "tolerance": 0.0, "note": "", "ours": True}]
-    hard["rows"] = [{"group": "near-grazing", "case": "c", "events": 3, "condition": 2.0, "cells": {"symosc": case}}]
+    hard["rows"] = [
+        {"group": "near-grazing", "case": "c", "events": 3, "condition": 2.0, "open": "", "cells": {"symosc": case}}
+    ]
     monkeypatch.setattr(results.plot_error_map, "figure", lambda result: plot_work.figure(work))
     result = {"quick": True, "work_precision": measured, "speed": SPEED, "hard": hard, "error_map": {}}
     written = results.write(path, result)

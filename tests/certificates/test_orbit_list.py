@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from symosc.certificates.collect import collect
-from symosc.certificates.orbit_list import listed_orbits, prove_list, prove_listed, summary, written
+from symosc.certificates.orbit_list import listed_orbits, prove_list, prove_listed, summary, verify_list, written
 
 REGIMES = {"underdamped", "overdamped", "critically damped", "undamped"}
 
@@ -39,6 +39,15 @@ def test_the_seed_gives_the_list() -> None:
     assert [written(orbit) for orbit in itertools.islice(collect(3, 17), 3)] == [
         written(o) for o in listed_orbits()[:3]
     ]
+
+
+@pytest.mark.slow
+def test_processes_prove_their_files_again() -> None:
+    orbits = [*listed_orbits()[:30], listed_orbits()[0]._replace(x=99.0)]
+    answers = verify_list(orbits, workers=2)
+    assert answers[:30] == [""] * 30
+    assert orbits[-1].word in answers[-1]
+    assert "not proven" in answers[-1]
 
 
 @pytest.mark.slow

@@ -97,7 +97,6 @@ def test_the_engine_s_doubles_are_in_the_enclosures(family: str) -> None:
 
 #: Hard cases that are not proven, and why.
 NOT_PROVEN = {
-    "B0 = 0, c = 0": "without drive and damping the mass comes back to the belt in exact touches: double zeros",
     "fig9-orbit": "2e5 events, minutes: an orbit's certificate is the way",
     "fig10-orbit": "4e5 events; the start is on the orbit to 25 digits, where its stick ends",
 }

@@ -121,12 +121,6 @@ def test_what_is_missing_or_nonsense_is_one_line(name: str, tmp_path: Path) -> N
         assert (code >= 1, len(line.splitlines())) == (True, 1), (nonsense, line)
 
 
-def test_a_branch_is_not_proven_again_and_it_says_so(tmp_path: Path) -> None:
-    branch = {"format": "symosc certificate 1", "kind": "branch", "proven": True, "word": "P32"}
-    code, line = judged(branch, tmp_path)
-    assert (code, "no proof of branches" in line) == (1, True)
-
-
 def test_listed_orbits_are_proven_again(tmp_path: Path) -> None:
     for i in LISTED:
         assert judged(orbit_document(i), tmp_path)[0] == 0, i

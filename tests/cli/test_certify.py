@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from cli_runs import good, run
 
+from symosc.certificates import orbit_list
 from symosc.certificates.certificate import common_digits
 
 
@@ -18,6 +19,21 @@ def test_a_proven_motion(tmp_path: Path) -> None:
     assert lines[2].split() == ["1.5826058214105219", "7.9130291070526097", "slip", "belt2", "->", "Omega2"]
     assert lines[-1] == "proven: 3 events until t = 20"
     assert good("verify", str(path)) == "proven: 3 events until t = 20, for all starts\n"
+
+
+def test_a_branch_is_verified(tmp_path: Path) -> None:
+    path = tmp_path / "branch.json"
+    good("certify", "fig9", "--branch", "Omega=3.99:4.01", "-o", str(path))
+    assert good("verify", str(path)).startswith("proven: an orbit P32 for every Omega from 3.99 to 4.01, ")
+
+
+def test_a_list_of_orbits_is_verified(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orbit_list, "verify_list", lambda progress: [""] * 1029 + ["P32: not proven: 1 above"])
+    result = run("verify", "--orbits")
+    assert (result.exit_code, result.stdout) == (1, "proven again: 1029 of 1030 orbits\n")
+    assert result.stderr == "symosc: P32: not proven: 1 above\n"
+    for arguments in (("verify",), ("verify", "--orbits", "it.json")):
+        assert run(*arguments).exit_code == 2
 
 
 def test_options(tmp_path: Path) -> None:

@@ -113,4 +113,4 @@ def test_long_runs_end_with_the_orbit() -> None:
 def row(**cell: Any) -> dict[str, Any]:
     good = {"failure": "", "error": 1e-16, "missed": 0, "invented": 0, "found": 2, "worst": 0.1, "undecidable": None}
     cells = {solver.name: good | cell for solver in ours.SOLVERS[:1]}
-    return {"group": "easy", "case": "a", "events": 2, "condition": 3.0, "cells": cells}
+    return {"group": "easy", "case": "a", "events": 2, "condition": 3.0, "open": "", "cells": cells}

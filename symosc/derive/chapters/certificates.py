@@ -132,6 +132,23 @@ def _steps() -> Iterator[Any]:
         r"graze is a double zero, which no error allows. It is proven as a statement about some start: for a family of "
         r"starts the least gap depends continuously on the start, and has opposite signs at the two ends of the family."
     )
+    yield from block(
+        "lemma",
+        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with the velocity $v_0$ and the acceleration $a_0$. It "
+        r"touches the belt $v_\lambda$, and does not cross it, if and only if "
+        r"$v_0^2 + \frac{m}{k} a_0^2 = v_\lambda^2 > 0$.",
+        title="exact touches",
+        label="thm:certificates-circles",
+    )
+    yield from proof(
+        r"In the flight $m \ddot{v} = -k v$, so the derivative of $v^2 + \frac{m}{k} \dot{v}^2$ is "
+        r"$2 \dot{v} (v + \frac{m}{k} \ddot{v}) = 0$: the velocity has the amplitude "
+        r"$(v_0^2 + \frac{m}{k} a_0^2)^{1/2}$, and $\dot{v} = 0$ exactly where it is reached."
+    )
+    yield Prose(
+        r"This is the one graze of an exact start that is decided, in rational numbers: $v_0$ and $a_0$ are rational "
+        r"at an exact start, where a stick ends ($v_0 = v_\lambda$, $a_0 = 0$), and at such a touch."
+    )
 
 
 def _straightened(wave: Any) -> Iterator[Any]:
@@ -204,7 +221,11 @@ def _branches() -> Iterator[Any]:
         r"one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends continuously on $\delta$. The signs "
         r"that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring intervals "
         r"have "
-        r"the same root where they meet: it lies in both tubes."
+        r"the same root where they meet: it lies in both tubes. Since $1 - YJ$ has a norm below 1 for $J$ over all of "
+        r"a box, $f$ is one-to-one there, and the root is the only one in that box. The flow is made of $\cosh w\tau$ "
+        r"and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions of $w^2$, so a branch may pass through "
+        r"critical damping. The checker proves the same with another form of the flow, with derivatives that are "
+        r"coefficients of power series, and with interval Newton in place of Krawczyk's operator."
     )
     yield from block(
         "proposition",
