@@ -37,6 +37,7 @@ COMMANDS = (
     "sweep",
     "bench",
     "warm",
+    "explore",
     "reproduce",
 )
 

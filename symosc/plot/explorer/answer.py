@@ -10,12 +10,11 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SymoscError
-from symosc.exact import show
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.plot.explorer.inputs import FIELDS, link_of, read_link, scene_of
-from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
+from symosc.plot.panels import EVENT_MARKS, NEAR_BELTS, SHAPES, Sampling, View, view_of
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -24,13 +23,15 @@ from symosc.simulation.trajectory import Event, Trajectory
 MOST_SHOWN_EVENTS, MOST_ROWS = 300, 100
 #: Errors of events, relative to max(1, |value|): no picture and no number of the page shows more.
 SHOWN_ACCURACY = 1e-9
-SAMPLING = Sampling(per_period=70, least=12, most=1500)
+SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
 CURVE_DIGITS = 7
 MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
+#: What a stick is shaded with, by its belt.
+STICK_SHADES = {1: "#e3e6eb", 2: "#b4bac6"}
 #: A window's arc and its name: dark for contacts from below, light for those from above.
 BELOW_COLORS, ABOVE_COLORS = ("#1f3fd6", "white"), ("#c3cdf5", "black")
 ARC_COLUMNS = ("radius", "low", "high", "color", "text", "map", "label_x", "label_y")
@@ -77,9 +78,9 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
     view = view_of(trajectory, None, SAMPLING)
     F1 = np.asarray(trajectory.force(1, view.t))
     forces = {1: F1} | {domain: F1 - _step_down(trajectory, domain) for domain in (2, 3)}
+    ranges = _ranges(view, forces)
     return {
         "name": scene.name,
-        "span": f"t = {show(scene.t0)} … {float(trajectory.t_end):.6g}",
         "word": trajectory.word,
         "status": trajectory.status,
         "message": _message(trajectory),
@@ -93,8 +94,8 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
             "arcs": _arcs(scene),
             "contacts": _contacts(view),
         },
-        "ranges": _ranges(view, forces),
-        "belts": _belts(view),
+        "ranges": ranges,
+        "belts": _belts(view, ranges["v"]),
     }
 
 
@@ -106,7 +107,7 @@ def _step_down(trajectory: Trajectory, domain: int) -> float:
 
 def _message(trajectory: Trajectory) -> str:
     if trajectory.status == "undecidable":
-        return f"{trajectory.message}: `symosc simulate` takes them"
+        return f"{trajectory.message} (symosc simulate --digits)"
     return trajectory.message
 
 
@@ -146,13 +147,12 @@ def _marks(view: View) -> Record:
 
 
 def _sticks(view: View) -> Record:
-    """Return the sticks; those on belt 2 are hatched as well."""
+    """Return the sticks; those on belt 2 are darker."""
     sticks = [each for each in view.contacts if each.until > each.since]
     return {
         "since": [each.since for each in sticks],
         "until": [each.until for each in sticks],
-        "hatch": ["right_diagonal_line" if each.belt == 2 else " " for each in sticks],
-        "belt": [f"belt {each.belt}" for each in sticks],
+        "shade": [STICK_SHADES[each.belt] for each in sticks],
     }
 
 
@@ -173,16 +173,20 @@ def _with_margin(low: float, high: float) -> tuple[float, float]:
     return float(low - room), float(high + room)
 
 
-def _belts(view: View) -> list[Record]:
-    """Return the speeds of both belts, and where one is that is too far away to be drawn."""
-    p, near = view.trajectory.parameters, view.belts()
-    belts = []
-    for belt in (1, 2):
-        speed = float(p.belt(belt))
-        side = 0 if belt in near else 1 if speed > float(view.v.max()) else -1
-        text = f"belt {belt}: {'v₁' if belt == 1 else 'v₂'} = {speed:.4g}"
-        belts.append({"speed": speed, "side": side, "text": text + (" ↑", "", " ↓")[1 - side]})
-    return belts
+def _belts(view: View, v_range: tuple[float, float]) -> Record:
+    """Return the speeds of both belts, whether they are drawn, and their names beside the plots.
+
+    The name of a belt that is too far away to be drawn is at the edge, with an arrow.
+    """
+    speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
+    low, high = v_range
+    drawn = [low <= speed <= high for speed in speeds]
+    if all(drawn) and speeds[1] - speeds[0] < NEAR_BELTS * (high - low):  # their names would lie over each other
+        names = [(speeds[0], "belts 1, 2")]
+    else:
+        texts = [f"{'↓ ' * (speed < low)}{'↑ ' * (speed > high)}belt {i + 1}" for i, speed in enumerate(speeds)]
+        names = [(min(max(speed, low), high), text) for speed, text in zip(speeds, texts, strict=True)]
+    return {"speeds": speeds, "drawn": drawn, "names": names}
 
 
 # --- the dial ---

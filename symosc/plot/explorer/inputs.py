@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cache
 from math import tau
 from urllib.parse import parse_qsl, urlencode
 
@@ -80,6 +81,17 @@ FIELDS = {field.name: field for fields in GROUPS.values() for field in fields}
 OTHER_KEYS = ("scene", "start_error")
 
 
+@cache
+def shipped_scenes() -> dict[str, Scene]:
+    """Return the shipped scenes by name; they are read once."""
+    return {name: load_scene(name) for name in scene_names()}
+
+
+def _sound() -> Scene:
+    """Return a scene whose numbers stand in for wrong ones, until all that is wrong is found."""
+    return shipped_scenes()["fig5"]
+
+
 def state_of(scene: Scene) -> dict[str, str]:
     """Return the page's texts for a scene."""
     state = {"scene": scene.name, **scene.parameters.as_dict()}
@@ -128,7 +140,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
 def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str, str]]:
     """Return the numbers, and what is wrong with texts that are none; a sound number stands in for each of these."""
     numbers, errors = {}, {}
-    stand_in = state_of(load_scene("fig5"))
+    stand_in = state_of(_sound())
     for name in FIELDS:
         try:
             numbers[name] = read_exact(name, state[name])
@@ -142,7 +154,7 @@ def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str,
 
 def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Parameters:
     """Return the parameters; adds what is out of range to `errors`, all of it at once."""
-    sound = load_scene("fig5").parameters
+    sound = _sound().parameters
     tried = {name: numbers[name] for name in PARAMETER_NAMES}
     while True:
         try:
@@ -157,9 +169,9 @@ def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Paramet
 def _named(scene: Scene) -> Scene:
     """Return a scene with the source of the shipped one of its name, or with a name that says it is another."""
     base = scene.name.removesuffix(CHANGED)
-    if base not in scene_names():
+    shipped = shipped_scenes().get(base)
+    if shipped is None:
         return replace(scene, source=SOURCE)
-    shipped = load_scene(base)
     if state_of(shipped) == state_of(replace(scene, name=base)):
         return shipped
     return replace(scene, name=base + CHANGED, source=SOURCE)

@@ -8,10 +8,9 @@ from typing import Any
 from bokeh.models import (
     ColumnDataSource,
     CrosshairTool,
+    FixedTicker,
     HoverTool,
-    Label,
-    Legend,
-    LegendItem,
+    LinearAxis,
     PanTool,
     Range1d,
     ResetTool,
@@ -26,13 +25,16 @@ from symosc.plot.explorer.answer import RINGS
 from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
 
 TALL, LOW = 380, 190
-#: Each force: how its name is written, its colour, and its dashes, which tell the three apart without colour.
-FORCES = {1: ("F⁽¹⁾", FORCE_BELOW, "solid"), 2: ("F⁽²⁾", "black", "dashed"), 3: ("F⁽³⁾", FORCE_ABOVE, "dotted")}
+#: Room beside the plots, so that their time axes are one below the other.
+LEFT, RIGHT = 62, 62
+INK = "#1d2129"
+#: The colour of each force, and its dashes, which tell the three apart without colour.
+FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
 #: Columns of each source, as an answer fills them.
 COLUMNS = {
     "curves": ("t", "x", "v", "F1", "F2", "F3"),
     "marks": ("t", "x", "v", "marker", "size", "color", "label", "belt"),
-    "sticks": ("since", "until", "hatch", "belt"),
+    "sticks": ("since", "until", "shade"),
     "arcs": ("radius", "low", "high", "color", "text", "map", "label_x", "label_y"),
     "contacts": ("x", "y", "phase", "marker", "size", "color", "label"),
 }
@@ -66,7 +68,8 @@ def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height
         tools=tools,
         x_axis_label=x_label,
         y_axis_label=y_label,
-        min_border_right=18,
+        min_border_left=LEFT,
+        min_border_right=RIGHT,
         **options,
     )
     plot.toolbar.active_drag = None
@@ -76,7 +79,7 @@ def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height
     plot.outline_line_color = "#8a8f98"
     for axis in (*plot.xaxis, *plot.yaxis):
         axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_color = axis.major_label_text_color = "#1d2129"
+        axis.axis_label_text_color = axis.major_label_text_color = INK
         axis.axis_label_text_font_size = "13px"
         axis.major_label_text_font_size = "12px"
         axis.minor_tick_line_color = None
@@ -92,37 +95,26 @@ def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> N
 
 
 def _belts(plot: Any) -> None:
-    """Draw both belts and their names; the browser moves them."""
+    """Draw lines for both belts, and their names on an axis on the right; the browser moves them."""
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
         plot.add_layout(Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
-        plot.add_layout(
-            Label(
-                x=6,
-                y=0,
-                x_units="screen",
-                text="",
-                text_font_size="12px",
-                text_baseline="bottom",
-                background_fill_color="white",
-                background_fill_alpha=0.8,
-                tags=[f"belt-name-{belt}"],
-            )
-        )
+    names = LinearAxis(ticker=FixedTicker(ticks=[]), tags=["belt-names"], axis_line_color=None)
+    names.major_label_text_font_size = "12px"
+    names.major_label_text_color = INK
+    names.major_tick_line_color = BELT_COLOR
+    names.major_tick_in = 0
+    plot.add_layout(names, "right")
 
 
 def _shade(plot: Any, sources: dict[str, ColumnDataSource]) -> None:
-    """Shade the sticks: grey on belt 1, hatched on belt 2."""
+    """Shade the sticks, those on belt 2 darker."""
     plot.vstrip(
         x0="since",
         x1="until",
         source=sources["sticks"],
-        fill_color="#dfe2e8",
+        fill_color="shade",
         line_color=None,
-        hatch_pattern="hatch",
-        hatch_color="#7d8494",
-        hatch_alpha=0.7,
-        hatch_scale=8,
         level="underlay",
     )
 
@@ -147,16 +139,11 @@ def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], n
 
 
 def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
-    plot = _plot("time t [s]", "force per mass F [m/s²]", ranges["t"], ranges["F"], LOW + 60, name="F-of-t")
+    plot = _plot("time t [s]", "force per mass F [m/s²]", ranges["t"], ranges["F"], LOW + 40, name="F-of-t")
     _shade(plot, sources)
     plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
-    items = []
-    for domain, (name, color, dash) in FORCES.items():
-        line = plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
-        where = ("below belt 1", "between the belts", "above belt 2")[domain - 1]
-        items.append(LegendItem(label=f"{name} {where}", renderers=[line]))
-    legend = Legend(items=items, orientation="horizontal", border_line_color=None, label_text_font_size="12px", padding=2)
-    plot.add_layout(legend, "above")
+    for domain, (color, dash) in FORCES.items():
+        plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
     plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
     return plot
 
@@ -177,9 +164,8 @@ def _dial(sources: dict[str, ColumnDataSource]) -> Any:
     plot.axis.visible = False
     plot.grid.visible = False
     plot.outline_line_color = None
-    for belt, radius in RINGS.items():
+    for radius in RINGS.values():
         plot.arc(0, 0, radius, 0, 2 * pi, line_color="#8a8f98", line_width=1)
-        plot.text([0], [radius - 0.27], [f"belt {belt}"], text_align="center", text_font_size="11px", text_color="#1d2129")
     for quarter, text in enumerate(("0", "π/2", "π", "3π/2")):
         across, up = cos(quarter * pi / 2), sin(quarter * pi / 2)
         plot.segment([1.1 * across], [1.1 * up], [1.17 * across], [1.17 * up], line_color="black")
