@@ -14,7 +14,9 @@ from symosc.cli.settings import WholeNumber, scene_with, set_option
 @click.command()
 @click.argument("scene", default="fig5")
 @set_option
-@click.option("--port", type=WholeNumber(0, 65_535), metavar="N", help="The port of the page; 0: any free one. Default: 8519.")
+@click.option(
+    "--port", type=WholeNumber(0, 65_535), metavar="N", help="The port of the page; 0: any free one. Default: 8519."
+)
 @click.option("--no-browser", is_flag=True, help="Only print the page's address.")
 def explore(scene: str, settings: tuple[str, ...], port: int | None, no_browser: bool) -> None:
     """Open a page in the browser with a slider for each number, and what becomes of the motion.

@@ -14,7 +14,7 @@ from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.plot.explorer.inputs import FIELDS, link_of, read_link, scene_of
-from symosc.plot.panels import EVENT_MARKS, NEAR_BELTS, SHAPES, Sampling, View, view_of
+from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -30,6 +30,8 @@ MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
+#: Belts nearer to each other than this part of the axis have one name.
+NEAR_NAMES = 0.13
 #: What a stick is shaded with, by its belt.
 STICK_SHADES = {1: "#e3e6eb", 2: "#b4bac6"}
 #: A window's arc and its name: dark for contacts from below, light for those from above.
@@ -181,11 +183,12 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
     drawn = [low <= speed <= high for speed in speeds]
-    if all(drawn) and speeds[1] - speeds[0] < NEAR_BELTS * (high - low):  # their names would lie over each other
-        names = [(speeds[0], "belts 1, 2")]
-    else:
-        texts = [f"{'↓ ' * (speed < low)}{'↑ ' * (speed > high)}belt {i + 1}" for i, speed in enumerate(speeds)]
-        names = [(min(max(speed, low), high), text) for speed, text in zip(speeds, texts, strict=True)]
+    arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
+    places = [min(max(speed, low), high) for speed in speeds]
+    texts = [f"{arrows[i]}belt {i + 1}" for i in (0, 1)]
+    names = list(zip(places, texts, strict=True))
+    if places[1] - places[0] < NEAR_NAMES * (high - low):  # they would lie over each other
+        names = [(places[drawn.index(True) if any(drawn) else 0], f"{texts[1]}\n{texts[0]}")]
     return {"speeds": speeds, "drawn": drawn, "names": names}
 
 
@@ -193,7 +196,10 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 
 def _window(window: GrazingWindow) -> Record:
-    arcs = [f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}" for low, high, first, last in window.intervals]
+    arcs = [
+        f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}"
+        for low, high, first, last in window.intervals
+    ]
     return {
         "map": window.mapping,
         "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
@@ -210,8 +216,16 @@ def _arcs(scene: Scene) -> Record:
         window = grazing_window(scene.parameters, mapping)
         radius = RINGS[window.place.boundary]
         for low, high in _joined(window):
-            middle = (low + high) / 2
-            row = radius, low, high, *(BELOW_COLORS if _from_below(window) else ABOVE_COLORS), mapping, radius * cos(middle), radius * sin(middle)
+            middle = (low + high) / 2 if high - low < 2 * pi else pi / 2
+            row = (
+                radius,
+                low,
+                high,
+                *(BELOW_COLORS if _from_below(window) else ABOVE_COLORS),
+                mapping,
+                radius * cos(middle),
+                radius * sin(middle),
+            )
             for column, value in zip(arcs.values(), row, strict=True):
                 column.append(value)
     return arcs

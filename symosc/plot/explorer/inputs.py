@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from math import tau
+from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from symosc.errors import ParameterError
-from symosc.exact import NUMBER_FORMS, read_exact, read_start_error, show
+from symosc.exact import NO_EXPRESSION, NUMBER_FORMS, read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene, load_scene, scene_names
 from symosc.scenes.quantities import QUANTITIES, unit_of
@@ -22,7 +23,11 @@ MOST_PERIODS = 100
 #: To so many digits the number of periods is shown; the end of the motion is the shortest decimal that gives them.
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
-NOT_A_NUMBER = "is not a number; 0.8, 4/5 and 8e-1 are"
+#: How the page says what is wrong with a text that is no number.
+IN_SHORT = {
+    NUMBER_FORMS: "is not a number; 0.8, 4/5 and 8e-1 are",
+    NO_EXPRESSION: "is an expression; write its value, such as 3.14159 for pi",
+}
 CHANGED, SOURCE = ", changed", "symosc explore"
 
 
@@ -127,7 +132,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     if errors:
         return None, errors
     t_end = _end(numbers["t0"], numbers["periods"], parameters.Omega)
-    start = {name: numbers[name] for name in STARTS}
+    start: dict[str, Any] = {name: numbers[name] for name in STARTS}
     name = state.get("scene", "").strip() or "explored"
     try:
         start_error = state.get("start_error") or None
@@ -145,7 +150,7 @@ def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str,
         try:
             numbers[name] = read_exact(name, state[name])
         except ParameterError as error:
-            errors[name] = NOT_A_NUMBER if error.allowed == NUMBER_FORMS else error.allowed
+            errors[name] = IN_SHORT.get(error.allowed, error.allowed)
             numbers[name] = read_exact(name, stand_in[name])
     if not 0 < numbers["periods"] <= MOST_PERIODS:
         errors["periods"] = f"must be more than 0 and at most {MOST_PERIODS}"

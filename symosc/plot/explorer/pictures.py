@@ -15,9 +15,9 @@ from bokeh.models import (
     Range1d,
     ResetTool,
     SaveTool,
-    Span,
     WheelZoomTool,
 )
+from bokeh.models.annotations import Span
 from bokeh.models.tools import BoxZoomTool
 from bokeh.plotting import figure
 
@@ -26,7 +26,7 @@ from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
 
 TALL, LOW = 380, 190
 #: Room beside the plots, so that their time axes are one below the other.
-LEFT, RIGHT = 62, 62
+LEFT, RIGHT = 70, 78
 INK = "#1d2129"
 #: The colour of each force, and its dashes, which tell the three apart without colour.
 FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
@@ -44,10 +44,9 @@ RING_WIDTH = 15
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
     sources = {
-        name: ColumnDataSource(dict.fromkeys(columns, []), name=name)  # type: ignore[arg-type]
-        for name, columns in COLUMNS.items()
+        name: ColumnDataSource({column: [] for column in columns}, name=name) for name, columns in COLUMNS.items()
     }
-    ranges = {name: Range1d(0, 1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
+    ranges = {name: Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
     return {
         "plane": _plane(sources, ranges),
         "dial": _dial(sources),
@@ -99,7 +98,8 @@ def _belts(plot: Any) -> None:
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
         plot.add_layout(Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
-    names = LinearAxis(ticker=FixedTicker(ticks=[]), tags=["belt-names"], axis_line_color=None)
+    names = LinearAxis(tags=["belt-names"], axis_line_color=None)
+    names.ticker = FixedTicker(ticks=[])
     names.major_label_text_font_size = "12px"
     names.major_label_text_color = INK
     names.major_tick_line_color = BELT_COLOR
@@ -149,11 +149,11 @@ def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) ->
 
 
 def _dial(sources: dict[str, ColumnDataSource]) -> Any:
-    """The phases on a circle: a ring for each belt, with the windows as arcs, and the events inside of it."""
+    """Return the phases on a circle: a ring for each belt, with the windows as arcs, and the events inside of it."""
     reach = 1.45
     plot = figure(
-        x_range=Range1d(-reach, reach),
-        y_range=Range1d(-reach, reach),
+        x_range=Range1d(start=-reach, end=reach),
+        y_range=Range1d(start=-reach, end=reach),
         width=300,
         height=300,
         tools="save",

@@ -137,7 +137,8 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
 
     def _read_file(self, name: str) -> None:
-        size = int(self.headers.get("Content-Length", "0"))
+        length = self.headers.get("Content-Length", "")
+        size = int(length) if length.isdecimal() else 0
         if size > MOST_BYTES:
             self.close_connection = True
             self._json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})

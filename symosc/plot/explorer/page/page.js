@@ -55,15 +55,17 @@ function exact(name) {
 
 // --- question and answer ---
 
-async function ask() {
+// Ask for the motion of the fields, or of the page's own link, which may say more than the fields hold.
+async function ask(given = "") {
   if (waiting) { asked = true; return; }
   waiting = true;
   do {
+    const again = asked;
     asked = false;
-    const question = link();
+    const question = again || !given ? link() : given;
     try {
       show(await (await fetch(`answer?${question}`)).json());
-      keepLink(question);
+      keepLink(link());
     } catch (error) {
       complain(`No answer: does symosc explore still run? (${error.message})`);
     }
@@ -96,7 +98,9 @@ function show(answer) {
   $("download").setAttribute("aria-disabled", wrong.length > 0);
   if (wrong.length) {
     const rest = wrong.filter(([name]) => !fields.has(name)).map(([name, said]) => `${name} ${said}`.trim());
-    complain([...rest, "What is shown is the motion before."].join(". "));
+    const where = rest.length < wrong.length ? ["See the numbers marked ⚠"] : [];
+    const shown = $("name").textContent ? "What is shown is the motion before." : "There is no motion to show yet.";
+    complain([...rest, ...where, shown].join(". "));
     return;
   }
   document.body.classList.remove("stale");
@@ -160,7 +164,7 @@ function ready() {
   plots.names = tagged("belt-names");
   for (const range of Object.values(plots.ranges)) range.setv({reset_start: range.start, reset_end: range.end});
   for (const field of fields.values()) follow(field);
-  ask();
+  ask(location.search.slice(1));
 }
 
 (function wait() {
