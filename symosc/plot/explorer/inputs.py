@@ -188,7 +188,8 @@ def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
 
 def _end(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
     """Return the shortest decimal that is so many periods after t0, as far as their digits are shown."""
-    exact, wanted = t0 + periods * Fraction(tau) / Omega, f"{float(periods):.{PERIODS_DIGITS}g}"
+    wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
+    exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
     for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
         end = round(exact, decimals)
         if end > t0 and _periods_text(t0, end, Omega) == wanted:

@@ -1,0 +1,29 @@
+"""A real browser without a window, for tests that look at pages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Open the browser that is here; skip the test if there is none."""
+    found = [path for path in map(shutil.which, BROWSERS) if path]
+    if not found:
+        pytest.skip(f"no browser here; looked for {', '.join(BROWSERS)}")
+    from playwright.sync_api import sync_playwright
+
+    # Chromium's sandbox does not work for the superuser, who is who runs tests in containers.
+    flags = ["--no-sandbox"] if os.geteuid() == 0 else []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found[0], args=flags)
+        yield browser
+        browser.close()
