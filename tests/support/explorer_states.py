@@ -16,9 +16,20 @@ def random_state(rng: random.Random) -> dict[str, str]:
     def text(low: float, high: float) -> str:
         value = rng.uniform(low, high)
         return rng.choice(
-            [f"{value:.3f}", f"{value:.2e}", f"{round(value * 7)}/7", f" {value!r} ", str(Fraction(value).limit_denominator(99))]
+            [
+                f"{value:.3f}",
+                f"{value:.2e}",
+                f"{round(value * 7)}/7",
+                f" {value!r} ",
+                str(Fraction(value).limit_denominator(99)),
+            ]
         )
 
     state = {name: text(-20, 20) for name in ("A0", "B0", "x0", "v0", "t0")}
     state |= {name: text(0.5, 9) for name in ("m", "c", "k", "Omega", "mu1", "mu2", "FN")}
-    return state | {"v1": text(-9, -1), "v2": text(1, 9), "periods": text(0.6, 30), "scene": rng.choice(["mine", "fig9"])}
+    return state | {
+        "v1": text(-9, -1),
+        "v2": text(1, 9),
+        "periods": text(0.6, 30),
+        "scene": rng.choice(["mine", "fig9"]),
+    }

@@ -161,10 +161,16 @@ def page(state: dict[str, str]) -> str:
     environment = Environment(
         loader=PackageLoader("symosc.plot.explorer", "page"), autoescape=True, undefined=StrictUndefined
     )
-    script, places = components(pictures())
+    script, places = _plots()
     scenes = {name: link_of(state_of(scene)) for name, scene in shipped_scenes().items()}
     content = {"state": state, "groups": GROUPS, "scenes": scenes, "script": script, "places": places}
     return environment.get_template("page.html.j2").render(content)
+
+
+@cache
+def _plots() -> tuple[str, Any]:
+    """Return the script that makes the plots, and the place of each; both are the same for all pages."""
+    return components(pictures())
 
 
 def _text(name: str) -> str:

@@ -16,7 +16,23 @@ from symosc.plot.explorer.inputs import FIELDS, link_of, scene_of, state_of
 
 STATES = [state_of(load_scene(name)) for name in ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact")]
 STATES += [random_state(random.Random(seed)) for seed in range(12)]
-BAD_TEXTS = ["", "0", "-1", "1e50", "1e-50", "1e51", "nan", "inf", "1/0", "½", "1_000", "<b>", "0x10", "é" * 90, "9" * 5000]
+BAD_TEXTS = [
+    "",
+    "0",
+    "-1",
+    "1e50",
+    "1e-50",
+    "1e51",
+    "nan",
+    "inf",
+    "1/0",
+    "½",
+    "1_000",
+    "<b>",
+    "0x10",
+    "é" * 90,
+    "9" * 5000,
+]
 
 
 def shown(state: dict[str, str]) -> dict:

@@ -40,7 +40,10 @@ def test_a_link_and_a_file_have_the_whole_state() -> None:
 def test_the_end_is_so_many_periods_after_the_start() -> None:
     rng = random.Random(2)
     for _ in range(60):
-        state = random_state(rng) | {"t0": rng.choice(["0", "1e8", "1/3", "-7.5"]), "Omega": f"{10 ** rng.uniform(-6, 6):.4g}"}
+        state = random_state(rng) | {
+            "t0": rng.choice(["0", "1e8", "1/3", "-7.5"]),
+            "Omega": f"{10 ** rng.uniform(-6, 6):.4g}",
+        }
         scene, _ = scene_of(state)
         assert scene is not None
         wanted = float(Fraction(state["periods"].strip()))
