@@ -16,7 +16,8 @@ from cli_runs import PROGRAM, run
 def test_it_serves_the_scene_and_ends_quietly() -> None:
     pytest.importorskip("bokeh")
     # An interrupt that a shell's background job ignores would be ignored by its children too.
-    begin = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from symosc.cli.app import main; main()"
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    begin = f"{heard}; from symosc.cli.app import main; main()"
     command = [sys.executable, "-c", begin, "explore", "fig9", "--set", "k=1/3", "--no-browser", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -25,8 +25,8 @@ MOST_SHOWN_EVENTS, MOST_ROWS = 300, 100
 SHOWN_ACCURACY = 1e-9
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
-CURVE_DIGITS = 7
-MARGIN = 0.06
+SHOWN_DIGITS = 7
+AXIS_MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
@@ -118,7 +118,7 @@ def _message(trajectory: Trajectory) -> str:
 
 def _rounded(values: Any, span: float) -> list[float]:
     """Return values with as many decimals as a plot of that span can show."""
-    decimals = CURVE_DIGITS - floor(log10(span)) if span > 0 else CURVE_DIGITS
+    decimals = SHOWN_DIGITS - floor(log10(span)) if span > 0 else SHOWN_DIGITS
     rounded: list[float] = np.round(np.asarray(values, dtype=float), max(min(decimals, 300), -300)).tolist()
     return rounded
 
@@ -171,7 +171,7 @@ def _ranges(view: View, forces: dict[int, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _with_margin(low: float, high: float) -> tuple[float, float]:
-    room = MARGIN * (high - low) or MARGIN * max(abs(low), 1.0)
+    room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
     return float(low - room), float(high + room)
 
 

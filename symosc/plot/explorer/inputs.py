@@ -19,7 +19,7 @@ from symosc.scenes import Scene, load_scene, scene_names
 from symosc.scenes.quantities import QUANTITIES, unit_of
 
 #: More periods than this crowd the pictures.
-MOST_PERIODS = 100
+MOST_SHOWN_PERIODS = 100
 #: To so many digits the number of periods is shown; the end of the motion is the shortest decimal that gives them.
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
@@ -152,8 +152,8 @@ def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str,
         except ParameterError as error:
             errors[name] = IN_SHORT.get(error.allowed, error.allowed)
             numbers[name] = read_exact(name, stand_in[name])
-    if not 0 < numbers["periods"] <= MOST_PERIODS:
-        errors["periods"] = f"must be more than 0 and at most {MOST_PERIODS}"
+    if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
+        errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
     return numbers, errors
 
 

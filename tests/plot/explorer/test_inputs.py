@@ -11,7 +11,7 @@ import pytest
 from explorer_states import FIG5, random_state
 
 from symosc import load_scene, scene_names
-from symosc.plot.explorer.inputs import FIELDS, MOST_PERIODS, link_of, read_link, scene_of, state_of
+from symosc.plot.explorer.inputs import FIELDS, MOST_SHOWN_PERIODS, link_of, read_link, scene_of, state_of
 from symosc.scenes import START_NAMES, read_scene
 from symosc.scenes.writing import as_toml
 
@@ -62,7 +62,7 @@ def test_everything_that_is_wrong_is_said_at_once() -> None:
     assert "not a number" in errors["c"]
 
 
-@pytest.mark.parametrize("text", ["0", "-1", str(MOST_PERIODS + 1), "1e400", "nan", "1e-40000"])
+@pytest.mark.parametrize("text", ["0", "-1", str(MOST_SHOWN_PERIODS + 1), "1e400", "nan", "1e-40000"])
 def test_a_number_of_periods_that_no_picture_shows(text: str) -> None:
     scene, errors = scene_of(state_of(FIG5) | {"periods": text})
     assert scene is None

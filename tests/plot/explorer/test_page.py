@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,13 +27,17 @@ DRAWN = """() => {
 #: What is wider than the window, or lies outside of it; cells of tables scroll.
 TOO_WIDE = """() => {
   const wide = [...document.body.querySelectorAll("*")].filter(each => !each.closest(".scroll") &&
-    each.checkVisibility() && each.getBoundingClientRect().right > innerWidth + 1).map(each => each.outerHTML.slice(0, 80));
-  return document.scrollingElement.scrollWidth > innerWidth ? [...wide, "the page"] : wide;
+    each.checkVisibility() && each.getBoundingClientRect().right > innerWidth + 1);
+  const page = document.scrollingElement.scrollWidth > innerWidth ? ["the page"] : [];
+  return [...wide.map(each => each.outerHTML.slice(0, 80)), ...page];
 }"""
 #: Every line that is drawn on a canvas leaves its time.
 WATCH = """for (const name of ["stroke", "fill"]) {
   const draw = CanvasRenderingContext2D.prototype[name];
-  CanvasRenderingContext2D.prototype[name] = function (...all) { window.drawn = performance.now(); return draw.apply(this, all); };
+  CanvasRenderingContext2D.prototype[name] = function (...all) {
+    window.drawn = performance.now();
+    return draw.apply(this, all);
+  };
 }"""
 #: Milliseconds from the move of a slider to the last line of the plots that it changes.
 MOVE = """async value => {
@@ -205,3 +211,13 @@ def others() -> float:
     while time.process_time() - own < 0.03:
         pass
     return max((time.perf_counter() - wall) / 0.03, 1.0)
+
+
+def test_the_picture_of_the_guide_is_drawn_anew(browser: Any, tmp_path: Path) -> None:
+    """In a process of its own: one process has one browser."""
+    script = Path(__file__).parents[3] / "docs" / "explore" / "draw.py"
+    subprocess.run([sys.executable, str(script), str(tmp_path / "page.png")], check=True, timeout=120)
+    drawn, kept = ((folder / "page.png").read_bytes() for folder in (tmp_path, script.parent))
+    assert drawn[:8] == kept[:8] == b"\x89PNG\r\n\x1a\n"
+    assert drawn[16:24] == kept[16:24]  # width and height
+    assert 0.7 < len(drawn) / len(kept) < 1.4  # fonts differ from machine to machine
