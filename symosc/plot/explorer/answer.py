@@ -25,7 +25,7 @@ MOST_SHOWN_EVENTS, MOST_ROWS = 300, 100
 SHOWN_ACCURACY = 1e-9
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
-SHOWN_DIGITS = 7
+DRAWN_DIGITS = 7
 AXIS_MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
@@ -118,7 +118,7 @@ def _message(trajectory: Trajectory) -> str:
 
 def _rounded(values: Any, span: float) -> list[float]:
     """Return values with as many decimals as a plot of that span can show."""
-    decimals = SHOWN_DIGITS - floor(log10(span)) if span > 0 else SHOWN_DIGITS
+    decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
     rounded: list[float] = np.round(np.asarray(values, dtype=float), max(min(decimals, 300), -300)).tolist()
     return rounded
 

@@ -121,6 +121,13 @@ def test_what_doubles_cannot_decide_is_said() -> None:
     assert "--digits" in content["message"]
 
 
+def test_a_mass_that_never_moves_is_drawn() -> None:
+    content = shown(state_of(FIG5) | {"A0": "0", "B0": "0", "v1": "-1", "mu1": "0", "mu2": "0"})
+    assert (content["status"], content["count"], content["word"]) == ("equilibrium", 0, [])
+    assert set(content["sources"]["curves"]["x"]) == {0.0}
+    assert all(low < high for low, high in content["ranges"].values())
+
+
 def test_notes_say_what_is_special_about_the_start() -> None:
     assert "known to ±0, ±5e-45, ±5e-45" in shown(state_of(load_scene("fig7-exact")))["notes"][0]
     assert "starts with a stick on belt 2" in shown(state_of(load_scene("fig6")))["notes"][0]
