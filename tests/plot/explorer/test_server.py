@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 from http.client import HTTPConnection, HTTPResponse
+from queue import Queue
+from socket import IPPROTO_TCP, TCP_NODELAY
+from socketserver import StreamRequestHandler
 from urllib.parse import urlsplit
 
 import pytest
@@ -60,12 +63,26 @@ def test_answers_are_json(address: str) -> None:
     assert json.loads(text)["name"] == "fig5, changed"
 
 
+def test_no_answer_is_held_back(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The kernel would wait 40 ms for the headers to be acknowledged before it sends the rest."""
+    found: Queue[int] = Queue()
+    finish = StreamRequestHandler.finish
+
+    def noted(handler: StreamRequestHandler) -> None:
+        found.put(handler.connection.getsockopt(IPPROTO_TCP, TCP_NODELAY))
+        finish(handler)
+
+    monkeypatch.setattr(StreamRequestHandler, "finish", noted)
+    ask(address, "/answer")
+    assert found.get(timeout=20)
+
+
 def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
     response, text = ask(address, f"/scene.toml?{link_of(state_of(load_scene('fig9-orbit')))}")
     assert "attachment" in response.headers["Content-Disposition"]
     assert read_scene(text, "file") == load_scene("fig9-orbit")
-    _, answer = ask(address, "/scene", text.encode())
-    assert json.loads(answer)["state"] == state_of(load_scene("fig9-orbit"))
+    _, back = ask(address, "/scene", text.encode())
+    assert json.loads(back)["state"] == state_of(load_scene("fig9-orbit"))
     assert ask(address, "/scene.toml?k=x")[0].status == 400
 
 
