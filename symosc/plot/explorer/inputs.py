@@ -108,15 +108,19 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of a link, and what is wrong with the link; numbers that it lacks are those of `default`."""
+    """Return the texts of a link, and what is wrong with the link.
+
+    Numbers that it lacks are those of the shipped scene that it names, else of `default`.
+    """
     given, notes = {}, []
     for name, text in parse_qsl(query, keep_blank_values=True):
         if name in FIELDS or name in OTHER_KEYS:
             given[name] = text
         else:
             notes.append(f"the link has an unknown name {name!r}, which is left out")
-    # The error of the default's start is not that of another start.
-    rest = {name: text for name, text in state_of(default).items() if name != "start_error" or not given}
+    rest = state_of(shipped_scenes().get(given.get("scene", ""), default))
+    if not set(STARTS).isdisjoint(given):
+        rest.pop("start_error", None)  # it is not that of another start
     return rest | given, notes
 
 

@@ -96,6 +96,15 @@ def test_a_link_may_have_some_numbers_only() -> None:
     assert "'velocity'" in notes[0]
 
 
+@pytest.mark.parametrize("name", ["fig9-orbit", "fig6"])
+def test_a_link_may_name_a_scene(name: str) -> None:
+    assert scene_of(read_link(f"scene={name}", FIG5)[0]) == (load_scene(name), {})
+    changed, _ = scene_of(read_link(f"scene={name}&k=9", FIG5)[0])
+    assert changed is not None
+    assert changed.start_error == load_scene(name).start_error
+    assert changed.parameters == load_scene(name).parameters.replace(k=9)
+
+
 def test_every_number_of_a_scene_is_a_field() -> None:
     given = {*FIG5.parameters.as_dict(), *START_NAMES} - {"t_end"} | {"periods"}
     assert set(FIELDS) == given

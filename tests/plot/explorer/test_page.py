@@ -170,8 +170,9 @@ def test_a_scene_file_is_saved_and_opened(browser: Any, address: str, tmp_path: 
             bad = tmp_path / "bad.toml"
             bad.write_text(file.read_text().replace("m = 0.1", 'm = "heavy"'))
             other.locator("#upload").set_input_files(bad)
-            other.locator("#status", has_text="bad.toml").wait_for()
-            assert "m = 'heavy'" in other.locator("#status").inner_text()
+            other.locator("#file", has_text="bad.toml").wait_for()
+            assert "m = 'heavy'" in other.locator("#file").inner_text()
+            assert word_in(other)
 
 
 @pytest.mark.parametrize("width", [360, 768, 1400])

@@ -201,6 +201,7 @@ $("upload").addEventListener("change", async ({target}) => {
   target.value = "";
   if (!file) return;
   const answer = await (await fetch("scene", {method: "POST", body: file})).json();
-  if (answer.error) complain(`${file.name}: ${answer.error}`);
-  else take(answer.state);
+  const said = answer.error ? [answer.error] : answer.notes;
+  $("file").textContent = said.map(each => `${file.name}: ${each}`).join(" ");
+  if (!answer.error) take(answer.state);
 });
