@@ -36,6 +36,7 @@ function follow({text, slider}) {
 }
 
 function take(state) {
+  $("file").textContent = "";
   $("scene-name").value = state.scene ?? "";
   $("start_error").value = state.start_error ?? "";
   for (const [name, field] of fields) {
@@ -201,7 +202,7 @@ $("upload").addEventListener("change", async ({target}) => {
   target.value = "";
   if (!file) return;
   const answer = await (await fetch("scene", {method: "POST", body: file})).json();
+  if (!answer.error) take(answer.state);
   const said = answer.error ? [answer.error] : answer.notes;
   $("file").textContent = said.map(each => `${file.name}: ${each}`).join(" ");
-  if (!answer.error) take(answer.state);
 });
