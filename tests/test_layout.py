@@ -116,6 +116,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "paper.window_figures": ("paper/test_theory.py", PICTURES),
     "paper.evidence": ("paper/test_figures_claims.py", "a record that the checks return"),
     "paper.report": ("paper/test_run.py", PAPER),
+    "plot.explorer.pictures": ("plot/explorer/test_page.py", "it draws; what is drawn is looked up in the browser"),
     "plot.columns": ("plot/test_maps.py", "labels and axes are looked up in the finished maps"),
     "plot.insets": ("plot/test_figures.py", PICTURES),
     "plot.sweep": ("plot/test_windows.py", PICTURES),

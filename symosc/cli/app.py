@@ -40,6 +40,7 @@ COMMANDS = (
     "sweep",
     "bench",
     "warm",
+    "explore",
     "reproduce",
 )
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 import click
 
 from symosc.cli.output import complain, write
+from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
 
 
@@ -45,8 +44,8 @@ def _list() -> int:
     from symosc.certificates.orbit_list import listed_orbits, verify_list
 
     count = len(listed_orbits())
-    with click.progressbar(length=count, label="orbits", file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
-        answers = verify_list(progress=bar.update)
+    with bar("proven again", count, "orbits") as report:
+        answers = verify_list(progress=report)
     wrong = [answer for answer in answers if answer]
     write(f"proven again: {count - len(wrong)} of {count} orbits")
     for line in wrong:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -44,7 +44,6 @@ EVENT_MARKS = {
 # With more marks than this they shrink, so that together they cover no more of the curves; down to this size.
 ROOMY, LEAST_SCALE = 16, 0.2
 
-POINTS_PER_PERIOD, LEAST_LINE_POINTS, MOST_LINE_POINTS = 120, 40, 20_000
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
 # ... unless it is shorter than this fraction of t, where its curve would show rounding errors.
@@ -128,9 +127,20 @@ class View:
         return sorted({*near, self.boundary})
 
 
-def view_of(trajectory: Trajectory, boundary: int | None) -> View:
+class Sampling(NamedTuple):
+    """How many points curves have: per period, at least on a segment, and at most in all."""
+
+    per_period: int
+    least: int
+    most: int
+
+
+FINE = Sampling(per_period=120, least=40, most=20_000)
+
+
+def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = FINE) -> View:
     """Sample a trajectory and choose the boundary whose forces are drawn, by default that of the first event."""
-    t = _sample_times(trajectory)
+    t = _sample_times(trajectory, sampling)
     x, v = trajectory(t)
     if boundary is None:
         p, events = trajectory.parameters, trajectory.events
@@ -143,16 +153,16 @@ def view_of(trajectory: Trajectory, boundary: int | None) -> View:
     return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), _outstanding(contacts, t))
 
 
-def _sample_times(trajectory: Trajectory) -> np.ndarray:
+def _sample_times(trajectory: Trajectory, sampling: Sampling) -> np.ndarray:
     """Return times that resolve every segment, denser after its start, with the events among them."""
     p = trajectory.parameters
     period = 2 * pi / max(float(p.Omega), sqrt(p.k / p.m))
     edges = [float(segment.t_start) for segment in trajectory.segments] + [float(trajectory.t_end)]
-    step = max(period / POINTS_PER_PERIOD, (edges[-1] - edges[0]) / MOST_LINE_POINTS)
-    start = np.linspace(0, 1, LEAST_LINE_POINTS // 2) ** 4
+    step = max(period / sampling.per_period, (edges[-1] - edges[0]) / sampling.most)
+    start = np.linspace(0, 1, sampling.least // 2) ** 4
     times = []
     for low, high in pairwise(edges):
-        even = np.linspace(0, 1, int(min(max((high - low) / step, LEAST_LINE_POINTS), MOST_LINE_POINTS)))
+        even = np.linspace(0, 1, int(min(max((high - low) / step, sampling.least), sampling.most)))
         times.append(low + (high - low) * np.union1d(even, start))
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 

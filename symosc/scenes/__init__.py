@@ -137,7 +137,12 @@ def load_scene(name_or_path: str | Path) -> Scene:
         raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise SceneError(text, "is not UTF-8 text") from None
-    return _scene_from(read_scene_file(content, text), default_name=path.stem)
+    return read_scene(content, text)
+
+
+def read_scene(text: str, where: str) -> Scene:
+    """Return a scene from the text of a TOML file; `where` is what messages call it. See `load_scene`."""
+    return _scene_from(read_scene_file(text, where), default_name=Path(where).stem)
 
 
 def _scene_from(file: SceneFile, default_name: str) -> Scene:

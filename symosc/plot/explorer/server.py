@@ -1,0 +1,182 @@
+"""The server of the page. It listens on this machine only, and answers who asks for this machine by name."""
+
+from __future__ import annotations
+
+import json
+from functools import cache, partial
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.resources import files
+from pathlib import Path
+from threading import Lock
+from typing import Any
+from urllib.parse import urlsplit
+
+from symosc.aliases import Record
+from symosc.errors import MissingExtraError, ParameterError, SymoscError
+from symosc.plot.explorer.answer import answer
+from symosc.plot.explorer.inputs import GROUPS, link_of, read_link, scene_of, shipped_scenes, state_of
+from symosc.scenes import Scene, read_scene
+from symosc.scenes.writing import as_toml
+
+try:
+    from bokeh.embed import components
+    from bokeh.settings import settings
+
+    from symosc.plot.explorer.pictures import pictures
+except ImportError:
+    raise MissingExtraError("explore", "explore") from None
+
+HOST, PORT = "127.0.0.1", 8519
+HOST_NAMES = (HOST, "localhost")
+#: A scene file has about 500 bytes.
+MOST_BYTES = 100_000
+TYPES = {".css": "text/css", ".js": "text/javascript", ".toml": "application/toml"}
+#: The page loads nothing from elsewhere.
+POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
+
+
+class ExplorerServer(ThreadingHTTPServer):
+    """The server of the page.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the page shows if its link says nothing.
+    port : int
+        0: any free one.
+
+    Raises
+    ------
+    ParameterError
+        If another program listens on that port.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, scene: Scene, port: int = PORT) -> None:
+        self.scene, self.busy = scene, Lock()
+        try:
+            super().__init__((HOST, port), _Handler)
+        except OSError as error:
+            reason = f"cannot be used ({error.strerror or error}): name another one; 0 is any free one"
+            raise ParameterError("port", port, reason) from None
+
+    @property
+    def address(self) -> str:
+        """The link of the page."""
+        return f"http://{HOST}:{self.server_address[1]}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing if a browser hangs up."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: ExplorerServer
+    protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
+
+    def do_GET(self) -> None:
+        """Hand out the page, an answer, a scene file, or what the page is made of."""
+        url = urlsplit(self.path)
+        replies = {
+            "/": partial(self._page, url.query),
+            "/answer": partial(self._answer, url.query),
+            "/scene.toml": partial(self._file, url.query),
+            "/page.css": partial(self._static, "page.css"),
+            "/page.js": partial(self._static, "page.js"),
+            "/bokeh.js": partial(self._send, _bokeh_script(), TYPES[".js"], "max-age=3600"),
+        }
+        self._reply(replies.get(url.path))
+
+    def do_POST(self) -> None:
+        """Read a scene file, and return the link of its page."""
+        url = urlsplit(self.path)
+        self._reply(partial(self._read_file, url.query) if url.path == "/scene" else None)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Say nothing of requests."""
+
+    def _reply(self, reply: Any) -> None:
+        host = self.headers.get("Host", "").rpartition(":")[0]
+        if host not in HOST_NAMES:  # a page of another site must not ask through a name that it points here
+            self.send_error(HTTPStatus.FORBIDDEN)
+        elif reply is None:
+            self.send_error(HTTPStatus.NOT_FOUND)
+        else:
+            reply()
+
+    def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
+        content = text.encode()
+        self.send_response(HTTPStatus.OK)
+        about = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content)), "Cache-Control": keep}
+        about |= {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff"}
+        for name, value in (about | headers).items():
+            self.send_header(name.replace("_", "-"), value)
+        self.end_headers()
+        self.wfile.write(content)
+
+    def _json(self, content: Record) -> None:
+        self._send(json.dumps(content), "application/json")
+
+    def _page(self, query: str) -> None:
+        self._send(page(read_link(query, self.server.scene)[0]), "text/html")
+
+    def _static(self, name: str) -> None:
+        self._send(_text(name), TYPES[Path(name).suffix])
+
+    def _answer(self, query: str) -> None:
+        with self.server.busy:
+            self._json(answer(query, self.server.scene))
+
+    def _file(self, query: str) -> None:
+        scene, errors = scene_of(read_link(query, self.server.scene)[0])
+        if scene is None:
+            self.send_error(HTTPStatus.BAD_REQUEST, "; ".join(f"{name} {said}" for name, said in errors.items()))
+            return
+        self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
+
+    def _read_file(self, name: str) -> None:
+        length = self.headers.get("Content-Length", "")
+        size = int(length) if length.isdecimal() else 0
+        if size > MOST_BYTES:
+            self.close_connection = True
+            self._json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
+            return
+        content = self.rfile.read(size)
+        try:
+            scene = read_scene(content.decode("utf-8-sig"), "of this file")
+        except UnicodeDecodeError:
+            self._json({"error": "the file is not UTF-8 text"})
+        except SymoscError as error:
+            self._json({"error": str(error)})
+        else:
+            self._json({"state": state_of(scene), "notes": list(scene.notes)})
+
+
+def page(state: dict[str, str]) -> str:
+    """Return the page with these texts in its fields."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("symosc.plot.explorer", "page"), autoescape=True, undefined=StrictUndefined
+    )
+    script, places = _plots()
+    scenes = {name: link_of(state_of(scene)) for name, scene in shipped_scenes().items()}
+    content = {"state": state, "groups": GROUPS, "scenes": scenes, "script": script, "places": places}
+    return environment.get_template("page.html.j2").render(content)
+
+
+@cache
+def _plots() -> tuple[str, Any]:
+    """Return the script that makes the plots, and the place of each; both are the same for all pages."""
+    return components(pictures())
+
+
+def _text(name: str) -> str:
+    return (files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8")
+
+
+@cache
+def _bokeh_script() -> str:
+    return (settings.bokehjs_path() / "js" / "bokeh.min.js").read_text(encoding="utf-8")
