@@ -17,7 +17,7 @@ SEED = 1
 
 
 @pytest.mark.quick(3)
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])  # test_friction_clues.py
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     name, sampling = ("fig8", "coarse") if kind == "double root" else ("fig10", "dense")
     case = next(case for case in cases() if case.scene.name == name)
