@@ -48,6 +48,7 @@ SAMPLE_JUMP = 1e-4
 MOST_FAULTS = 500
 # The exact motion is followed for this many events.
 FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
+ADDED_UP = "every step is right, but their errors add up, or the start is another one"
 
 
 def crosscheck(
@@ -178,8 +179,7 @@ class Task:
         disorder = _disorder(samples.events or (), notes)
         greatest = [float(np.nanmax(np.abs(column))) for column in errors.T]
         within = bool(np.all(greatest <= limits))
-        if not within and not wrong.any():
-            notes.append("every step is right, but their errors add up, or the start is another one")
+        notes += [ADDED_UP] if not within and not wrong.any() else []
         return CrossCheck(
             ok=within and not (wrong.any() or matching.missed or matching.invented or disorder),
             max_error_x=greatest[0],

@@ -122,7 +122,7 @@ def truncation(clues: Clues) -> Iterator[Diagnosis]:
     order = _order(clues, wrong)
     more = f"; they grow like the step to the power {order[0]:.1f} ± {order[1]:.1g}" if order else ""
     yield Diagnosis("truncation", "", words, f"no coefficient explains them{more}", size, None,
-                    0.9 * clues.flights_wrong)  # fmt: skip
+                    0.6 * clues.flights_wrong)  # fmt: skip
 
 
 def _repeated(clues: Clues, chosen: np.ndarray, method: Callable[..., State] | None, count: int) -> np.ndarray:

@@ -103,11 +103,10 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     shown = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(shown) < least:
         return None
-    decimal, grid = _decimal(values, shown), _grid(values, shown)
-    # Steps of a converter may have a few decimals themselves.
-    if decimal is None or (grid is not None and np.min(grid.units) > 1.5 * np.max(decimal.units)):
-        return _single(values, shown) or grid
-    return decimal
+    found, grid = _decimal(values, shown) or _single(values, shown), _grid(values, shown)
+    # Steps of a converter may have a few decimals, or a few bits, themselves.
+    coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
+    return grid if coarser else found
 
 
 def _decimal(values: np.ndarray, shown: np.ndarray) -> Digits | None:

@@ -24,7 +24,7 @@ from symosc.plot.drawing import STYLE
 from symosc.simulation.trajectory import Event
 
 # Rows of a table.
-MOST_LISTED = 200
+MOST_ROWS = 200
 # Curves of more samples are drawn in pixels: as lines they would be megabytes.
 MOST_LINES, PIXELS_PER_INCH = 4_000, 160.0
 
@@ -51,9 +51,9 @@ def page(check: CrossCheck) -> Record:
         "diagnosis": [_diagnosis(one) for one in check.diagnosis],
         "first": _fault(check.first_wrong),
         "pictures": list(_pictures(check)),
-        "events": events[:MOST_LISTED],
-        "more_events": max(0, len(events) - MOST_LISTED),
-        "wrong": [_fault(fault) for fault in check.faults[:MOST_LISTED]],
+        "events": events[:MOST_ROWS],
+        "more_events": max(0, len(events) - MOST_ROWS),
+        "wrong": [_fault(fault) for fault in check.faults[:MOST_ROWS]],
         "wrong_count": len(check.wrong_steps),
         "parameters": p.as_dict(),
         "notes": check.notes,

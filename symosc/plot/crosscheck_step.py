@@ -15,7 +15,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 # Samples on both sides of a step, and points of the exact motion.
-SAMPLES_BESIDE, STEP_POINTS = 3, 400
+SAMPLES_BESIDE, POINTS_OF_EXACT = 3, 400
 
 
 def step_figure(
@@ -87,7 +87,7 @@ def _panel(ax: Axes, check: CrossCheck, step: int, motion: Trajectory | None, le
     around = slice(max(0, step - SAMPLES_BESIDE), step + 2 + SAMPLES_BESIDE)
     shown = values[around]
     if motion is not None:
-        t = np.linspace(float(motion.t_start), float(motion.t_end), STEP_POINTS)
+        t = np.linspace(float(motion.t_start), float(motion.t_end), POINTS_OF_EXACT)
         exact = motion(t)[row]
         shown = np.append(shown, exact)
         ax.plot(t, exact, color=color, lw=1.4, label="exact, from the sample before")

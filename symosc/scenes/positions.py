@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Sequence
 
 #: A file with more lines is no scene that somebody wrote, and is not searched.
-MOST_LINES = 1000
+MOST_READ_LINES = 1000
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
@@ -16,7 +16,7 @@ def line_of(text: str, path: Sequence[str]) -> int | None:
     dotted keys are all read by the same rules as the file itself.
     """
     lines = text.splitlines(keepends=True)
-    for n in range(1, min(len(lines), MOST_LINES) + 1):
+    for n in range(1, min(len(lines), MOST_READ_LINES) + 1):
         if not lines[n - 1].strip():
             continue
         try:

@@ -257,7 +257,7 @@ def test_a_wrong_decision_behind_many_wrong_steps_is_explained(monkeypatch: pyte
     modes[33] = 0  # where they only pass a belt there is no mode to compare
     matching = SimpleNamespace(invented=[SimpleNamespace(step=15), SimpleNamespace(step=25)], missed=[])
     monkeypatch.setattr(compare, "MOST_FAULTS", most)
-    monkeypatch.setattr(compare, "explain", lambda steps, i, *_: i)
+    monkeypatch.setattr(compare, "explain", lambda steps, chosen, *_: tuple(chosen))
     assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 20, 30)
     matching.missed.append(SimpleNamespace(t=18.5))
     assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 18, 20, 30)

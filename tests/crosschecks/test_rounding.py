@@ -46,6 +46,15 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
 
 
+@pytest.mark.parametrize("step", [20.0 / 2**16, 2.87 / 2**9, 0.1 / 3.0])
+def test_steps_of_a_converter(step: float) -> None:
+    """... which may have a few decimals or bits themselves."""
+    values = np.rint(np.random.default_rng(6).uniform(-90, 90, 200) / step) * step
+    digits = find_digits(values)
+    assert digits is not None
+    assert digits.units == pytest.approx(step)
+
+
 def test_what_is_not_rounded() -> None:
     rng = np.random.default_rng(0)
     assert find_digits(rng.uniform(-9, 9, 50)) is None

@@ -20,7 +20,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
 
 #: More events than this are not followed, and more than these not listed: an answer takes no longer than a look.
-MOST_SHOWN_EVENTS, MOST_ROWS = 300, 100
+MOST_SHOWN_EVENTS, TABLE_ROWS = 300, 100
 #: Errors of events, relative to max(1, |value|): no picture and no number of the page shows more.
 SHOWN_ACCURACY = 1e-9
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
@@ -87,7 +87,7 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
         "status": trajectory.status,
         "message": _message(trajectory),
         "count": len(trajectory.events),
-        "table": [_row(event) for event in trajectory.events[:MOST_ROWS]],
+        "table": [_row(event) for event in trajectory.events[:TABLE_ROWS]],
         "windows": [_window(grazing_window(scene.parameters, mapping)) for mapping in PLACES],
         "sources": {
             "curves": _curves(view, forces),
