@@ -31,6 +31,13 @@ class Fit(NamedTuple):
     sizes: np.ndarray
 
 
+def clue_samples(check: Any) -> slice:
+    """Return which samples of a `CrossCheck` are looked at."""
+    first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
+    low = max(0, min(first - CLUES_BEFORE, len(check.t) - MOST_CLUES - 1))
+    return slice(low, low + MOST_CLUES + 1)
+
+
 @dataclass(frozen=True)
 class Clues:
     """Samples that do not agree with the exact motion, and the exact motion over their steps.
@@ -55,9 +62,8 @@ class Clues:
     @classmethod
     def of(cls, check: Any) -> Clues:
         """Return the clues of a `CrossCheck`: all samples, or many from shortly before the first wrong step."""
-        first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
-        low = max(0, min(first - CLUES_BEFORE, len(check.t) - MOST_CLUES - 1))
-        part = slice(low, low + MOST_CLUES + 1)
+        part = clue_samples(check)
+        low = part.start
         allowed, scales = check.allowed[low : low + MOST_CLUES], np.array(check.scales)
         near = np.append(allowed[:1, 1], allowed[:, 1])
         steps = follow_steps(check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales)

@@ -10,12 +10,16 @@ import numpy as np
 
 from symosc.crosschecks import data_clues, event_clues, friction_clues, method_clues, other_models, stick_clues
 from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import Clues
+from symosc.crosschecks.clues import Clues, clue_samples
 from symosc.crosschecks.faults import REASONS
 from symosc.crosschecks.other_models import AS_GOOD, ENOUGH
+from symosc.engine.next_event import TWO_PI
 
 # A cause that explains less of the wrong steps is not named.
 NAMED = 0.3
+# Forcing periods of which no sample is needed. Longer steps hold so many events that they tell nothing of a cause, and
+# each cause would take long to try.
+UNSEEN_PERIODS = 200.0
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
@@ -30,9 +34,18 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     if not len(check.wrong_steps):
         found = tuple(data_clues.listed(check)) or (_start(check),)
         return (*found, *few_digits)
+    if _too_long(check):
+        return (_unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
         found = _best(Clues.of(check), check)
     return (*found, *few_digits)
+
+
+def _too_long(check: Any) -> bool:
+    """Return whether there are fewer samples than forcing periods around the wrong steps."""
+    t = check.t[clue_samples(check)]
+    periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
+    return bool(periods > max(UNSEEN_PERIODS, len(t)))
 
 
 def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:

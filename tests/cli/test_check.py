@@ -176,7 +176,7 @@ def test_several_files_and_a_column_of_ids(tmp_path: Path, samples: Any) -> None
     (tmp_path / "both.csv").write_text("which,t,x,v\n" + "\n".join(lines))
     assert run("fig9", tmp_path / "both.csv", "--columns", "id=which").stdout.startswith("ok: 2 solutions")
     result = run("fig9", tmp_path / "both.csv", "--columns", "id=which", "-o", tmp_path / "both.svg")
-    assert (result.exit_code, "draws one solution" in result.stderr) == (2, True)
+    assert (result.exit_code, "shows one solution" in result.stderr) == (2, True)
 
 
 @pytest.mark.slow

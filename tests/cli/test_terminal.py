@@ -51,7 +51,7 @@ def test_tables_have_colours_on_a_terminal_alone(tmp_path: Path) -> None:
 
 
 def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:
-    shown = on_terminal("simulate", "fig8", "--digits", "400", "--t-end", "60", folder=tmp_path, interrupt="working")
+    shown = on_terminal("simulate", "fig8", "--digits", "3000", "--t-end", "60", folder=tmp_path, interrupt="working")
     assert shown.code == 130
     assert "0:00:0" in shown.text
 

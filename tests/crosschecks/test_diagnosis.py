@@ -12,6 +12,7 @@ from fault_scenes import cases
 
 from symosc import crosscheck, load_scene, simulate
 from symosc.crosschecks.causes import CAUSES
+from symosc.crosschecks.clues import Clues
 
 SEED = 1
 
@@ -83,3 +84,11 @@ def test_right_steps_from_another_start() -> None:
     check = crosscheck(scene, t, x + np.linspace(0.0, 3e-9, len(t)), v, global_tolerance=1e-10)
     assert not check.wrong_steps.size
     assert [one.cause for one in check.diagnosis] == ["start"]
+
+
+@pytest.mark.parametrize("gap", [500.0, 2e3])
+def test_steps_of_many_periods_tell_no_cause(gap: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each cause would be followed through all their events."""
+    check = crosscheck("fig9", np.array([0.1324, gap]), np.array([4.5447, 1.0]), np.array([1.0, 1.0]))
+    monkeypatch.setattr(Clues, "of", lambda _: pytest.fail("causes are tried"))
+    assert [one.cause for one in check.diagnosis] == ["unknown"]

@@ -134,20 +134,22 @@ def _steps() -> Iterator[Any]:
     )
     yield from block(
         "lemma",
-        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with the velocity $v_0$ and the acceleration $a_0$. It "
+        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It "
         r"touches the belt $v_\lambda$, and does not cross it, if and only if "
-        r"$v_0^2 + \frac{m}{k} a_0^2 = v_\lambda^2 > 0$.",
+        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.",
         title="exact touches",
         label="thm:certificates-circles",
     )
     yield from proof(
-        r"In the flight $m \ddot{v} = -k v$, so the derivative of $v^2 + \frac{m}{k} \dot{v}^2$ is "
-        r"$2 \dot{v} (v + \frac{m}{k} \ddot{v}) = 0$: the velocity has the amplitude "
-        r"$(v_0^2 + \frac{m}{k} a_0^2)^{1/2}$, and $\dot{v} = 0$ exactly where it is reached."
+        r"In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
+        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it "
+        r"is. So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
+        r"exactly where it is reached."
     )
     yield Prose(
-        r"This is the one graze of an exact start that is decided, in rational numbers: $v_0$ and $a_0$ are rational "
-        r"at an exact start, where a stick ends ($v_0 = v_\lambda$, $a_0 = 0$), and at such a touch."
+        r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
+        r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
+        r"a touch."
     )
 
 

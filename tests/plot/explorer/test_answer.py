@@ -11,7 +11,7 @@ import pytest
 from explorer_states import FIG5, random_state
 
 from symosc import grazing_window, load_scene, scene_names, simulate
-from symosc.plot.explorer.answer import MOST_ROWS, MOST_SHOWN_EVENTS, RINGS, answer
+from symosc.plot.explorer.answer import MOST_SHOWN_EVENTS, RINGS, TABLE_ROWS, answer
 from symosc.plot.explorer.inputs import FIELDS, link_of, scene_of, state_of
 
 STATES = [state_of(load_scene(name)) for name in ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact")]
@@ -46,7 +46,7 @@ def test_word_and_events_are_those_of_simulate(state: dict[str, str]) -> None:
     content, trajectory = shown(state), simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
     assert (content["word"], content["status"]) == (trajectory.word, trajectory.status)
     assert content["count"] == len(trajectory.events)
-    for row, event in zip(content["table"], trajectory.events[:MOST_ROWS], strict=True):
+    for row, event in zip(content["table"], trajectory.events[:TABLE_ROWS], strict=True):
         assert (row[0], row[5]) == (event.kind, str(event.boundary))
         assert [float(text) for text in row[1:4]] == pytest.approx([event.t, event.x, event.v], rel=1e-7, abs=1e-8)
     marks = content["sources"]["marks"]
@@ -109,7 +109,7 @@ def test_belts_that_are_far_away_are_named_at_the_edge() -> None:
 def test_many_events_end_the_picture_and_it_says_so() -> None:
     state = state_of(load_scene("fig10")) | {"periods": "100"}
     content = shown(state)
-    assert (content["status"], content["count"], len(content["table"])) == ("max_events", MOST_SHOWN_EVENTS, MOST_ROWS)
+    assert (content["status"], content["count"], len(content["table"])) == ("max_events", MOST_SHOWN_EVENTS, TABLE_ROWS)
     assert any("show fewer periods" in note for note in content["notes"])
     assert len(content["sources"]["curves"]["t"]) < 8000
 
