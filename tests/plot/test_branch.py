@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from bad_values import refused
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from symosc import Branch, Parameters, continue_orbit, find_orbit, load_scene, plot
-from symosc.plot.branch import multiplier_curves
+from symosc.plot.branch import MARKERS, multiplier_curves
 
 FIG9 = load_scene("fig9").parameters
 # Without damping, where the multipliers are on the unit circle.
@@ -70,6 +71,35 @@ def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch,
     # Curves are named where they end: colour alone does not tell them apart.
     names = [text.get_text() for text in plot.branch_figure(branch).axes[0].texts]
     assert names == ["$P_2$", "$P_3$"]
+
+
+@pytest.mark.slow
+def test_points_ends_and_words_are_those_of_the_branch(branch: Branch) -> None:
+    positions, multipliers = plot.branch_figure(branch).axes
+    ends = [(end, row) for end, row in zip(branch.ends, (0, -1), strict=True) if end.kind in MARKERS]
+    assert {end.kind for end, row in ends} == {"birth of a stick"}  # the other end is where the range ends
+    curves = [line for line in positions.lines if str(line.get_label()).startswith("start of")]
+    for i, line in enumerate(curves):
+        assert np.asarray(line.get_xydata()) == pytest.approx(np.column_stack([branch.values, branch.points[:, i, 1]]))
+    assert len(curves) == len(branch.labels)
+    expected = {(end.kind, end.value, point.x) for end, row in ends for point in end.points}
+    assert marks_of_ends(positions) == expected
+    sizes = np.abs(branch.multipliers)
+    expected = {(end.kind, end.value, size) for end, row in ends for size in sizes[row]}
+    assert marks_of_ends(multipliers) == expected
+    for ax in (positions, multipliers):
+        verticals = [line.get_xdata() for line in ax.lines if len(set(np.asarray(line.get_xdata()))) == 1]
+        assert {end.value for end, row in ends} == {float(np.asarray(each)[0]) for each in verticals if len(each) == 2}  # type: ignore[arg-type]
+    words = {text.get_text(): text.xy[0] for text in multipliers.texts}  # type: ignore[attr-defined]
+    beyond = {end.beyond: end.value for end, row in ends}
+    assert words == {branch.word: (branch.values.min() + branch.values.max()) / 2} | beyond
+
+
+def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:
+    """Return kind, value and height of each mark at an end of a branch."""
+    kinds = {marker: kind for kind, marker in MARKERS.items()}
+    dots = [line for line in ax.lines if line.get_marker() in kinds]
+    return {(kinds[str(line.get_marker())], *map(float, np.asarray(line.get_xydata())[0])) for line in dots}  # type: ignore[misc]
 
 
 def test_one_panel_into_given_axes(short: Branch) -> None:

@@ -115,3 +115,75 @@ def test_the_product_of_the_forces_decides() -> None:
         assert (found.get("crossing", np.ones((1, 2)))[:, 1] > -1e-9 * scale).all()
         for time, value in found.get("end of stick", np.empty((0, 2))):
             assert value == pytest.approx(0, abs=1e-9 * scale), time
+
+
+#: Panel: what is drawn across and up; F stands for the two forces.
+AXES = {"a": ("t", "x"), "b": ("t", "v"), "c": ("x", "v"), "d": ("t", "F"), "e": ("x", "F"), "f": ("v", "F")}
+
+
+def quantities(motion: Trajectory, t: np.ndarray) -> dict[str, np.ndarray]:
+    """Return what the panels draw, from the exact motion and the equation of motion."""
+    x, v = motion(t)
+    return {"t": t, "x": x, "v": v}
+
+
+def force(motion: Trajectory, domain: int, t: np.ndarray) -> np.ndarray:
+    """Return F^(alpha), equation (13), from the parameters alone."""
+    p, (x, v) = motion.parameters, motion(t)
+    first, second = float(p.mu1 * p.FN), float(p.mu2 * p.FN)
+    friction = {1: first + second, 2: second - first, 3: -first - second}[domain]
+    drive = float(p.A0) + float(p.B0) * np.cos(float(p.Omega) * t)
+    return np.asarray((drive - float(p.c) * v - float(p.k) * x + friction) / float(p.m))
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("boundary", [1, 2])
+@pytest.mark.parametrize("letter", AXES)
+def test_curves_are_what_the_axes_say(letter: str, boundary: int) -> None:
+    motion = random_motions(4)[boundary]
+    t = view_of(motion, boundary).t
+    (ax,) = plot.figure(motion, panels=letter, boundary=boundary).axes
+    shown = quantities(motion, t)
+    across, up = AXES[letter]
+    if up == "F":
+        expected = {f"$F^{{({i})}}$": force(motion, i, t) for i in (boundary, boundary + 1)}
+    else:
+        expected = {"mass": shown[up]}
+    curves = {str(line.get_label()): line for line in ax.lines}
+    for label, values in expected.items():
+        assert np.asarray(curves[label].get_xdata()) == pytest.approx(shown[across], abs=1e-12)
+        assert np.asarray(curves[label].get_ydata()) == pytest.approx(values, abs=1e-9)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("letter", "bcf")
+def test_belts_are_at_their_speeds(letter: str) -> None:
+    motion = random_motions(4)[0]
+    view = view_of(motion, 1)
+    (ax,) = plot.figure(motion, panels=letter, boundary=1).axes
+    lines = [line for line in ax.lines if line.get_label() == "belt"]
+    at = [float(np.asarray(line.get_xydata())[0, int(letter != "f")]) for line in lines]
+    speeds = [float(motion.parameters.belt(belt)) for belt in view.belts()]
+    assert at == speeds
+    names = {text.get_text(): text.xy[letter != "f"] for text in ax.texts}  # type: ignore[attr-defined]
+    assert names == {f"$v_{belt}$": speed for belt, speed in zip(view.belts(), speeds, strict=True)}
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("boundary", [1, 2])
+def test_sticks_are_shaded_and_jumps_of_force_joined(boundary: int) -> None:
+    joined = 0
+    for motion in random_motions(4):
+        (ax,) = plot.figure(motion, panels="d", boundary=boundary).axes
+        sticks = [each for each in motion.segments if each.mode == f"belt{boundary}"]
+        shaded = sorted((patch.get_x(), patch.get_width()) for patch in ax.patches)  # type: ignore[attr-defined]
+        spans = [(float(each.t_start), float(each.t_end - each.t_start)) for each in sticks]
+        assert np.array(shaded) == pytest.approx(np.array(spans), abs=1e-12)
+        crossings = [float(e.t) for e in motion.events if (e.kind, e.boundary) == ("cross", boundary)]
+        (bars,) = ax.collections
+        ends = np.array([path.vertices for path in bars.get_paths()]).reshape(-1, 4)
+        heights = [[force(motion, i, np.array([t]))[0] for i in (boundary, boundary + 1)] for t in crossings]
+        expected = np.array([(t, low, t, high) for t, (low, high) in zip(crossings, heights, strict=True)])
+        assert ends == pytest.approx(expected.reshape(-1, 4), abs=1e-9)
+        joined += len(crossings)
+    assert joined

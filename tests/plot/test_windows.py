@@ -10,7 +10,9 @@ import pytest
 from matplotlib.axes import Axes
 
 from symosc import ParameterError, Parameters, grazing_curve, grazing_window, load_scene, plot
+from symosc.mappings.theorem7_cases import EVERYTHING
 from symosc.plot.curve import draw_plane
+from symosc.plot.windows import INSIDE_COLOR, TURN
 
 FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
@@ -91,3 +93,45 @@ def test_ends_of_a_curve_have_a_shape_for_each_reason() -> None:
     }
     assert len(looks) > 1
     assert len(set(looks.values())) == len(looks)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("mapping", MAPS)
+def test_what_is_drawn_thick_is_in_the_window(mapping: str) -> None:
+    """Sampled against `contains`, in exact numbers; the places x_m from F = 0 itself."""
+    rng = random.Random(mapping)
+    dots = 0
+    for _ in range(8):
+        p = parameters(rng)
+        window = grazing_window(p, mapping)
+        circle, contacts = plot.window_figure(window).axes
+        thick = {ax: [line for line in ax.lines if line.get_color() == INSIDE_COLOR] for ax in (circle, contacts)}
+        arcs = [np.asarray(line.get_xydata()) for line in thick[circle] if line.get_marker() == "None"]
+        shown = [np.arctan2(arc[:, 1], arc[:, 0]) % TURN for arc in arcs]
+        assert all(window.contains(float(theta)) for part in shown for theta in part[2:-2:60])
+        length = sum(np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))[[0, -1]] @ [-1, 1] for arc in arcs)
+        assert length == pytest.approx(sum(high - low for low, high, *_ in window.intervals))
+        for ax, (across, up) in ((circle, ("cos", "sin")), (contacts, ("theta", "x"))):
+            for dot in [line for line in thick[ax] if line.get_marker() == "o"]:
+                (place,) = np.asarray(dot.get_xydata())
+                theta = (np.arctan2(place[1], place[0]) if up == "sin" else place[0]) % TURN
+                speed = float(p.v1 if mapping in ("P2", "P3") else p.v2)
+                assert np.sin(theta) == pytest.approx(-float(p.k) * speed / float(p.B0 * p.Omega), abs=1e-9)
+                full = dot.get_markerfacecolor() == INSIDE_COLOR
+                assert full == (window.kind == EVERYTHING), across
+                dots += 1
+        if p.k:
+            speed = p.v1 if mapping in ("P2", "P3") else p.v2
+            friction = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}[mapping]
+            constant = p.A0 - p.c * speed + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[friction] * p.FN
+            for line in [line for line in contacts.lines if len(line.get_xydata()) > 2]:  # type: ignore[arg-type]
+                theta, x = np.asarray(line.get_xydata()).T
+                assert x == pytest.approx((float(constant) + float(p.B0) * np.cos(theta)) / float(p.k), abs=1e-9)
+    assert dots
+
+
+def test_a_free_place_is_told_by_bands() -> None:
+    window = grazing_window(FIG9.replace(k=0), "P2")
+    (contacts,) = plot.window_figure(window, panels="b").axes
+    bands = sorted((patch.get_x(), patch.get_width()) for patch in contacts.patches)  # type: ignore[attr-defined]
+    assert np.array(bands) == pytest.approx(np.array([(low, high - low) for low, high, *_ in window.intervals]))
