@@ -79,20 +79,12 @@ def advance_flight(state, left, K):
     start = Launch(v, F, sin(theta), cos(theta))
     lower, upper = speeds_around(mode, K)
     walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
-    tau_max = left if left < K.chunk else K.chunk
-    while True:
-        if tau_max >= left:
-            tau_max = left + PAST_END * left if left > 0.0 else left
-        end = first_exit(tau_max, start, walls, S, K)
-        # Two searches must not meet where a belt is: each would leave a touch there to the other.
-        if end.code != NOTHING or tau_max >= left or tau_max > 1.5 * K.chunk:
-            break
-        size = abs(v) + abs(end.now.dv) + (abs(F) + abs(K.f0)) * K.moment
-        if not beside_a_wall(v + end.now.dv, size, lower, upper):
-            break
-        tau_max = tau_max + 0.125 * K.chunk
+    tau_max = reach_of(left if left < K.chunk else K.chunk, left)
+    end = first_exit(tau_max, start, walls, S, K)
+    if end.code == NOTHING and tau_max < left:
+        end = apart_from_walls(end, tau_max, left, start, walls, lower, upper, S, K)
     if end.now.tau > left and end.code != STALLED:
-        end = FlightEnd(NOTHING, 0, state_at(left, start, K))
+        end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
     code, side, now = end
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
@@ -100,13 +92,8 @@ def advance_flight(state, left, K):
     t, t_low = added(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
-        v = v + now.dv
-        if now.tau >= left:
-            return NextEvent(END, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low))
-        if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
-            return NextEvent(REST, 0, True, 0.0, state)
-        F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-        return NextEvent(MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low))
+        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low)
+        return no_contact(state, there, now, left, lower, upper, K)
     boundary = mode - 1 if side < 0 else mode
     v = K.belt1.v if boundary == 1 else K.belt2.v
     if code == STALLED:
@@ -116,6 +103,44 @@ def advance_flight(state, left, K):
     elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low), end, v_noise, left, K)
+
+
+def reach_of(tau_max, left):
+    """Return how far a search goes that is to reach `tau_max`, or the end of the motion if that is nearer."""
+    if tau_max >= left:
+        return left + PAST_END * left if left > 0.0 else left
+    return tau_max
+
+
+def apart_from_walls(end, tau_max, left, start, walls, lower, upper, S, K):
+    """Return the end of a search that goes on until it is not near a belt: nobody would find a touch there.
+
+    Two searches must not meet where a belt is: each would leave a touch there to the other.
+    """
+    while end.code == NOTHING and tau_max < left and tau_max <= 1.5 * K.chunk:
+        v = start.v + end.now.dv
+        size = abs(start.v) + abs(end.now.dv) + (abs(start.F) + abs(K.f0)) * K.moment
+        if not beside_a_wall(v, size, lower, upper):
+            break
+        tau_max = reach_of(tau_max + 0.125 * K.chunk, left)
+        end = first_exit(tau_max, start, walls, S, K)
+    return end
+
+
+def point_at_end(left, start, K):
+    """Return where a flight is at the end of the motion, which a search has passed."""
+    return state_at(left, start, K)
+
+
+def no_contact(state, there, now, left, lower, upper, K):
+    """Return what a flight from `state` ends with at `there` (`Flown` now) without a contact: see `advance`."""
+    if now.tau >= left:
+        return NextEvent(END, 0, True, 0.0, there)
+    if never_leaves(Launch(there.v, there.Fb, now.s, now.c), there.S, lower, upper, there.mode, K):
+        return NextEvent(REST, 0, True, 0.0, state)
+    mode, at, n, theta, x, v, _, _, S, t, t_low = there
+    F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
+    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low))
 
 
 def flight_noise(state, now, K):
@@ -277,6 +302,11 @@ def passing_time(error, first, second, third, K):
     speed = abs(first)
     if error * abs(second) < 1e-3 * speed * speed and error * error * abs(third) < 1e-3 * speed * speed * speed:
         return error / speed
+    return slow_passing_time(error, first, second, third, K)
+
+
+def slow_passing_time(error, first, second, third, K):
+    """Return what `passing_time` does where the first derivative alone does not decide."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
