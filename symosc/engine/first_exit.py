@@ -39,7 +39,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.engine.flow import derivatives, fifth_derivative, state_at
+from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned
 from symosc.engine.gap_bounds import (
     CLEAR_DEPTH,
     ISOLATED,
@@ -78,13 +78,19 @@ def first_exit(tau_max, start, walls, S, K):
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
     now, flat = search_start(tau_max, start, walls, K)
-    thin, margin = error_margins(start, S, K)
+    margins = error_margins(start, S, K)
     if K.apart and not flat:
-        now, M4, side, there = march(tau_max, start.v, now, walls, margin, K)
+        now, M4, side, there = march(tau_max, start.v, now, walls, margins[1], K)
         if side != 0:
             return polish(between(now, there, side, walls, K), now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    return stepped(tau_max, now, M4, margins, start, walls, S, K)
+
+
+def stepped(tau_max, now, M4, margins, start, walls, S, K):
+    """Return what `first_exit` returns, by safe steps from `now` on: where marching has not decided."""
+    thin, margin = margins
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -143,9 +149,14 @@ def search_start(tau_max, start, walls, K):
     if at_rest and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
         G1 = zero
         if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
-            tau = quartic_start(G3, G2, s0, c0, K)
-            return state_at(tau if tau < tau_max else tau_max, start, K), True
+            return behind_flat_start(tau_max, G2, G3, start, K), True
     return Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero), False
+
+
+def behind_flat_start(tau_max, G2, G3, start, K):
+    """Return a point of a flight before which a gap that starts with its fourth power has no other root."""
+    tau = quartic_start(G3, G2, start.s, start.c, K)
+    return state_at(tau if tau < tau_max else tau_max, start, K)
 
 
 def error_margins(start, S, K):
@@ -271,23 +282,41 @@ def sharpened(root, side, now, walls, K):
 def polish(tau, low, high, side, start, walls, K):
     """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
 
-    The gap is positive at `low`; a step that leaves the bracket, which narrows, is replaced by halving it.
+    The gap is positive at `low`. Mostly the first point is near enough; what else there is to do is done apart.
     """
-    slack = 4.0 * EPS * high
+    now, slack = state_at(tau, start, K), 4.0 * EPS * high
+    over = over_wall(side, now, walls)
+    low, high = narrowed(low, high, tau, side * over)
+    shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+    if abs(shift) * K.rate < NEAR and low - slack <= tau + shift <= high + slack:
+        return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
+    return halved(now, shift, (low, high, slack), side, start, walls, K)
+
+
+def narrowed(low, high, tau, beyond):
+    """Return a bracket [low, high] of a contact without what a point in it rules out; the gap there is `-beyond`."""
+    if beyond < 0.0:
+        return (tau if tau > low else low), high
+    return low, (tau if tau < high else high)
+
+
+def halved(now, shift, bracket, side, start, walls, K):
+    """Go on with what `polish` began at the point `now`, from which the contact looks to be a `shift` away.
+
+    A step that leaves the bracket by more than the third entry of it is replaced by halving it; it narrows.
+    """
+    low, high, slack = bracket
     for _ in range(MOST_HALVINGS):
-        now = state_at(tau, start, K)
-        over = over_wall(side, now, walls)
-        if side * over < 0.0:
-            low = tau if tau > low else low
-        elif tau < high:
-            high = tau
-        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        tau = now.tau
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
         if abs(shift) * K.rate < NEAR and (inside or high - low <= slack):
             return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
-        tau = tau + shift
+        now = state_at(tau + shift, start, K)
+        over = over_wall(side, now, walls)
+        low, high = narrowed(low, high, now.tau, side * over)
+        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * now.tau)
     return FlightEnd(STALLED, side, now)
 
 
@@ -299,11 +328,3 @@ def shifted(now, shift, v0, K):
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)
     return Flown(now.tau + shift, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
-
-
-def turned(s, c, angle):
-    """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
-    half = 0.5 * angle
-    sixth = SIXTH * angle * angle
-    last = 0.25 * angle * sixth
-    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle

@@ -162,6 +162,11 @@ def local_root(over, F, G1, G2, G3, resolution):
         missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
         if abs(linear) * missing <= resolution:
             return s
+    return newton_root(s, over, F, G1, G2, G3, resolution)
+
+
+def newton_root(s, over, F, G1, G2, G3, resolution):
+    """Return the root that `local_root` looks for, by steps from `s` on."""
     for _ in range(MOST_NEWTON):
         slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
         if slope == 0.0:
