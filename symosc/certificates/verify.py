@@ -103,9 +103,9 @@ class Motion:
     def __init__(self, modes, mode, belt, centre, columns=(), leaves=None, size=None, near=None):
         self.modes, self.mode, self.belt, self.centre, self.columns = modes, modes(mode), belt, centre, columns
         self.t, x, v = (c + sum((column[i] * arb(0, 1) for column in columns), arb(0)) for i, c in enumerate(centre))
-        p, (s, c) = self.mode.p, (arb(self.mode.p["Omega"]) * self.t).sin_cos()
-        self.first = arb_mat([[x], [v], [1], [c], [s]])
-        self.leaves, (self.origin, self.beside) = leaves or {}, near or (self.t.lower(), (arb.pos_inf(), self.first))
+        self.first = arb_mat([[x], [v], [1], *([u] for u in (arb(self.mode.p["Omega"]) * self.t).sin_cos()[::-1])])
+        self.leaves, self.origin, p = leaves or {}, near[0] if near else self.t.lower(), self.mode.p
+        self.beside = near[1] if near else (arb.pos_inf(), self.first)
         self.size = p[f"v{belt}"] ** 2 if max(self.leaves.values(), default=0) > 1 and p["c"] == p["B0"] == 0 else size
         self.z0 = (self.mode.M * (self.origin - self.t)).exp() * self.first
 

@@ -35,7 +35,7 @@ orbits = import_module(".verify_orbits", __package__) if __package__ else import
 base, verify, require, number, column = orbits.base, orbits.verify, orbits.require, orbits.number, orbits.column
 Stop, OPEN, FALSE, BAD, level, horner = base.Stop, base.OPEN, base.FALSE, base.BAD, orbits.level, orbits.horner
 
-ORDER, MOST_PARTS, MOST_STEPS, NEWTON_STEPS, RANGE_END = 3, 64, 500, 4, "end of the range"
+ORDER, MOST_PARTS, MOST_STEPS, NEWTON_STEPS, RANGE_END = 3, 256, 500, 4, "end of the range"
 CROSSING, ONSET, TIME, FLIGHT, STICK = range(5)  # where an inequality stands, and what an end by it may be called:
 ENDS = [["birth of a stick"], ["birth of a slip"], ["vanishing of a stick", "vanishing of a flight"]]
 ENDS += [["grazing", "vanishing of a slip"], ["birth of a slip", "vanishing of a slip"]]
