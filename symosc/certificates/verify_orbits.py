@@ -2,7 +2,8 @@
 """Prove a certificate of an orbit or a window once more: ``python verify_orbits.py FILE``.
 
 Needs verify.py beside it, python-flint, and nothing of symosc. verify.py has the equation and how a motion is followed
-from event to event, for all starts of a box at once.
+from event to event, for all starts of a box at once: an orbit is such motions, and a fixed point of them. So it is not
+written again here; the rest is too much for one file that can be read at a sitting.
 
 An "orbit" states events, the last of them the first one again, `periods` periods of the drive later. It is a periodic
 motion, within the times and positions stated, and the only one that starts within `alone_within` (of t, and of x) about
@@ -23,8 +24,6 @@ the motion passes. Where |k v| = |B0| Omega, s = 0 at one phase, and m times the
 its sign decides in the "full" order; in the "paper" order nothing grazes at that phase.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import cache
 from importlib import import_module
@@ -32,20 +31,16 @@ from itertools import pairwise
 
 from flint import arb, arb_mat, arb_series, fmpq
 
-base = import_module(".verify", __package__) if __package__ else import_module("verify")
-Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
-check, require, number, verify = base.check, base.require, base.number, base.verify
+try:
+    base = import_module(".verify" if __package__ else "verify", __package__)
+except ImportError as error:
+    print(f"no certificate was read: verify.py has to be beside verify_orbits.py ({error})", file=sys.stderr)
+    sys.exit(2)
+Stop, OPEN, FALSE, BAD = base.Stop, base.OPEN, base.FALSE, base.BAD
+check, require, number, verify, MODES = base.check, base.require, base.number, base.verify, base.MODES
 
-LABELS = {
-    (1, 4, 1): 1,
-    (1, 1, 1): 2,
-    (1, 2, 1): 3,
-    (2, 5, 2): 4,
-    (2, 2, 2): 5,
-    (2, 3, 2): 6,
-    (2, 2, 1): 7,
-    (1, 2, 2): 8,
-}
+PIECES = ((1, 4, 1), (1, 1, 1), (1, 2, 1), (2, 5, 2), (2, 2, 2), (2, 3, 2), (2, 2, 1), (1, 2, 2))  # from, mode, to
+LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
 ALL_BUT_ONE, MOST_PARTS, SMALL, KNOWN = "everywhere but at one phase", 2_000, fmpq(1, 10**15), 1e-16
 
 
