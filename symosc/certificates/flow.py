@@ -8,7 +8,7 @@ resonance are decided in rational numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from flint import arb, arb_series
@@ -183,6 +183,15 @@ class Flight:
         swing = (there.c - self.c0) / o.Omega + self.s0 * there.tau
         way = o.A[self.domain] * there.tau * there.tau / 2 - o.B0 / o.Omega * swing
         return start.x + start.v * there.tau + way / o.m
+
+    def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
+        """Return the derivatives of x and v at a fixed time, from those of t, x (and v) at the start.
+
+        A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
+        """
+        dt, dx, *rest = start
+        x, v = dx - self.start.v * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
+        return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
         """Return a bound of |v| from this point on for ever, or infinity.

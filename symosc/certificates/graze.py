@@ -1,9 +1,14 @@
 """A graze, proven as a statement of existence: some start within the start's error touches the belt.
 
 A touch is a double zero of the gap, and no balls can tell it from a near miss. So one number of the start is left free,
-s. From s = low the flight misses the belt at its lowest gap, from s = high it comes through it. The lowest gap depends
-continuously on s, so for some s between them it is 0: there the flight touches. For all s between them the derivative
-of the acceleration has one sign around the touch, so it is the only contact there.
+s, and with it the zero is a simple one of the bordered system
+
+    gap(t, s) = 0,    d gap/dt (t, s) = 0,
+
+whose Jacobian [[gap_t, gap_s], [gap_tt, gap_ts]] is regular where gap_s and gap_tt are not 0. Krawczyk's operator
+(`symosc.certificates.closing`) maps a box of times and of s between two fractions into its interior: for exactly one s
+between them the flight touches. For all s between them the derivative of the acceleration has one sign around the
+touch, so it is the only contact there. The checker proves the same by continuity and by the sign of gap_s.
 """
 
 from __future__ import annotations
@@ -12,7 +17,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from flint import arb, ctx
+from flint import arb, arb_mat, ctx
 
 from symosc.certificates.balls import Ball, Undecided, around, ball, exact_ends
 from symosc.certificates.contact import GapSample, Wall, fenced, first_zero, gap_of
@@ -37,14 +42,17 @@ class Touch(NamedTuple):
     after: Moving
 
 
-def prove_touch(problem: Problem, arrive: Arrive, about: tuple[Fraction, Fraction], touch: tuple[int, Ball]) -> Touch:
-    """Prove that some start touches.
+def prove_touch(
+    problem: Problem, arrive: Arrive, free: str, about: tuple[Fraction, Fraction], touch: tuple[int, Ball]
+) -> Touch:
+    """Prove that some start touches, and that it is the only one between two fractions.
 
     Parameters
     ----------
     problem : Problem
     arrive : callable
         Returns the states at the start of the flight that touches, from a ball of the free number.
+    free : the name of that number.
     about : the given value of the free number, and how far it may be off.
     touch : the wall, and about when after the start of the flight.
 
@@ -63,9 +71,8 @@ def prove_touch(problem: Problem, arrive: Arrive, about: tuple[Fraction, Fractio
     state = arrive(ball(low).union(ball(high)))
     flight, there = _lowest(problem, state, boundary, near)
     _alone(problem, state, flight, there, boundary)
-    ends = [_gap_over(problem, arrive(ball(each)), boundary, there.tau) for each in (low, high)]
-    if not ((ends[0] > 0 and ends[1] < 0) or (ends[0] < 0 and ends[1] > 0)):
-        raise Undecided("whether a flight near this start touches", near)
+    place = next(place for name, place in FREE if name == free)
+    _krawczyk(problem, arrive, (boundary, place), (flight, state, there.tau), (low, high))
     point = flight.at(there.tau)
     states = StateSet.of([flight.start.t + there.tau, flight.x(point)])
     t, x = states.hull()
@@ -101,11 +108,44 @@ def _wall(problem: Problem, state: Moving, boundary: int) -> Wall:
     return next(wall for wall in walls_of(problem, state.mode) if wall.boundary == boundary)
 
 
-def _gap_over(problem: Problem, state: Moving, boundary: int, tau: Ball) -> Ball:
-    """Return an enclosure of the gap at all times in `tau`, by its Taylor polynomial at the middle."""
-    flight, wall = launch(problem, state, state.states.hull()), _wall(problem, state, boundary)
-    middle, off = gap_of(flight, wall)(tau.mid()), tau - tau.mid()
-    return middle.g + middle.dg * off + wall.side * flight.jerk(flight.at(tau)) * off * off / 2
+def _krawczyk(
+    problem: Problem,
+    arrive: Arrive,
+    where: tuple[int, int],
+    family: tuple[Flight, Moving, Ball],
+    ends: tuple[Fraction, Fraction],
+) -> None:
+    """Prove that for exactly one free number between two fractions a flight touches in a box of times.
+
+    Parameters
+    ----------
+    where : the belt, and the place of the free number in the start.
+    family : the flight from all these starts, their states, and when the gap is lowest.
+    ends : the two fractions.
+    """
+    (boundary, place), (flight, state, tau), (low, high) = where, family, (ball(each) for each in ends)
+    wall = _wall(problem, state, boundary)
+    lowest, free = flight.start.t + tau, low.union(high)
+    times = around(lowest.mid(), 4 * lowest.rad())
+    t, s = times.mid(), free.mid()
+
+    thin = arrive(s)
+    one = launch(problem, thin, thin.states.hull())
+    there = one.at(t - one.start.t)
+    left = arb_mat([[wall.side * (there.v - one.oscillator.speed[boundary])], [wall.side * there.a]])
+
+    there = flight.at(times - flight.start.t)
+    dx, dv = flight.moved(there, [row[place] for row in state.states.slopes])
+    da = -flight.oscillator.cm * dv - flight.oscillator.km * dx
+    J = wall.side * arb_mat([[there.a, dv], [flight.jerk(there), da]])
+    try:
+        Y = J.mid().inv().mid()
+    except ZeroDivisionError:
+        raise Undecided("a touch that does not depend on the free number of the start", lowest) from None
+    off = (arb_mat([[1, 0], [0, 1]]) - Y * J) * arb_mat([[times - t], [free - s]]) - Y * left
+    t, s = t + off[0, 0], s + off[1, 0]
+    if not (times.contains_interior(t) and low < s < high):
+        raise Undecided("whether a flight near this start touches", lowest)
 
 
 def _lowest(problem: Problem, state: Moving, boundary: int, near: Ball) -> tuple[Flight, GapSample]:

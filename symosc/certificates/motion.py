@@ -190,16 +190,12 @@ def _after(problem: Problem, mode: int, boundary: int, force: Ball, t: Ball) -> 
 
 
 def contact_jacobian(flight: Flight, there: FlightPoint, boundary: int, count: int) -> list[list[Ball]]:
-    """Return the derivatives of (t, x) at a contact by the first `count` of (t, x, v) at the start.
-
-    A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
-    """
-    o = flight.oscillator
+    """Return the derivatives of (t, x) at a contact by the first `count` of (t, x, v) at the start."""
     columns = []
-    for x, v in ((-flight.start.v, -flight.a0), (arb(1), arb(0)), (arb(0), arb(1)))[:count]:
-        dx, dv = there.phi * x + there.E * v, there.E1 * v - o.km * there.E * x
+    for i in range(count):
+        dx, dv = flight.moved(there, [arb(int(i == j)) for j in range(3)])
         dt = -dv / there.a
-        columns.append((dt, dx + o.speed[boundary] * dt))
+        columns.append((dt, dx + flight.oscillator.speed[boundary] * dt))
     return [list(row) for row in zip(*columns, strict=True)]
 
 

@@ -9,7 +9,7 @@ small where the map contracts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from flint import arb
 
@@ -27,18 +27,21 @@ class StateSet:
     centre : list of exact balls
     matrix : rows of exact balls
     box : list of balls around 0
+    slopes : rows of balls
+        The derivatives by the numbers of the box that the set began as, over the whole set.
     """
 
     centre: Sequence[Ball]
     matrix: Matrix
     box: Sequence[Ball]
+    slopes: Matrix = field(default=(), compare=False)
 
     @classmethod
     def of(cls, values: Sequence[Ball]) -> StateSet:
         """Return the box of the given balls."""
         count = len(values)
         unit = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
-        return cls([value.mid() for value in values], unit, [value - value.mid() for value in values])
+        return cls([value.mid() for value in values], unit, [value - value.mid() for value in values], unit)
 
     @property
     def thin(self) -> bool:
@@ -58,7 +61,10 @@ class StateSet:
         jacobian : two rows
             Enclosures of the derivatives over the whole set.
         """
-        carried = [[_row(row, column) for column in zip(*self.matrix, strict=True)] for row in jacobian]
+        carried, slopes = (
+            [[_row(row, column) for column in zip(*each, strict=True)] for row in jacobian]
+            for each in (self.matrix, self.slopes)
+        )
         centre = [each.mid() for each in value]
         rest = [each - c for each, c in zip(value, centre, strict=True)]
         p, q = _direction(carried, self.box)
@@ -67,7 +73,7 @@ class StateSet:
         for row in inverse:  # of the frame, times the square of its length
             turned = [_row(row, column) for column in zip(*carried, strict=True)]
             box.append((_row(turned, self.box) + _row(row, rest)) / (p * p + q * q))
-        return StateSet(centre, [[p, -q], [q, p]], box)
+        return StateSet(centre, [[p, -q], [q, p]], box, slopes)
 
 
 def _row(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:

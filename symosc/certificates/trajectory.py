@@ -136,7 +136,7 @@ def _with_a_touch(task: ToProve, proof: Proof, touch_near: tuple[int, Ball]) -> 
         return state
 
     try:
-        touch = prove_touch(problem, arrive, (task.start[place], task.errors[place]), touch_near)
+        touch = prove_touch(problem, arrive, name, (task.start[place], task.errors[place]), touch_near)
         arrive(ball(touch.low).union(ball(touch.high)))
         events.append(touch.event)
         events.extend(event for event, _ in _events(problem, touch.after, task))

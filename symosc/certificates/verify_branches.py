@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Prove a certificate of a branch of orbits once more: ``python verify_branches.py FILE``.
 
-Needs verify.py (it has the equation) and verify_orbits.py beside it, python-flint, and nothing of symosc.
-A "branch" states the events of an orbit, boxes of their times t_i and positions x_i for intervals of a parameter that
-follow each other, and two ends. For every value in an interval there is exactly one orbit with these events and its
-(t_i, x_i) in the box, the same one where two intervals meet. The balls (arb) here contain all values in an interval:
+Needs verify.py and verify_orbits.py beside it, python-flint, and nothing of symosc. It proves all kinds, the others by
+those two. A "branch" states the events of an orbit, boxes of their times t_i and positions x_i for intervals of a
+parameter that follow each other, and two ends. For every value in an interval there is exactly one orbit with these
+events and its (t_i, x_i) in the box, the same one where two intervals meet. Balls (arb) contain all values:
 
 1. x = A/k + a cos(Omega t) + b sin(Omega t) + y, a + i b = B0/(k - m Omega^2 - i c Omega), y'' + 2 h y' + (k/m) y = 0,
    h = c/(2m). So y(s) = y(0) C + (y'(0) + h y(0)) S, with C and S = exp(-h s) times cosh(w s) and sinh(w s)/w, and
@@ -21,8 +21,6 @@ follow each other, and two ends. For every value in an interval there is exactly
    `at`). Both sides of it are continuous: in between it becomes an equality.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 from importlib import import_module
@@ -31,11 +29,15 @@ from math import comb
 
 from flint import arb, arb_mat, arb_series, ctx
 
-orbits = import_module(".verify_orbits", __package__) if __package__ else import_module("verify_orbits")
-base, verify, require, number, column = orbits.base, orbits.verify, orbits.require, orbits.number, orbits.column
-Stop, OPEN, FALSE, BAD, level, horner = base.Stop, base.OPEN, base.FALSE, base.BAD, orbits.level, orbits.horner
+try:
+    orbits = import_module(".verify_orbits" if __package__ else "verify_orbits", __package__)
+except ImportError as error:
+    print(f"no certificate was read: verify_orbits.py has to be beside verify_branches.py ({error})", file=sys.stderr)
+    sys.exit(2)
+base, verify, column, level, horner = orbits.base, orbits.verify, orbits.column, orbits.level, orbits.horner
+Stop, OPEN, FALSE, check, require, number = base.Stop, base.OPEN, base.FALSE, base.check, base.require, base.number
 
-ORDER, MOST_PARTS, MOST_STEPS, NEWTON_STEPS, RANGE_END = 3, 64, 500, 4, "end of the range"
+ORDER, MOST_PARTS, MOST_STEPS, NEWTON_STEPS, RANGE_END = 3, 256, 500, 4, "end of the range"
 CROSSING, ONSET, TIME, FLIGHT, STICK = range(5)  # where an inequality stands, and what an end by it may be called:
 ENDS = [["birth of a stick"], ["birth of a slip"], ["vanishing of a stick", "vanishing of a flight"]]
 ENDS += [["grazing", "vanishing of a slip"], ["birth of a slip", "vanishing of a slip"]]
@@ -176,8 +178,7 @@ def positive(f, until, order, ends, what):
         sure = middle[0] - abs(middle[1]) * h - abs(inside[2]) * h * h / 2 > 0 or (slope > 0 and (order or a > 0))
         sure = sure or (order == 1 and inside[1] > 0) or (order and inside[2] > 0)
         sure = slope < 0 and not order if touches else sure
-        if middle[0] < 0 and not touches:
-            raise Stop(FALSE, what)
+        check(touches or not middle[0] < 0, what)
         if sure and last:
             return
         a, order, step = (b, 0, step * 3 / 2) if sure else (a, order, h)
@@ -189,8 +190,8 @@ class Family:
 
     def __init__(self, problem, row, low, high):
         ends = [pair for both in zip(number(row["t"]), number(row["x"]), strict=True) for pair in both]
-        if len(ends) != 2 * len(problem[2]) or not all(len(pair) == 2 and pair[0] < pair[1] for pair in ends):
-            raise Stop(BAD, "a lower and an upper end of t and x at each event")
+        right = len(ends) == 2 * len(problem[2]) and all(len(pair) == 2 and pair[0] < pair[1] for pair in ends)
+        check(right, "a lower and an upper end of t and x at each event", base.BAD)
         self.course = lambda value: Course(problem[2], problem[3], Equation(problem[0], problem[1], value))
         self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
         self.middle, every, c = arb((low + high) / 2), arb(low).union(arb(high)), [each.mid() for each in self.box]
@@ -246,8 +247,7 @@ def families(problem, row, stable):
             family = Family(problem, row, low, high)
             family.all.prove(family.points, stable)
         except Stop as stop:
-            if stop.args[0] != OPEN:
-                raise
+            check(stop.args[0] == OPEN, stop.args[1], stop.args[0])
             parts += [[(low + high) / 2, high], [low, (low + high) / 2]]
         if not parts:
             return family
@@ -271,10 +271,10 @@ def branch(data):
     """Prove a branch: every row, that they go on as each other, and both ends."""
     name, rows, before = data["parameter"], data["boxes"], None
     span, values = number(data["range"]), [number(row["value"]) for row in rows]
-    if span != [values[0][0], values[-1][1]] or any(a[1] != b[0] for a, b in pairwise(values)):
-        raise Stop(FALSE, "rows that follow each other from one end of the range to the other")
-    if any(low >= high for low, high in values) or data["stable"] not in (True, None) or name not in base.NAMES:
-        raise Stop(BAD, "intervals from a lower to an upper value of a parameter")
+    right = span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
+    check(right, "rows that follow each other from one end of the range to the other")
+    right = all(low < high for low, high in values) and data["stable"] in (True, None) and name in base.NAMES
+    check(right, "intervals from a lower to an upper value of a parameter", base.BAD)
     for value in data["range"]:
         p, stated, periods = orbits.read(data | {"parameters": data["parameters"] | {name: value}})
     problem = p, name, orbits.chain(stated), periods
@@ -284,8 +284,8 @@ def branch(data):
         before = families(problem, row, data["stable"])
     for end, row, value, side in zip(data["ends"], (rows[0], rows[-1]), span, (-1, 1), strict=True):
         inside, outside = number(end["inside"]), number(end["outside"])
-        if inside != value or side * (outside - inside) < 0 or (inside == outside) != (end["kind"] == RANGE_END):
-            raise Stop(FALSE, "an end of the range, or one outside of it")
+        right = inside == value and side * (outside - inside) >= 0 and (inside == outside) == (end["kind"] == RANGE_END)
+        check(right, "an end of the range, or one outside of it")
         if inside != outside:
             fails(Family(problem, end, *sorted((inside, outside))), end, row)
     return f"an orbit {data['word']} for every {name} from {data['range'][0]} to {data['range'][1]}, {len(rows)} boxes"
@@ -295,6 +295,6 @@ base.KINDS["branch"] = branch
 
 
 if __name__ == "__main__":
-    code, line = verify(sys.argv[1]) if len(sys.argv) == 2 else (BAD, "usage: python verify_branches.py FILE")
+    code, line = verify(sys.argv[1]) if len(sys.argv) == 2 else (base.BAD, "usage: python verify_branches.py FILE")
     print(" ".join(line.split()), file=sys.stderr if code else sys.stdout)
     sys.exit(code)

@@ -2,7 +2,8 @@
 """Prove a certificate of an orbit or a window once more: ``python verify_orbits.py FILE``.
 
 Needs verify.py beside it, python-flint, and nothing of symosc. verify.py has the equation and how a motion is followed
-from event to event, for all starts of a box at once.
+from event to event, for all starts of a box at once: an orbit is such motions, and a fixed point of them. So it is not
+written again here; the rest is too much for one file that can be read at a sitting.
 
 An "orbit" states events, the last of them the first one again, `periods` periods of the drive later. It is a periodic
 motion, within the times and positions stated, and the only one that starts within `alone_within` (of t, and of x) about
@@ -23,29 +24,24 @@ the motion passes. Where |k v| = |B0| Omega, s = 0 at one phase, and m times the
 its sign decides in the "full" order; in the "paper" order nothing grazes at that phase.
 """
 
-from __future__ import annotations
-
 import sys
+from functools import cache
 from importlib import import_module
 from itertools import pairwise
 
 from flint import arb, arb_mat, arb_series, fmpq
 
-base = import_module(".verify", __package__) if __package__ else import_module("verify")
-Stop, OPEN, FALSE, BAD, MODES = base.Stop, base.OPEN, base.FALSE, base.BAD, base.MODES
-require, number, verify = base.require, base.number, base.verify
+try:
+    base = import_module(".verify" if __package__ else "verify", __package__)
+except ImportError as error:
+    print(f"no certificate was read: verify.py has to be beside verify_orbits.py ({error})", file=sys.stderr)
+    sys.exit(2)
+Stop, OPEN, FALSE, BAD = base.Stop, base.OPEN, base.FALSE, base.BAD
+check, require, number, verify, MODES = base.check, base.require, base.number, base.verify, base.MODES
 
-LABELS = {
-    (1, 4, 1): 1,
-    (1, 1, 1): 2,
-    (1, 2, 1): 3,
-    (2, 5, 2): 4,
-    (2, 2, 2): 5,
-    (2, 3, 2): 6,
-    (2, 2, 1): 7,
-    (1, 2, 2): 8,
-}
-ALL_BUT_ONE, MOST_PARTS = "everywhere but at one phase", 2_000
+PIECES = ((1, 4, 1), (1, 1, 1), (1, 2, 1), (2, 5, 2), (2, 2, 2), (2, 3, 2), (2, 2, 1), (1, 2, 2))  # from, mode, to
+LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
+ALL_BUT_ONE, MOST_PARTS, SMALL, KNOWN = "everywhere but at one phase", 2_000, fmpq(1, 10**15), 1e-16
 
 
 def parameters(data):
@@ -111,21 +107,20 @@ def entire(b, z):
 
 
 def wider(row, reach):
-    """Return a row whose times may be off by `reach`."""
-    t = [number(each) for each in row["t"]]
-    return base.read_row(row | {"t": [str(t[0] - reach), str(t[1] + reach)]})
+    """Return an event whose time may be off by `reach`."""
+    *about, ((low, high), x) = row
+    return *about, ((low - reach, high + reach), x)
 
 
 #: A motion of which it is known that nothing happens between its events: it is one of more that are proven.
-Within = type("Within", (base.Motion,), {"positive": lambda motion, until: None})
+Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None})
 
 
-def follow(p, rows, centre, errors, kind=base.Motion):
+def follow(modes, rows, centre, errors, kind=base.Motion):
     """Return the motions from a box of t and x around the first event, behind every event up to the last."""
     belt, mode = rows[0][1], rows[0][3]
     columns, leaves = [(errors[0], arb(0), arb(0)), (arb(0), errors[1], arb(0))], {belt: 1} if mode < 4 else {}
-    modes = {i: base.Mode(p, i) for i in (1, 2, 3, 4, 5)}
-    motions = [kind(modes, mode, belt, [*centre, arb(p[f"v{belt}"])], columns, leaves)]
+    motions = [kind(modes, mode, belt, [*centre, arb(modes(mode).p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].behind(row))
     return motions
@@ -177,18 +172,19 @@ def orbit(data):
     errors = [arb(number(each)) for each in data["alone_within"]]
     for error in errors:
         require(error, "a box of no width")
-    boxes = []
-    for scale, kind in ((1, base.Motion), (fmpq(1, 10**15), Within)):  # the box stated, and a smaller one in it
-        motions = follow(p, [wider(row, number(row["reach"]) * scale) for row in stated], centre, errors, kind)
+    reaches, modes = [number(row["reach"]) for row in stated], cache(lambda i: base.Mode(p, i))
+    whole, D = list(zip(centre, errors, strict=True)), arb_mat(2, 2)
+    for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it, to know the fixed point better
+        reached = [wider(row, reach * scale) for row, reach in zip(rows, reaches, strict=True)]
+        motions = follow(modes, reached, centre, errors, base.Motion if scale == 1 else Within)
         off, D = fixed_point(p, motions, centre, errors, periods)
-        boxes += [(c, error) for c, error in zip(centre, errors, strict=True)]
-        for each, error in zip(off, errors, strict=True):
+        for each, error, c, (about, most) in zip(off, errors, centre, whole, strict=True):
             require(error - abs(each), "1 above")
-        if scale == 1:
-            root = [c + each for c, each in zip(centre, off, strict=True)]
-            centre, errors = [each.mid() for each in root], [(2 * each.rad()).mid() for each in root]
-    for (c, whole), (middle, error) in zip(boxes[:2], boxes[2:], strict=True):
-        require(whole - abs(middle - c) - error, "the smaller box in the other")
+            check(scale == 1 or abs(c - about) + error < most, "a smaller box in the other", OPEN)
+        if scale < SMALL or (scale < 1 and all(each.rad() < KNOWN for each in D.entries())):
+            break
+        root = [c + each for c, each in zip(centre, off, strict=True)]
+        centre, errors = [each.mid() for each in root], [(2 * each.rad()).mid() for each in root]
     parts = [each / error for each, error in zip(off, errors, strict=True)]
     for motion, row in zip(motions, stated, strict=True):
         for i, name in enumerate("tx"):  # of the fixed point, by the derivatives

@@ -89,6 +89,23 @@ def test_entire_functions_carry_differences_of_motions(regime: str) -> None:
         assert (b.v - a.v + oscillator.km * dx * E - dv * E1).overlaps(zero)
 
 
+@pytest.mark.parametrize("regime", REGIMES)
+def test_derivatives_by_the_start_are_differences_of_flights(regime: str) -> None:
+    p, (dt, dx, dv) = Parameters(**BASE | REGIMES[regime]), (Fraction(3, 7), Fraction(-2, 5), Fraction(1, 3))
+    tau, small = Fraction(1, 2) * (Fraction(1, 100) if regime == "stiff" else 1), Fraction(1, 10**30)
+    with working_bits(300):
+        ends = []
+        for side in (-1, 1):
+            t, x, v = (ball(1 + side * small * each) for each in (dt, dx, dv))
+            flight = Flight(Oscillator(p), 2, FlightStart(t, x, v))
+            there = flight.at(1 + ball(tau) - t)
+            ends.append((flight.x(there), there.v))
+        middle = Flight(Oscillator(p), 2, FlightStart(arb(1), arb(1), arb(1)))
+        derivatives = middle.moved(middle.at(ball(tau)), [ball(dt), ball(dx), ball(dv)])
+        for found, below, above in zip(derivatives, *ends, strict=True):
+            assert abs((above - below) / ball(2 * small) - found) < 1e-18 * (1 + abs(found))
+
+
 @pytest.mark.parametrize("regime", ["underdamped", "overdamped", "critical", "undamped", "no drive"])
 def test_a_bound_for_all_later_times_is_one(regime: str) -> None:
     p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)

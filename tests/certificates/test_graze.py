@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import pytest
+from flint import arb, ctx
 
 from symosc import certify, grazing_start, load_scene
+from symosc.certificates import graze
 from symosc.scenes import Scene
 
 
@@ -54,6 +57,22 @@ def test_starts_before_other_touches(mapping: str, t_m: str) -> None:
     assert kind == "graze"
     assert abs(Fraction(low) - Fraction(t_m)) < Fraction(1, 10**22)
     assert Fraction(low) < Fraction(high)
+
+
+@pytest.mark.parametrize("units", [-9, -2, 0, 2, 9])
+def test_starts_beside_the_one_that_touches_have_no_zero(units: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Krawczyk's operator finds the zero of gap and acceleration only if it is between the two fractions."""
+    free_value, shifted = graze._free_value, []
+
+    def beside(*arguments: Any) -> Any:
+        share, near = free_value(*arguments)
+        shifted.append(share)
+        return share + units * arb(10) ** -int(ctx.prec * 0.301 / 2.5 + 1), near
+
+    monkeypatch.setattr(graze, "_free_value", beside)
+    certificate = certify("fig7-exact")
+    assert shifted
+    assert certificate.proven is (units == 0)
 
 
 @pytest.mark.slow

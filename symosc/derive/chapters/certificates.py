@@ -125,13 +125,15 @@ def _steps() -> Iterator[Any]:
     yield from proof(r"In each case $g$ is monotone, or its sign is what is asked for; integrate once or twice.")
     yield Prose(
         r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is "
-        r"how "
-        r"orbits are proven, and all motions once more by the checker. What happens at the event follows from certain "
-        r"signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is "
-        r"enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set. A "
-        r"graze is a double zero, which no error allows. It is proven as a statement about some start: for a family of "
-        r"starts the least gap depends continuously on the start, and has opposite signs at the two ends of the family."
+        r"how orbits are proven, and all motions once more by the checker. It takes "
+        r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is concave in $u$, "
+        r"so that its ends decide; and for the last step, up to a time with "
+        r"$g > 0 > \dot{g}$, that $\dot{g} < 0$ or $\ddot{g} > 0$ on it. What happens at the event follows from "
+        r"certain signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; "
+        r"its image is enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over "
+        r"the whole set."
     )
+    yield from _touches()
     yield from block(
         "lemma",
         r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It "
@@ -150,6 +152,37 @@ def _steps() -> Iterator[Any]:
         r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
         r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
         r"a touch."
+    )
+
+
+def _touches() -> Iterator[Any]:
+    yield Prose(
+        r"A graze is a double zero of the gap, which no error of the start allows. It is proven as a statement about "
+        r"one start: a number $s$ of the start is left free, and with it the zero is a simple one."
+    )
+    yield from block(
+        "proposition",
+        r"Let $g(t, s)$ be the gap of the flights from starts with $s$ from $a$ to $b$. Let $\ddot{g} > 0$ for all of "
+        r"them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g > 0$ at its end. Exactly one of "
+        r"these flights touches the belt in the interval, and does not cross it, if one of the following holds. "
+        r"(i)~Krawczyk's operator of $(g, \dot{g})$ maps a box of times and of $s$ between $a$ and $b$, which contains "
+        r"all zeros of $\dot{g}$, into its interior. (ii)~The least gap of the interval has different signs at $s = a$ "
+        r"and at $s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.",
+        title="one start touches",
+        label="thm:certificates-touch",
+    )
+    yield from proof(
+        r"A touch is a zero of $(g, \dot{g})$, and such a zero is a touch, as $g$ is convex in $t$. (i)~is "
+        r"Theorem~\ref{thm:certificates-krawczyk}; at the zero the Jacobian has the determinant "
+        r"$-\ddot{g}\,\partial g/\partial s$. (ii)~As $\ddot{g} > 0$, the time of the least gap is unique, and by the "
+        r"implicit function theorem it depends on $s$ continuously differentiably. So the least gap is continuous in "
+        r"$s$ and has a zero by the intermediate value theorem. Its derivative is $\partial g/\partial s$ at that "
+        r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one zero."
+    )
+    yield Prose(
+        r"The prover uses (i), the checker (ii). That there is no event before the interval is proven for all $s$ as "
+        r"above. The start that touches is between $a$ and $b$, two fractions within the error of the start; of the "
+        r"given digits themselves nothing is said."
     )
 
 

@@ -1,0 +1,83 @@
+"""The three checkers, copied out: alone, and with the files that they name beside them; nothing of symosc is there."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import symosc.certificates.verify as checker
+from symosc import certify, continue_orbit, find_orbit, grazing_window, load_scene
+
+FOLDER = Path(checker.__file__).parent
+#: What each file needs beside it, and the kinds that it proves.
+CHECKERS = {
+    "verify.py": ((), {"trajectory"}),
+    "verify_orbits.py": (("verify.py",), {"trajectory", "orbit", "window"}),
+    "verify_branches.py": (("verify.py", "verify_orbits.py"), {"trajectory", "orbit", "window", "branch"}),
+}
+KINDS = ("trajectory", "orbit", "window", "branch")
+
+pytestmark = pytest.mark.slow
+
+
+@cache
+def document(kind: str) -> str:
+    p = load_scene("fig9").parameters
+    made = {
+        "trajectory": lambda: certify("fig6"),
+        "orbit": lambda: certify(find_orbit(p, "P32")),
+        "window": lambda: certify(grazing_window(p, "P2")),
+        "branch": lambda: certify(continue_orbit(p, "P32", "Omega", ("3.9", "4.1"))),
+    }[kind]()
+    assert made.proven, made.message
+    return json.dumps(made.as_dict())
+
+
+def run(folder: Path, name: str, *arguments: str) -> tuple[int, str, str]:
+    """Run a copy by itself: no variable of the environment, and no folder but its own, leads to symosc."""
+    line = "import sys; sys.path.insert(0, '.'); sys.argv = sys.argv[1:]; import runpy; runpy.run_path(sys.argv[0], "
+    command = [sys.executable, "-I", "-c", line + "run_name='__main__')", name, *arguments]
+    done = subprocess.run(command, cwd=folder, env={}, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+def copied(folder: Path, *names: str) -> None:
+    for name in names:
+        (folder / name).write_bytes((FOLDER / name).read_bytes())
+
+
+@pytest.mark.parametrize("name", CHECKERS)
+def test_a_copy_proves_its_kinds_and_refuses_the_others(name: str, tmp_path: Path) -> None:
+    beside, proves = CHECKERS[name]
+    copied(tmp_path, name, *beside)
+    for kind in KINDS:
+        (tmp_path / "it.json").write_text(document(kind), encoding="utf-8")
+        code, out, err = run(tmp_path, name, "it.json")
+        if kind in proves:
+            assert (code, err, out.startswith("proven: ")) == (0, "", True), (kind, out)
+        else:
+            assert (code, out) == (2, ""), kind
+            assert err == f"no certificate: {kind!r}: of that kind this checker proves none\n"
+
+
+@pytest.mark.parametrize("name", ["verify_orbits.py", "verify_branches.py"])
+def test_a_copy_says_which_file_has_to_be_beside_it(name: str, tmp_path: Path) -> None:
+    needed = CHECKERS[name][0]
+    (tmp_path / "it.json").write_text(document("orbit"), encoding="utf-8")
+    for there in [needed[:i] for i in range(len(needed))]:
+        copied(tmp_path, name, *there)
+        code, out, err = run(tmp_path, name, "it.json")
+        assert (code, out, len(err.splitlines())) == (2, "", 1), err
+        assert "has to be beside" in err
+
+
+@pytest.mark.parametrize("name", CHECKERS)
+def test_a_checker_can_be_read_at_a_sitting(name: str) -> None:
+    lines = (FOLDER / name).read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 300
+    assert not [line for line in lines if "symosc" in line and "import" in line.split()]
