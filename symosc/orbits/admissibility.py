@@ -211,7 +211,9 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
-    turns = np.flatnonzero((rising[:-1] != rising[1:]) & (slopes[:-1] != 0))
+    for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:  # a sample just at a turn belongs to what follows
+        rising[j] = rising[j + 1]
+    turns = np.flatnonzero(rising[:-1] != rising[1:])
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 

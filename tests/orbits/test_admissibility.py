@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -239,3 +240,23 @@ def test_what_fails_first_is_what_explains_the_rest() -> None:
         rows = [Condition(i, "", value, 0.0, "", rng.randrange(4), 1.0) for i, value in enumerate(values)]
         right = [c for rank in range(4) for c in rows if c.rank == rank and (c.value <= 0 or np.isnan(c.value))]
         assert [c.piece for c in admissibility.failing(rows)] == [c.piece for c in right]
+
+
+def test_each_turn_is_found_once_also_just_on_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Signs of the acceleration at nine samples, made up: between neighbours apart from zeros that differ is a turn."""
+    equations, rng = ClosingEquations(FIG9, read_word("P32"), 1), random.Random(7)
+    monkeypatch.setattr(admissibility, "_extremum", lambda low, high, falls, *_: (low, high, bool(falls)))
+    tau = 8.0 * admissibility.SAMPLE / equations.K.rate
+    with_zeros = 0
+    for _ in range(200):
+        signs = [rng.choice([-1.0, 0.0, 1.0]) for _ in range(8)] + [rng.choice([-1.0, 1.0])]
+        monkeypatch.setattr(admissibility, "motion", lambda *_, signs=signs: (None, None, np.array(signs)))
+        found = admissibility.extrema(0.0, tau, (0.0, 1.0, 0.0, 1.0), False, equations)
+        clear = [i for i, sign in enumerate(signs) if sign]
+        turns = [(i, k) for i, k in pairwise(clear) if signs[i] != signs[k]]
+        assert len(found) == len(turns)
+        for (low, high, falls), (i, k) in zip(found, turns, strict=True):
+            assert tau / 8 * i <= low < high <= tau / 8 * k
+            assert falls == (signs[i] > 0)
+            with_zeros += k > i + 1
+    assert with_zeros > 100
