@@ -303,3 +303,13 @@ def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
                     assert find.repetitions(equations, moved) == 1
                 other = ClosingEquations(FIG9, read_word(word), times + 1)
                 assert find.repetitions(other, points) == 1
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
+def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
+    """Also where its second point is in the next one already."""
+    times = [t for t, _ in find_orbit(p, word).points]
+    T = 2 * np.pi / float(p.Omega)
+    assert 0 <= times[0] < T
+    assert times == sorted(times)
+    assert times[-1] < times[0] + T

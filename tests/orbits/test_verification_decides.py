@@ -174,3 +174,22 @@ def test_with_more_digits_the_engine_is_asked_twice(
     )
     assert failures(fine, "points") == right  # type: ignore[arg-type]
     assert asked == [("root", 30), ("root", 60)][: 1 if engine == 30 else 2]
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
+def test_how_well_a_root_is_determined_does_not_depend_on_the_first_letter(
+    p: Parameters, word: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The limit at which the verdict changes is that of the worst of all phases, wherever the word begins."""
+    limits = []
+    for first in range(1, len(word)):
+        orbit = find_orbit(p, f"P{word[first:]}{word[1:first]}")
+        low, high = -20.0, 0.0  # exponents
+        for _ in range(30):
+            middle = (low + high) / 2
+            monkeypatch.setattr(verification, "MARGINAL", 10.0**middle)
+            ill = verification.ill_conditioned(orbit.equations(), orbit.phases())
+            low, high = (middle, high) if ill else (low, middle)
+        limits.append(low)
+    assert limits == pytest.approx([limits[0]] * len(limits), abs=1e-6)
+    assert -16 < limits[0] < -12
