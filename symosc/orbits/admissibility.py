@@ -226,6 +226,8 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
     for _ in range(100):
         now = states(tau, flight, K)
         a, b = now.F, now.G1
+        if a == 0:
+            break
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
         following = tau - a / b if b != 0 else low
         if not low < following < high:

@@ -11,7 +11,7 @@ import pytest
 from symosc import crosscheck, load_scene, simulate
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import fitted
-from symosc.crosschecks.other_models import _shift_or_phase, rounded, with_error
+from symosc.crosschecks.other_models import TICK, _shift_or_phase, _tick, rounded, with_error
 from symosc.model import PARAMETER_NAMES
 
 T = np.linspace(0.5, 12, 240)
@@ -116,3 +116,18 @@ def test_a_phase_of_quarters_has_a_name(error: float) -> None:
         assert _shift_or_phase(clues, 1.0, error, 0.5, start).cause == cause
         later = SimpleNamespace(**vars(clues) | {"offset": 3})  # the first sample is not among them
         assert _shift_or_phase(later, 1.0, error, 0.5, start).cause == "phase"  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_small_changes_are_small_in_the_units_of_what_they_change(name: str) -> None:
+    """Those of velocities by the belts' difference, wherever they stand; others by forces and the largest rate."""
+    p = load_scene(name).parameters
+    rate = max(float(p.Omega), float(p.k / p.m) ** 0.5, float(p.c / p.m))
+    push = max(abs(float(p.A(domain))) for domain in (1, 2, 3)) + abs(float(p.B0))
+    units = {"m": p.m, "Omega": p.Omega, "FN": p.FN, "c": float(p.m) * rate, "k": float(p.m) * rate**2}
+    units |= {"A0": push, "B0": push, "mu1": 1, "mu2": 1, "v1": p.v2 - p.v1, "v2": p.v2 - p.v1}
+    assert units.keys() == set(PARAMETER_NAMES)
+    for each, unit in units.items():
+        assert _tick(p, each) == pytest.approx(TICK * float(unit))
+    moved = p.replace(v1=0, v2=p.v2 - p.v1)
+    assert [_tick(moved, each) for each in ("v1", "v2")] == [_tick(p, each) for each in ("v1", "v2")]

@@ -58,9 +58,9 @@ def made_up(count: int, length: float) -> tuple[Any, Sticks]:
 def test_a_drift_is_one_rate_of_all_sticks_and_small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Made up: each stick drifts at a rate of its own. What is no drift: too fast, too different, or not exact."""
     clues, sticks = made_up(5, 2.0)
-    fastest = stick_clues.LARGEST_DRIFT * clues.scales[1]  # in a stick of length 1
+    fastest = 0.02 * clues.scales[1]  # in a stick of length 1
     spread = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-    same = stick_clues.SAME_RATE / 1.4826  # the median of what they are off, as a standard deviation
+    same = 0.1 / 1.4826  # the median of what they are off, as a standard deviation
     for rate, off, rest, found in (
         (0.9 * fastest, 0.0, 0.0, 5), (-0.9 * fastest, 0.0, 0.0, 5), (1.1 * fastest, 0.0, 0.0, 0),
         (0.5 * fastest, 0.95 * same, 0.0, 5), (-0.5 * fastest, 0.95 * same, 0.0, 5),
@@ -83,6 +83,21 @@ def test_a_drift_is_one_rate_of_all_sticks_and_small(monkeypatch: pytest.MonkeyP
             assert one.value == pytest.approx(rate)
             assert one.error == pytest.approx(1.4826 * off * abs(rate), abs=1e-9)
             assert one.share == pytest.approx(1.0 + 0.01 * (off == 0.0))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_one_drift_has_no_error_that_could_be_told(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    clues, sticks = made_up(count, 2.0)
+
+    def left(clues: Any, sticks: Sticks, time: Any, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
+        return np.column_stack([np.zeros(count), 1e9 * (dv - np.full(count, 0.01))])
+
+    monkeypatch.setattr(stick_clues, "find_sticks", lambda _: sticks)
+    monkeypatch.setattr(stick_clues, "_left_at", left)
+    (one,) = stick_clues.drift_within_steps(clues)
+    assert one.value == pytest.approx(0.01)
+    assert one.error == (None if count == 1 else pytest.approx(0.0, abs=1e-12))
+    assert one.evidence.endswith(f" {count} sticks")
 
 
 def test_a_stick_that_ends_on_time_is_neither_early_nor_late(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -313,3 +313,16 @@ def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
     assert 0 <= times[0] < T
     assert times == sorted(times)
     assert times[-1] < times[0] + T
+
+
+@pytest.mark.parametrize("digits", [None, 20])
+@pytest.mark.parametrize("word", ["P32", "P3232"])
+def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None) -> None:
+    """Their sum and their product are the trace and the determinant of the flow's derivative over the orbit."""
+    orbit = find_orbit(FIG9, word, periods=len(word) // 2, digits=digits)
+    one, other = (complex(value) for value in orbit.multipliers)
+    flow = find.monodromy(orbit.equations(), orbit.phases())
+    assert one + other == pytest.approx(float(flow.trace), rel=1e-9)
+    assert one * other == pytest.approx(float(flow.determinant), rel=1e-9)
+    assert abs(one) < 1
+    assert abs(other) < 1
