@@ -58,7 +58,7 @@ def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
             break
     good = [one for one in tried if one.share >= max(NAMED, tried[0].share - AS_GOOD)] if tried else []
     if not good:
-        return (*(one for one in tried[:1] if one.share >= NAMED), _unknown(check))
+        return (_unknown(check),)
     return (replace(good[0], alternatives=(*good[0].alternatives, *_others(good))),)
 
 

@@ -88,9 +88,7 @@ def checked(t: object, x: object, v: object, events: object = None) -> Samples:
     return Samples(arrays["t"], arrays["x"], arrays["v"], events=None if events is None else _checked_events(events))
 
 
-def check_joints(
-    samples: Samples, part: float, slack_x: float | np.ndarray = 0.0, slack_v: float | np.ndarray = 0.0
-) -> None:
+def check_joints(samples: Samples, part: float, slack_x: float | np.ndarray, slack_v: float | np.ndarray) -> None:
     """Raise ParameterError where a time is repeated with a clearly different state.
 
     A time may come twice where two pieces of a solution are joined: the states there are equal, or nearly so.

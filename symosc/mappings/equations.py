@@ -284,8 +284,7 @@ def _in_blocks(
 
 
 def _matrix(rows: Any) -> np.ndarray:
-    exact = any(hasattr(entry, "_mpf_") for row in rows for entry in row)
-    return np.array(rows, dtype=object if exact else float)
+    return np.array(rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float)  # all are of one kind
 
 
 def _belt(K: Constants, boundary: int) -> BeltConstants:

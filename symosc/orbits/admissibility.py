@@ -211,7 +211,9 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
-    turns = np.flatnonzero((rising[:-1] != rising[1:]) & (slopes[:-1] != 0))
+    for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:  # a sample just at a turn belongs to what follows
+        rising[j] = rising[j + 1]
+    turns = np.flatnonzero(rising[:-1] != rising[1:])
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
@@ -224,6 +226,8 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
     for _ in range(100):
         now = states(tau, flight, K)
         a, b = now.F, now.G1
+        if a == 0:
+            break
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
         following = tau - a / b if b != 0 else low
         if not low < following < high:

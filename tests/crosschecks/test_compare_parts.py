@@ -67,7 +67,7 @@ def test_events_of_a_list_just_behind_the_last_sample(extra: float, monkeypatch:
     ):  # fmt: skip
         asked.clear()
         trajectory: Any = SimpleNamespace(t_end=4.0, status=status, events=["a", "b"])
-        pairs = [] if last is None else [(1.0, "cross"), (last, "cross")]
+        pairs = [] if last is None else [(1.0, "cross"), (2.0, "cross"), (last, "cross")]
         assert compare.Task._later_events(task, trajectory, {}, pairs) == right  # type: ignore[arg-type]
         assert asked == ([pytest.approx(4.0 + span)] if right else [])
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import random
 from collections import Counter
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +15,9 @@ from fault_matrix import is_named, judge, run, table, whole
 from fault_scenes import cases
 
 from symosc import crosscheck, load_scene, simulate
-from symosc.crosschecks.causes import CAUSES
-from symosc.crosschecks.clues import Clues
+from symosc.crosschecks import diagnosis
+from symosc.crosschecks.causes import CAUSES, Diagnosis
+from symosc.crosschecks.clues import Clues, clue_samples
 
 SEED = 1
 
@@ -92,3 +97,58 @@ def test_steps_of_many_periods_tell_no_cause(gap: float, monkeypatch: pytest.Mon
     check = crosscheck("fig9", np.array([0.1324, gap]), np.array([4.5447, 1.0]), np.array([1.0, 1.0]))
     monkeypatch.setattr(Clues, "of", lambda _: pytest.fail("causes are tried"))
     assert [one.cause for one in check.diagnosis] == ["unknown"]
+
+
+def test_causes_are_tried_until_one_explains_enough_and_those_as_good_are_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Made up: stages of causes with shares in eighths. The best one is named, with others as good, each name once."""
+    rng, stages = random.Random(11), ("_simple", "_models", "_methods", "_sticks", "_delays", "_rest")
+    for name, value in (("ENOUGH", 0.875), ("NAMED", 0.25), ("AS_GOOD", 0.125)):
+        monkeypatch.setattr(diagnosis, name, value)
+    answers = set()
+    for _ in range(300):
+        made = [
+            [
+                Diagnosis(
+                    rng.choice(["noise", "drift", "sign"]), rng.choice("kc"), "", "", share=rng.randint(0, most) / 8
+                )
+                for _ in range(rng.randint(0, 2))
+            ]
+            for most in (rng.choice([1, 4, 8]) for _ in stages)
+        ]
+        ran: list[str] = []
+        for name, causes in zip(stages, made, strict=True):
+
+            def stage(*_: object, name: str = name, causes: list[Diagnosis] = causes, ran: list[str] = ran) -> Any:
+                ran.append(name)
+                return causes
+
+            monkeypatch.setattr(diagnosis, name, stage)
+        found = diagnosis._best(None, SimpleNamespace(first_wrong=None))  # type: ignore[arg-type]
+        last = next((i for i in range(6) if any(one.share >= 0.875 for one in made[i])), 5)
+        assert ran == list(stages[: last + 1])
+        tried = sorted((one for causes in made[: last + 1] for one in causes), key=lambda one: -one.share)
+        good = [one for one in tried if one.share >= 0.25 and one.share >= tried[0].share - 0.125]
+        assert len(found) == 1
+        if not good:
+            assert (found[0].cause, found[0].share) == ("unknown", 0.0)
+        else:
+            names: dict[tuple[str, str], Diagnosis] = {}
+            for one in good:
+                names.setdefault((one.cause, one.subject if one.cause == "sign" else ""), one)
+            assert [replace(found[0], alternatives=()), *found[0].alternatives] == list(names.values())
+        answers.add((last < 5, len(found[0].alternatives), bool(good)))
+    assert {(True, 0, True), (True, 1, True), (False, 0, True), (False, 0, False)} <= answers
+
+
+@pytest.mark.parametrize("n", [2, 500, 3_001, 3_002, 9_000])
+def test_the_samples_that_are_looked_at(n: int) -> None:
+    """From shortly before the first wrong step, so many that can be followed, and as many as there are."""
+    for first in (None, 0, 299, 300, 301, 2_000, n - 2):
+        wrong = [] if first is None or first > n - 2 else [first]
+        looked = np.arange(n)[clue_samples(SimpleNamespace(t=np.zeros(n), wrong_steps=wrong))]
+        assert len(looked) == min(n, 3_001)
+        if wrong:
+            assert looked[0] == max(0, min(wrong[0] - 300, n - 3_001))
+            assert looked[0] <= wrong[0] < looked[-1]

@@ -73,3 +73,20 @@ def test_arguments() -> None:
     for options in ({"workers": 0}, {"workers": "two"}, {"progress": 5}, {"events": [(1.0, "cross")]}):
         with pytest.raises(ParameterError):
             crosscheck("fig9", THREE, **options)
+
+
+def test_a_row_says_what_its_check_says() -> None:
+    checks = crosscheck("fig9", THREE)
+    rows = zip(*(checks.columns()[name] for name in ("solution", *RESULT_COLUMNS)), strict=True)
+    for i, (row, check) in enumerate(zip(rows, checks, strict=True)):
+        fault = check.first_wrong
+        found = dict(zip(("solution", *RESULT_COLUMNS), row, strict=True))
+        expected = {name: getattr(check, name) for name in ("ok", "max_error_x", "max_error_v", "compared_until")}
+        expected |= {"solution": str(i), "samples": len(check.t), "t_first": min(check.t), "t_last": max(check.t)}
+        expected |= {f"max_defect_{name}": max(abs(check.defects[:, k])) for k, name in enumerate("xv")}
+        expected |= {name: len(getattr(check, name)) for name in ("matched", "missed", "invented", "unresolved")}
+        expected |= {"wrong_steps": len(check.wrong_steps), "reason": fault.reason if fault else ""}
+        first = found.pop("first_wrong_t")
+        assert found == expected
+        assert (first == fault.t) if fault else np.isnan(first)
+    assert len({len(check.t) for check in checks} | {len(check.matched) for check in checks}) > 1

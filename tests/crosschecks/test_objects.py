@@ -164,6 +164,7 @@ def test_results_of_scipy_with_their_events() -> None:
     [
         None, 5, b"x", [], [None], [1, 2], ["no file"], {}, {"t": T}, np.zeros((3, 4)), np.zeros(5), np.zeros((2,) * 3),
         object(), [[1, 2, 3], [1, 2]], [COLUMNS, 5], SimpleNamespace(t=T, y=None), SimpleNamespace(ts=T, ys=X),
+        {"t": T, "x": X, "v": np.zeros((2, 7))}, {"t": T, "x": np.zeros((2, 7)), "v": V},
         {"t": T, "x": np.zeros((2, 7)), "v": np.zeros((2, 7))}, {"t": T, "x": X, "v": V, "id": ["a"] * 5},
         {"t": T, "x": X, "v": V, "id": ["a"] * 59 + ["b"]},
     ],
@@ -173,3 +174,9 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
         crosscheck("fig9", source)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("nothing", [[], ()])
+def test_an_empty_list_is_called_empty(nothing: Any) -> None:
+    with pytest.raises(ParameterError, match="is empty"):
+        solutions_in(nothing, {}, None)

@@ -144,3 +144,19 @@ def test_the_mode_before_an_event_of_a_step_is_that_of_the_event_before() -> Non
         source = int(target[before[-1]] if before else first[step[row]])
         source = 3 + int(boundary[row]) if kind[row] == 3 else min(source, 3)
         assert asked == [(numbers[0][row], numbers[1][row], numbers[2][row], boundary[row], source)]
+
+
+def test_a_stick_touches_nothing_nor_does_what_is_outside_the_motion() -> None:
+    trajectory = simulate("fig5", t_end=12)
+    reach = reach_of("fig5", 12.0, (SIZE, SIZE), 1e3)  # so loose that each flight with a turn nearly touches a belt
+    found = {"flight": 0, "stick": 0}
+    for segment in trajectory.segments:
+        for part in (0.01, 0.5, 0.99):
+            time = float(segment.t_start) + part * float(segment.t_end - segment.t_start)
+            touch = reach.of_touch(trajectory, time)
+            kind = "stick" if segment.mode.startswith("belt") else "flight"
+            found[kind] += touch is not None
+    assert found["stick"] == 0
+    assert found["flight"] > 3
+    for outside in (float(trajectory.t_start) - 1e-9, 12.0 + 1e-9):
+        assert reach.of_touch(trajectory, outside) is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from careful_solver import random_parameters
 from oracle import flow_oracle
 
 from symosc import load_scene, simulate
+from symosc.crosschecks import steps
 from symosc.crosschecks.steps import follow_steps
 from symosc.model import MODE_NAMES
 from symosc.simulation.run import EVENT_KINDS
@@ -90,3 +92,24 @@ def test_a_flight_is_that_of_its_domain_alone() -> None:
             start = Fraction(float(t[i])), Fraction(float(steps.x[i])), Fraction(float(steps.v[i]))
             right = flow_oracle(p, domain, *start, Fraction(float(t[j])) - start[0], dps=25)[:2]
             assert found == pytest.approx([float(value) for value in right], abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "t_end", "doubtful"), [("fig5", 6.0, False), ("fig7-exact", 8.0, True)])
+def test_only_what_doubles_leave_open_is_followed_by_itself(
+    name: str, t_end: float, doubtful: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A contact within rounding, such as that of a motion that grazes: its step, and no other one."""
+    scene, alone = load_scene(name), []
+    exact = simulate(scene, t_end=t_end)
+    t = np.linspace(float(scene.t0), t_end, 31)
+    x, v = exact(t)
+    follow_one = steps._follow_one
+
+    def followed(batch: Any, rows: Any, i: int, K: Any) -> Any:
+        alone.append(i)
+        return follow_one(batch, rows, i, K)
+
+    monkeypatch.setattr(steps, "_follow_one", followed)
+    found = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
+    assert np.abs(found.defects).max() < 1e-11
+    assert len(alone) == doubtful

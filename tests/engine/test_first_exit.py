@@ -17,6 +17,7 @@ from symosc.engine import first_exit as first_exit_module
 from symosc.engine import flow, gap_bounds, stick_exit
 from symosc.engine import march as march_module
 from symosc.engine.first_exit import first_exit
+from symosc.engine.flow import constants as constants_of_parameters
 from symosc.engine.flow import state_at
 from symosc.engine.state import (
     HIT,
@@ -184,3 +185,29 @@ def test_what_a_step_goes_past_is_found_behind_it(part: float, monkeypatch: pyte
         assert all(time > now.tau - 2 * part / K.rate for time in missed)  # in the stride of the contact at most
     assert sides.count(-1) > 5
     assert sides.count(1) > 5
+
+
+@pytest.mark.parametrize("on_below", [False, True])
+@pytest.mark.parametrize("on_above", [False, True])
+def test_a_launch_from_rest_on_a_belt_is_flat_as_far_as_rounding_tells(on_below: bool, on_above: bool) -> None:
+    """At |k v| = |B0 Omega| and sin(theta) = +-1 the slope is 0 too: the search begins behind that. Not elsewhere."""
+    p = load_scene("fig7-exact").parameters
+    K = constants_of_parameters(p)
+    v = K.belt1.v
+    s = -K.w0sq * v / K.fB
+    assert abs(s) == 1.0
+    walls = Walls(0.0, K.belt2.v - v, True, True, on_below, on_above)
+    on_a_belt = on_below or on_above
+    for off, F, c in ((0.0, 0.0, 0.0), (1e-16, 0.0, 0.0), (1e-9, 0.0, 0.0), (0.0, 1e-9, 0.0), (1e-16, 0.0, 1e-3)):
+        start = Launch(v, F, s * (1.0 - off), c)
+        now, behind = first_exit_module.search_start(10.0, start, walls, K)
+        flat = on_a_belt and F == 0.0 and off < 1e-12
+        assert behind == (flat and c == 0.0)
+        if behind:
+            assert 0.0 < now.tau < 10.0
+            assert now == state_at(now.tau, start, K)
+            assert first_exit_module.search_start(0.5 * now.tau, start, walls, K)[0].tau == 0.5 * now.tau
+        else:
+            assert (now.tau, now.dx, now.dv, now.F) == (0.0, 0.0, 0.0, F)
+            assert now.G1 == 0.0 or not flat
+            assert now.G1 != 0.0 or flat or not (off or F)

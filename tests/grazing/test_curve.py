@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import fields, replace
 from math import sin
 from typing import Any
 
+import numpy as np
 import pytest
 from grazing_starts import assert_oracle_grazes
 
 from symosc import ParameterError, Parameters, load_scene
-from symosc.grazing.curve import grazing_curve
+from symosc.grazing import curve
+from symosc.grazing.curve import CurvePiece, grazing_curve
+from symosc.grazing.phase_runs import PhaseRun
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
+from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Tracer
 from symosc.plot.curve import figure_grazing_curve
 
 
@@ -85,3 +91,29 @@ def test_figure_shows_every_piece() -> None:
     assert len(flight.lines) == sum(1 + 2 for _ in curve.pieces)  # a line and two ends each
     assert len(flight.patches) == len(curve.gaps)
     assert plane.get_title()
+
+
+def test_pieces_are_equal_if_all_their_columns_and_ends_are() -> None:
+    piece = grazing_curve(load_scene("fig9").parameters, "P2", 30).pieces[0]
+    names = [each.name for each in fields(piece)]
+    values = {name: getattr(piece, name) for name in names}
+    assert piece == CurvePiece(**{name: copy(value) for name, value in values.items()})
+    for name, value in values.items():
+        other = replace(value, reason="another") if name in ("low", "high") else value + (np.arange(len(value)) == 3)
+        assert piece != CurvePiece(**values | {name: other})
+    assert piece != values
+
+
+def test_a_curve_is_made_of_the_runs_from_its_belt_and_gaps_of_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    p = load_scene("fig9").parameters
+    sample = Tracer(p, "P2").sample(1.0)
+    runs = [
+        PhaseRun([replace(sample, origin=origin)] * 2, (low, low + 0.5), ("begins", "ends"))
+        for low, origin in ((0.0, OWN), (0.5, UNKNOWN), (1.0, OTHER), (1.5, OWN), (2.0, NOWHERE))
+    ]
+    monkeypatch.setattr(curve, "cut", lambda *_: runs)
+    monkeypatch.setattr(curve, "filled", lambda tracer, run: run)
+    found = grazing_curve(p, "P2", 8)
+    assert found.gaps == ((0.5, 1.0, UNKNOWN), (1.0, 1.5, OTHER), (2.0, 2.5, NOWHERE))
+    assert [(each.low.theta_m, each.high.theta_m) for each in found.pieces] == [(0.0, 0.5), (1.5, 2.0)]
+    assert {(each.low.reason, each.high.reason, each.low.x) for each in found.pieces} == {("begins", "ends", sample.x)}

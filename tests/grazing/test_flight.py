@@ -12,7 +12,7 @@ from grazing_starts import BELT, DOMAIN
 from oracle import flow_oracle
 
 from symosc import Parameters
-from symosc.grazing.backward_flow import CONTACT, REACHED, Arrival
+from symosc.grazing.backward_flow import CONTACT, REACHED, TOUCH, Arrival
 from symosc.grazing.flight import Flights, rounded
 
 MAPS = sorted(BELT)
@@ -106,3 +106,22 @@ def test_rounding_a_state_adds_its_error() -> None:
         lost = abs(flights.number(getattr(doubles, name)) - getattr(state, name))
         assert lost <= getattr(doubles, error) <= 1e-15 * (1 + abs(getattr(doubles, name)))
         assert getattr(doubles, error) > getattr(state, error)
+
+
+@pytest.mark.parametrize("a", [4.0, -0.25, 0.0])
+def test_a_polished_contact_is_near_the_one_in_doubles(a: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Within a part of a step and what the error of its velocity allows; a touch has no slope to divide that by."""
+    flights = Flights(system("0.7"), "P2", 40)
+    theta, tau = flights.number(Fraction(1)), flights.number(Fraction(2))
+    reach = 1e-3 / float(flights.K.rate) + 0.01 / (abs(a) or 1.0)
+    found = Arrival(CONTACT if a else TOUCH, 1, 2.0, 0.0, -1.1, a, 0.01, 0.0)
+    for part in (-1.01, -0.99, 0.0, 0.99, 1.01):
+        monkeypatch.setattr(flights, "_root", lambda *_, part=part: tau + flights.context.mpf(part * reach))
+        polished = flights.polished(theta, found, tau)
+        assert (polished is None) == (abs(part) > 1)
+        if polished is not None:
+            assert float(polished.tau) == pytest.approx(2.0 + part * reach)
+            assert (polished.kind, polished.boundary, float(polished.v)) == (found.kind, 1, -1.1)
+            assert polished.dx == flights.instant(theta, polished.tau).dx
+    monkeypatch.setattr(flights, "_root", lambda *_: None)
+    assert flights.polished(theta, found, tau) is None

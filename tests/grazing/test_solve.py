@@ -16,6 +16,7 @@ import sympy
 from oracle import flow_oracle
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene, solve_grazing
+from symosc.grazing import solve
 from symosc.grazing.solve import CLOSE, has_value
 from symosc.grazing.start import GrazingStart
 
@@ -267,3 +268,16 @@ def test_a_value_is_met_to_the_digits_asked_for(name: str, value: str) -> None:
         off = Fraction(part) * Fraction(CLOSE) * size / 10**digits
         found = SimpleNamespace(start={"x0": wanted + off, "t0": (wanted + off) / p.Omega})
         assert has_value(found, p, name, wanted, digits) is met, part  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("count", range(6))
+def test_some_places_that_were_left_out_are_named_and_the_others_counted(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notes = [f"place {i}" for i in range(count)]
+    candidates = SimpleNamespace(notes=notes, phases=[], why_none=lambda: "never comes there")
+    monkeypatch.setattr(solve, "Candidates", lambda *_: candidates)
+    found = solve_grazing(load_scene("fig10").parameters, "P6", n=20, x_i=1000)
+    assert (list(found), found.complete) == ([], count == 0)
+    named = notes if count <= 3 else [*notes[:3], f"and {count - 3} more such places"]
+    assert found.message == ("; ".join(named) or "never comes there")

@@ -58,6 +58,7 @@ def test_what_each_end_of_a_search_makes_of_a_start() -> None:
         (CONTACT, 1),
         (TOUCH, 1),
         (CONTACT, 2),
+        (TOUCH, 2),
         (OPEN_ORIGIN, 2),
         *((kind, 0) for kind in (REACHED, NEVER, LARGE, LONG)),
     ]
@@ -69,6 +70,11 @@ def test_what_each_end_of_a_search_makes_of_a_start() -> None:
             own = kind in (CONTACT, TOUCH) and boundary == 1
             assert found.found == (kind == REACHED if to_time else own)
             assert (found.reason is None) == found.found
+            if not found.found and boundary and kind != OPEN_ORIGIN:
+                assert found.reason is not None
+                verb = "touches" if kind == TOUCH else "comes from"
+                assert f"the flow {verb} belt {boundary} at t = 2.25, x = " in found.reason
+                assert found.reason.startswith("between t0 and t_m the flow" if to_time else "the flow")
             nowhere = kind in (NEVER, LARGE, LONG, OPEN_ORIGIN) or (kind == REACHED and not to_time)
             assert found.undecided == (nowhere and kind != NEVER)
             assert found.touch == (kind == TOUCH)

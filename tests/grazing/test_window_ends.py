@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from fractions import Fraction
@@ -108,3 +109,21 @@ def test_windows_of_random_magnitudes_are_those_of_many_digits() -> None:
         assert abs(theta_cr - cut) <= math.ulp(float(cut))
         assert all(abs(a - b) <= math.ulp(float(b)) for a, b in zip((low, high), right, strict=True))
         assert kind == (ARC if right[0] < right[1] else WRAPPED_ARC)
+
+
+@pytest.mark.parametrize("mapping", ["P2", "P3", "P5", "P6"])
+def test_of_a_window_without_one_phase_both_ends_are_that_phase(mapping: str) -> None:
+    """In the paper's order, at |k v| = |B0 Omega|: there G^(1) is 0, -(k v + B0 Omega sin) = 0."""
+    kinds = []
+    for v, B0 in itertools.product((-3, 3), (-6, 6)):
+        belts = {"v1": v, "v2": 5} if mapping in ("P2", "P3") else {"v1": -5, "v2": v}
+        p = FIG9.replace(k=4, Omega=2, B0=B0, **belts)
+        window = grazing_window(p, mapping, "paper")
+        kinds.append(window.kind)
+        if window.kind == ALL_BUT_ONE:
+            low, high = window.ends
+            assert low == high
+            assert 4 * v + 2 * B0 * math.sin(low) == pytest.approx(0.0, abs=1e-12)
+            assert window.contains(low + 0.1)
+            assert window.contains(low - 0.1)
+    assert kinds.count(ALL_BUT_ONE) == 2

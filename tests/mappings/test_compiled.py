@@ -177,3 +177,32 @@ def test_one_wide_phase_of_a_stick_takes_the_loop_for_wide_phases(
     points = tuple(np.array(column) for column in ((0.0, 0.0), (0.0, 0.0), (1.0, 1.0), phases))
     compiled.CompiledResidual._fill(own, next(row for row in MAPS.values() if row.sticks), points)
     assert taken == [mapping_loops.WIDE if wide else mapping_loops.CLOSED_FORM]
+
+
+@pytest.mark.parametrize("slopes", [False, True])
+def test_each_map_of_a_word_gets_the_points_between_which_it_goes(
+    slopes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the loops, which take long to compile: a map returns its points."""
+    f = compiled_residual(load_scene("fig10").parameters, "P4645", jacobian=slopes)
+
+    def fill(row: Any, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
+        x_i, theta_i, x_j, theta_j = points
+        first, second = np.stack([x_i, theta_i]), np.stack([x_j, theta_j])
+        number = float(row.label[1:])
+        return first + 100.0 * second, np.full((2, 4, len(x_i)), number) if slopes else None
+
+    monkeypatch.setattr(f, "_fill", fill)
+    x, theta = np.arange(5.0)[:, None] + [0.1, 0.2, 0.3], np.arange(10.0, 15.0)[:, None] + [0.4, 0.5, 0.6]
+    found = f(x, theta)
+    values, blocks = found if slopes else (found, None)
+    for n in range(4):
+        assert np.array_equal(values[2 * n], x[n] + 100.0 * x[n + 1])
+        assert np.array_equal(values[2 * n + 1], theta[n] + 100.0 * theta[n + 1])
+    assert values.shape == (8, 3)
+    if slopes:
+        assert blocks.shape == (4, 2, 4, 3)
+        assert blocks[:, 0, 0, 0].tolist() == [float(label[1:]) for label in f.maps]
+    for rows in (4, 6):
+        with pytest.raises(ParameterError, match="must have 5 rows"):
+            f(np.zeros((rows, 2)), np.zeros((rows, 2)))

@@ -11,7 +11,7 @@ import sympy as sp
 from bad_values import refused
 from sympy import pi
 
-from symosc import Parameters, grazing_start, grazing_window, is_grazing, load_scene, values_containing
+from symosc import ParameterError, Parameters, grazing_start, grazing_window, is_grazing, load_scene, values_containing
 from symosc.mappings.phase import ExactPhase, of_sympy, read_text, sine_sign
 
 FIG9 = load_scene("fig9").parameters
@@ -133,3 +133,12 @@ def test_signs_next_to_zero() -> None:
         assert sine_sign(-near, Fraction(1), phase) == expected
         assert sine_sign(near, Fraction(-3, 2) * 2 / 3, phase) == -expected
     assert sine_sign(Fraction(1, 2), Fraction(1), ExactPhase(Fraction(0), Fraction(7, 6))) == 0
+
+
+@pytest.mark.parametrize("text", ["1{0}*pi", "-1{0}*pi", "pi + 1{0}", "2*pi - 1{0}", "1{0}/7*pi*7"])
+def test_the_largest_phase_is_one(text: str) -> None:
+    zeros = "0" * 50
+    phase = read_text("theta", text.format(zeros))
+    assert max(map(abs, phase)) == Fraction(10) ** 50
+    with pytest.raises(ParameterError, match="must be at most 1e\\+50 in size"):
+        read_text("theta", text.format(zeros[:-1] + "1"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import pairwise, product
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,7 @@ from paper_orbits import BOTH_BELTS, FIG9, FIG10
 from scipy.integrate import solve_ivp
 
 from symosc import Parameters
+from symosc.engine.state import Launch
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.between import of_function
@@ -239,3 +241,81 @@ def test_what_fails_first_is_what_explains_the_rest() -> None:
         rows = [Condition(i, "", value, 0.0, "", rng.randrange(4), 1.0) for i, value in enumerate(values)]
         right = [c for rank in range(4) for c in rows if c.rank == rank and (c.value <= 0 or np.isnan(c.value))]
         assert [c.piece for c in admissibility.failing(rows)] == [c.piece for c in right]
+
+
+def test_each_turn_is_found_once_also_just_on_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Signs of the acceleration at nine samples, made up: between neighbours apart from zeros that differ is a turn."""
+    equations, rng = ClosingEquations(FIG9, read_word("P32"), 1), random.Random(7)
+    monkeypatch.setattr(admissibility, "_extremum", lambda low, high, falls, *_: (low, high, bool(falls)))
+    tau = 8.0 * admissibility.SAMPLE / equations.K.rate
+    with_zeros = 0
+    for _ in range(200):
+        signs = [rng.choice([-1.0, 0.0, 1.0]) for _ in range(8)] + [rng.choice([-1.0, 1.0])]
+        monkeypatch.setattr(admissibility, "motion", lambda *_, signs=signs: (None, None, np.array(signs)))
+        found = admissibility.extrema(0.0, tau, (0.0, 1.0, 0.0, 1.0), False, equations)
+        clear = [i for i, sign in enumerate(signs) if sign]
+        turns = [(i, k) for i, k in pairwise(clear) if signs[i] != signs[k]]
+        assert len(found) == len(turns)
+        for (low, high, falls), (i, k) in zip(found, turns, strict=True):
+            assert tau / 8 * i <= low < high <= tau / 8 * k
+            assert falls == (signs[i] > 0)
+            with_zeros += k > i + 1
+    assert with_zeros > 100
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_turn_is_placed_in_a_few_steps_wherever_it_lies_in_its_bracket(sign: float) -> None:
+    """Made-up accelerations: nearly straight, with a slope of 0 in the middle, and one that misleads Newton."""
+    laws = {
+        "straight": (lambda s, at: s - at + 0.1 * (s - at) ** 2, lambda s, at: 1 + 0.2 * (s - at), 9),
+        "flat": (lambda s, at: (s - 0.5) ** 3 - (at - 0.5) ** 3, lambda s, at: 3 * (s - 0.5) ** 2, 60),
+        "bent": (lambda s, at: np.arctan(50 * (s - at)), lambda s, at: 50 / (1 + (50 * (s - at)) ** 2), 15),
+    }
+    for (name, (law, slope, most)), at in product(laws.items(), (0.03, 0.3, 0.5, 0.77, 0.98)):
+        looked: list[float] = []
+
+        def state(tau: float, *_: object, law: Any = law, slope: Any = slope, at: float = at) -> SimpleNamespace:
+            looked.append(tau)  # noqa: B023
+            return SimpleNamespace(F=sign * law(tau, at), G1=sign * slope(tau, at), dv=7.0 * tau)
+
+        names = {"state_at": state, "EPS": 2.0**-52}
+        equations: Any = SimpleNamespace(arithmetic=SimpleNamespace(namespace=names), K=None, exact=None)
+        found = admissibility._extremum(0.0, 1.0, sign < 0, Launch(2.0, 0.0, 0.0, 1.0), equations)
+        assert found.tau == pytest.approx(at, abs=1e-5 if name == "flat" and at == 0.5 else 1e-13)
+        assert found.v == pytest.approx(2.0 + 7.0 * found.tau)
+        assert found.b == pytest.approx(sign * slope(found.tau, at), abs=1e-9)
+        assert len(looked) <= most
+
+
+def test_what_holds_a_stick_is_least_at_an_end_or_where_the_force_turns() -> None:
+    """The turns inside a stick count, not one with which it begins or ends: these have conditions of their own."""
+    equations = ClosingEquations(FIG10, read_word("P4645"), 1)
+    piece = next(each for each in equations.pieces if each.sticks)
+    K, belt, x = equations.K, equations.belt(piece.start), 1.5
+    assert belt.turns
+    forces = np.vectorize(
+        lambda theta, since: equations.force(piece.start, x + belt.v * (theta - since) / K.Om, belt.v, theta)
+    )
+    angles = sorted((belt.angle % (2 * np.pi), (np.pi - belt.angle) % (2 * np.pi)))
+    for begin, length, inside in (
+        (angles[0] - 0.1, 0.3, 1), (angles[0], 0.3, 0), (angles[0] - 0.3, 0.2, 0), (angles[1] - 0.2, 0.5, 1),
+        (angles[0] - 0.1, angles[1] - angles[0] + 0.2, 2), (angles[0] - 0.1, 2 * np.pi + 0.2, 3),
+    ):  # fmt: skip
+        conditions: dict[str, tuple[float, float]] = {}
+        margins: Any = SimpleNamespace(
+            add=lambda text, value, theta, *_: conditions.update({text: (value, theta)}),  # noqa: B023
+            sizes=SimpleNamespace(t=1.0, a=1.0),
+        )
+        admissibility._of_stick(margins, piece, (x, begin), (x, begin + length), equations)
+        hold, nearest = next(found for text, found in conditions.items() if "during" in text)
+        if not inside:
+            assert hold == np.inf
+            continue
+        phases = np.linspace(begin + 1e-6, begin + length - 1e-6, 200_001)
+        force = forces(phases[::100], begin)
+        room = np.minimum(force, belt.J - force)
+        turns = [i for i in range(1, len(room) - 1) if (force[i] - force[i - 1]) * (force[i + 1] - force[i]) <= 0]
+        assert len(turns) == inside
+        least = min(turns, key=lambda i: room[i])
+        assert hold == pytest.approx(room[least], abs=1e-4)
+        assert nearest == pytest.approx(phases[::100][least], abs=0.01)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from symosc import ParameterError, find_orbit, load_scene
@@ -12,7 +14,7 @@ from symosc.orbits import behind
 from symosc.orbits.behind import look_behind
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.curve import Curve
-from symosc.orbits.guesses import follow
+from symosc.orbits.guesses import SETTLING_EVENTS, follow
 from symosc.words import read_word
 
 FIG9 = load_scene("fig9").parameters
@@ -80,3 +82,19 @@ def test_the_first_word_that_is_found_beyond_counts_and_else_where_it_rests(monk
         monkeypatch.setattr(behind, "_orbit_of", orbit)
         monkeypatch.setattr(behind, "without_word", lambda *_: f"rest {number[0]}")
         assert look_behind(along, end, 1.0) == right
+
+
+def test_the_motion_behind_an_end_begins_where_the_orbit_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the first point of the orbit, in its phase and on its belt; how far it moves is the size of what is found."""
+    asked: list[Any] = []
+    for word in ("P32", "P23"):
+        along = Curve(find_orbit(FIG9, word), "Omega", 3.0, 5.0)
+        end = along.first(1.0)
+        monkeypatch.setattr(behind, "follow", lambda equations, *rest: asked.append(rest) or SimpleNamespace(code=END))
+        monkeypatch.setattr(behind, "_orbit_of", lambda equations, run, size: asked.append(size) or "P32")
+        assert look_behind(along, end, 1.0) == ("P32", "")
+        (x, theta, belt, most), size = asked
+        assert (x, belt, most) == (end.points[0][0], 1, SETTLING_EVENTS)
+        assert theta == pytest.approx(end.points[0][1] % (2 * np.pi))
+        assert size == max(abs(end.points[0][0]), abs(end.points[1][0]))
+        asked.clear()

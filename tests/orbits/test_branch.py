@@ -72,6 +72,17 @@ def test_columns_of_a_branch_are_those_of_its_points(parameter: str, c: str) -> 
         assert branch.parameters(i) == orbit.parameters.replace(**{parameter: values[i]})
         assert branch.stable[i] == (branch.parameters(i).c > 0 or inside)
         assert branch.multipliers[i].tolist() == list(point.multipliers)
+    frame, data = branch.to_pandas(), branch.to_xarray()
+    points = [f"{letter}{i}" for i in (0, 1) for letter in "tx"]
+    assert list(frame.columns) == [parameter, *points, "multiplier0", "multiplier1", "stable"]
+    assert frame[parameter].tolist() == data[parameter].values.tolist() == values
+    assert np.array_equal(frame[points].to_numpy().reshape(-1, 2, 2), branch.points)
+    assert np.array_equal(frame[["multiplier0", "multiplier1"]].to_numpy(), branch.multipliers)
+    assert np.array_equal(np.stack([data["t"].values, data["x"].values], axis=-1), branch.points)
+    assert np.array_equal(data["multiplier_re"].values + 1j * data["multiplier_im"].values, branch.multipliers)
+    assert frame["stable"].tolist() == data["stable"].values.tolist() == branch.stable.tolist()
+    assert data["map"].values.tolist() == list(orbit.labels)
+    assert data.attrs == {"word": "P32", "periods": 1, "ends": ["x", "x"]}
     assert branch.parameters(-1) == branch.parameters(7)
     for i in (8, -9):
         with pytest.raises(ParameterError, match=r"^i = "):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError, find_orbit, load_scene
+from symosc.orbits import curve as curves
 from symosc.orbits.curve import CORRECTIONS, DIFFERENCE, Curve
 
 FIG9 = load_scene("fig9").parameters
@@ -100,3 +101,15 @@ def test_a_curve_that_bends_over_the_end_of_the_range_ends_there(
     assert found is not None
     assert found.value == end
     assert np.abs(along.equations(end).residuals(found.points)).max() < 1e-12
+
+
+def test_a_curve_is_measured_by_the_spread_of_its_points_or_by_how_far_the_orbit_moves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The larger of both: points that lie close together would make each step of a curve a long one."""
+    orbit = find_orbit(FIG9, "P32")
+    spread, n = abs(orbit.points[0].x - orbit.points[1].x), 2
+    for farthest in (0.0, 0.5 * spread, 2.0 * spread, 100.0 * spread):
+        monkeypatch.setattr(curves, "largest_displacement", lambda _, far=farthest: (0.0, far / curves.LEAST_SIZE))
+        scale = Curve(orbit, "Omega", 3.0, 4.5).scale
+        assert scale == pytest.approx(np.append(np.sqrt(n) * np.array([max(spread, farthest), 1.0] * n), 1.5))

@@ -303,3 +303,26 @@ def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
                     assert find.repetitions(equations, moved) == 1
                 other = ClosingEquations(FIG9, read_word(word), times + 1)
                 assert find.repetitions(other, points) == 1
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
+def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
+    """Also where its second point is in the next one already."""
+    times = [t for t, _ in find_orbit(p, word).points]
+    T = 2 * np.pi / float(p.Omega)
+    assert 0 <= times[0] < T
+    assert times == sorted(times)
+    assert times[-1] < times[0] + T
+
+
+@pytest.mark.parametrize("digits", [None, 20])
+@pytest.mark.parametrize("word", ["P32", "P3232"])
+def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None) -> None:
+    """Their sum and their product are the trace and the determinant of the flow's derivative over the orbit."""
+    orbit = find_orbit(FIG9, word, periods=len(word) // 2, digits=digits)
+    one, other = (complex(value) for value in orbit.multipliers)
+    flow = find.monodromy(orbit.equations(), orbit.phases())
+    assert one + other == pytest.approx(float(flow.trace), rel=1e-9)
+    assert one * other == pytest.approx(float(flow.determinant), rel=1e-9)
+    assert abs(one) < 1
+    assert abs(other) < 1

@@ -139,3 +139,24 @@ def test_even_guesses_cover_all_phases() -> None:
             assert guess.points[:, 1] == pytest.approx(begin + np.pi * periods * np.arange(2))
             assert guess.points[:, 0] == pytest.approx(centre + amplitude * size * np.sin(guess.points[:, 1]))
             assert (guess.periods, guess.defect) == (periods, np.inf)
+
+
+def test_where_a_motion_without_another_event_ends_up_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its last passage: in a domain, on a belt for ever, or on a belt at rest among positions of rest."""
+    run = [Passage(0.0, 1.0, 1, 2), Passage(0.0, 2.0, 1, 1), Passage(0.0, 3.0, 2, 4)]
+    for mode in (1, 2, 3, 4, 5):
+        passed = WordRun([*run, Passage(0.0, 4.0, 1, mode)], END)
+        for positions in (None, (-0.5, 2.25)):
+            asked: list[int] = []
+            monkeypatch.setattr(
+                guesses, "rest_positions", lambda p, belt, asked=asked, at=positions: asked.append(belt) or at
+            )
+            said = guesses.without_word(P32, passed)
+            if mode <= 3:
+                assert said == f"the motion ends up in Omega{mode} and meets no belt any more"
+                assert asked == []
+                continue
+            assert asked == [mode - 3]
+            assert f"on belt {mode - 3}" in said
+            assert ("for ever" in said) == (positions is None)
+            assert ("from -0.5 to 2.25" in said) == (positions is not None)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32_MULTIPLIER
 
+from symosc import simulate
 from symosc.orbits import periodic_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -160,3 +161,16 @@ def re_read(text: str) -> complex:
     plain = re.sub(r" \\cdot 10\^\{(-?\d+)\}", r"e\1", text).replace(r"\,\mathrm{i}", "j").replace(" ", "")
     assert re.fullmatch(r"-?[\d.]+(e-?\d+)?([+-][\d.]+(e-?\d+)?j)?", plain), text
     return complex(plain)
+
+
+def test_a_distance_that_is_allowed_is_near_enough() -> None:
+    """With one of the distances themselves as the limit, the periods are counted up to this one."""
+    orbit, scene = find_orbit(FIG9, "P32"), replace(load_scene("fig9-orbit"), x0=Fraction(4))
+    length, t0 = float(orbit.period), float(scene.t0)
+    path = simulate(scene, t_end=t0 + 20.5 * length)
+    elapsed = length * np.arange(21)
+    away = np.abs(path(t0 + elapsed) - orbit._at(scene, elapsed)).max(axis=0)
+    assert list(away[:4]) == sorted(away[:4], reverse=True)
+    for n in range(3):
+        assert orbit.approach(scene, within=float(away[n])).periods == n
+        assert orbit.approach(scene, within=float(np.nextafter(away[n], 0.0))).periods == n + 1

@@ -174,3 +174,42 @@ def test_with_more_digits_the_engine_is_asked_twice(
     )
     assert failures(fine, "points") == right  # type: ignore[arg-type]
     assert asked == [("root", 30), ("root", 60)][: 1 if engine == 30 else 2]
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
+def test_how_well_a_root_is_determined_does_not_depend_on_the_first_letter(
+    p: Parameters, word: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The limit at which the verdict changes is that of the worst of all phases, wherever the word begins."""
+    limits = []
+    for first in range(1, len(word)):
+        orbit = find_orbit(p, f"P{word[first:]}{word[1:first]}")
+        low, high = -20.0, 0.0  # exponents
+        for _ in range(30):
+            middle = (low + high) / 2
+            monkeypatch.setattr(verification, "MARGINAL", 10.0**middle)
+            ill = verification.ill_conditioned(orbit.equations(), orbit.phases())
+            low, high = (middle, high) if ill else (low, middle)
+        limits.append(low)
+    assert limits == pytest.approx([limits[0]] * len(limits), abs=1e-6)
+    assert -16 < limits[0] < -12
+
+
+def test_the_engine_starts_behind_a_flight_where_the_forces_are_clearest() -> None:
+    """Made up: pieces with belts, sticks among them, and the forces of all domains at their starts."""
+    rng = random.Random(9)
+    for _ in range(60):
+        pieces = [SimpleNamespace(start=rng.choice([1, 2]), sticks=rng.random() < 0.4) for _ in range(5)]
+        forces = [{domain: rng.uniform(-9, 9) for domain in (1, 2, 3)} for _ in pieces]
+        equations: Any = SimpleNamespace(
+            pieces=pieces,
+            belt=lambda number: SimpleNamespace(v=-float(number)),
+            force=lambda domain, x, v, theta, forces=forces: forces[int(x)][domain] if theta == 7.0 else v,
+        )
+        clear = {
+            i: min(abs(forces[i][piece.start]), abs(forces[i][piece.start + 1]))
+            for i, piece in enumerate(pieces)
+            if not pieces[i - 1].sticks
+        }
+        right = max(clear, key=lambda i: clear[i]) if clear else 0
+        assert verification._start(equations, [(float(i), 7.0) for i in range(5)]) == right

@@ -12,6 +12,8 @@ import pytest
 from slow_summary import slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
+from symosc.engine import tally
+from symosc.engine.flow import constants
 from symosc.simulation import batch_loop, chunks
 from symosc.simulation.summary import Summary
 
@@ -204,3 +206,17 @@ def test_what_only_summaries_take_is_refused_for_events(name: str, value: Any) -
     given: Any = {name: value}
     with pytest.raises(ParameterError, match=f"{name} = .* is for summaries"):
         simulate_many(load_scene("fig9").parameters, (0, 0, 0), 3, **given)
+
+
+def test_what_is_left_of_a_time_after_whole_periods() -> None:
+    """Of however many, to the last digits; also just at a period, and next to it."""
+    K, rng = constants(FIG9), random.Random(12)
+    period = Fraction(K.period) + Fraction(K.period_low)
+    assert float(period) == 2 * math.pi / float(FIG9.Omega)
+    whole = [turns * K.period for turns in (1, 2, 3, 1000, 12345678)]
+    times = [math.ldexp(rng.random(), rng.randint(-3, 30)) for _ in range(200)]
+    for tau in [*times, *whole, *(math.nextafter(each, 0.0) for each in whole)]:
+        rest = tally.rest_of(tau, K)
+        assert 0.0 <= rest <= K.period
+        off = (Fraction(tau) - Fraction(rest)) / period
+        assert abs(off - round(off)) * period < 1e-15 * K.period

@@ -2,18 +2,22 @@
 
     python tests/support/mutate.py --seed 1 --count 100 --packages engine mappings orbits grazing crosschecks
 
-The faults go into a copy of the tree. For each, the tests of its package run until the first failure, the test file of
-the module first, and after them the quick tests of the packages that use it. A mutant is numbered by the seed:
-`--numbers 3 17` runs these again, `--list` only shows them. What survives is equivalent, or shows a missing test.
+The faults go into a copy of the tree. For each, the tests run until the first failure, in four rounds: the quick ones
+of the module's own file, those of its package, those of the packages that use it, and the slow ones of its package. A
+mutant is numbered by the seed: `--numbers 3 17` runs these again, `--list` only shows them. What survives is
+equivalent, or shows a missing test. `--rounds 1` is quick; `--rounds 2 3 4 --numbers ...` is for what it leaves.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
+import importlib
 import json
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -24,14 +28,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.figure  # noqa: F401
 import pytest
-import scipy.optimize  # noqa: F401
-import sympy  # noqa: F401
 
 ROOT = Path(__file__).parents[2]
+#: Modules without a test file of their name, and that which tests them. It is read: nothing of the package is imported.
+LAYOUT = (ROOT / "tests" / "test_layout.py").read_text(encoding="utf-8")
+ELSEWHERE = dict(re.findall(r'"([a-z_.*]+)": \("([a-z_0-9/]+\.py)"', LAYOUT))
 COPIED = ("symosc", "tests", "docs", "derivations", "pyproject.toml", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 COPIED += ("CITATION.cff", "LICENSE", "noxfile.py", ".ci", ".pre-commit-config.yaml")
+#: What takes long to import is imported once: each run of tests is a fork of this process.
+LARGE = ("matplotlib.figure", "scipy.integrate", "scipy.optimize", "sympy", "mpmath", "numba", "pandas", "xarray")
+LARGE += ("tabulate", "gmpy2", "flint")
 COMPARED = {
     ast.Lt: (ast.LtE, ast.GtE),
     ast.LtE: (ast.Lt, ast.Gt),
@@ -171,14 +178,17 @@ def chosen(packages: list[str], seed: int, count: int) -> list[Mutant]:
 
 
 def test_files(path: str) -> list[list[str]]:
-    """Return arguments of runs of pytest: tests of the package, slow ones, the quick ones of what uses it."""
+    """Return arguments of runs of pytest: quick tests of the module, its package, what uses it; slow ones."""
     package, name = Path(path).parts[1], Path(path).stem
     own = sorted(str(f.relative_to(ROOT)) for f in (ROOT / "tests" / package).glob(f"test_{name}*.py"))
+    if name and not own and f"{package}.{name}" in ELSEWHERE:
+        own = [f"tests/{ELSEWHERE[f'{package}.{name}']}"]
     others = sorted(str(f.relative_to(ROOT)) for f in (ROOT / "tests" / package).glob("test_*.py"))
     others = [f for f in others if f not in own]
     above = [f"tests/{user}" for user in users_of(package) if (ROOT / "tests" / user).is_dir()]
-    rounds = [[*own, *others, "-m", "not slow"], [*own, *others, "-m", "slow and not campaign"]]
-    return [*rounds, [*above, "-m", "not slow"]] if above else rounds
+    quick, slow = "not slow and not compiled", "(slow or compiled) and not campaign"
+    rounds = [[*own, "-m", quick], [*others, "-m", quick], [*above, "-m", quick], [*own, *others, "-m", slow]]
+    return [each if len(each) > 2 else [] for each in rounds]  # without files pytest would take all
 
 
 def users_of(package: str) -> list[str]:
@@ -195,6 +205,10 @@ def users_of(package: str) -> list[str]:
     return found[1:]
 
 
+#: Bytes that a run of tests may have.
+MEMORY = 6 * 2**30
+
+
 def tested(arguments: list[str], copy: Path, limit: int) -> tuple[str, str]:
     """Run pytest in a fork of this process, which has the large libraries, and return a verdict and what failed."""
     output = copy.parent / "output"
@@ -206,6 +220,7 @@ def tested(arguments: list[str], copy: Path, limit: int) -> tuple[str, str]:
             os.dup2(stream, 1)
             os.dup2(stream, 2)
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+            resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))  # what appends for ever
             signal.alarm(20 * limit)  # what waits for ever
             os.chdir(copy)
             os.environ.update(PYTHONPATH=str(copy), PYTHONDONTWRITEBYTECODE="")
@@ -226,16 +241,17 @@ def tested(arguments: list[str], copy: Path, limit: int) -> tuple[str, str]:
     return "killed", failed[0]
 
 
-def tried(mutant: Mutant, copy: Path, limit: int, rounds: int) -> tuple[str, str]:
+def tried(mutant: Mutant, copy: Path, limit: int, rounds: list[int]) -> tuple[str, str]:
     """Return "killed", "timeout" or "survived", and what killed it."""
     path = copy / mutant.path
     whole, times = path.read_bytes(), path.stat()
     path.write_bytes(whole[: mutant.span[0]] + mutant.after.encode() + whole[mutant.span[1] :])
     try:
-        for number, arguments in enumerate(test_files(mutant.path)[:rounds]):
-            verdict, by = tested(arguments, copy, limit)
-            if verdict == "killed" or (verdict == "timeout" and number == 0):  # the first round is known to end
-                return verdict, by
+        for number in rounds:
+            if arguments := test_files(mutant.path)[number - 1]:
+                verdict, by = tested(arguments, copy, limit if number < 3 else 5 * limit)
+                if verdict == "killed" or (verdict == "timeout" and number < 3):  # these are known to end
+                    return verdict, by
     finally:
         path.write_bytes(whole)
         os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))  # numba keeps what it compiled from it
@@ -249,8 +265,15 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--packages", nargs="+", default=["mappings", "orbits", "grazing", "crosschecks", "engine"])
     parser.add_argument("--numbers", nargs="+", type=int, help="only these")
-    parser.add_argument("--rounds", type=int, default=3, help="1: quick tests of the package, 2: + slow, 3: + users")
-    parser.add_argument("--limit", type=int, default=300, help="seconds of processor time for a run of tests")
+    parser.add_argument(
+        "--rounds",
+        type=int,
+        nargs="+",
+        default=[1, 2, 3, 4],
+        help="quick tests of 1 module, 2 package, 3 users; 4 slow",
+    )
+    parser.add_argument("--limit", type=int, default=60, help="seconds of processor time for one of the first rounds")
+    parser.add_argument("--sound", action="store_true", help="the tests are known to pass without a fault")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--log", type=Path, help="a file to which results are added, line by line")
     options = parser.parse_args()
@@ -258,14 +281,19 @@ def main() -> None:
     mutants = chosen(options.packages, options.seed, options.count)
     numbers = options.numbers or range(len(mutants))
     counts = {"killed": 0, "timeout": 0, "survived": 0}
+    for name in LARGE if not options.list else ():
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "copy"
         copy.mkdir()
         for name in COPIED if not options.list else ():
             source = ROOT / name
             (shutil.copytree if source.is_dir() else shutil.copy2)(source, copy / name)
-        for package in [] if options.list else sorted({Path(mutants[number].path).parts[1] for number in numbers}):
-            found = tested(test_files(f"symosc/{package}/")[0], copy, options.limit)
+        for package in (
+            [] if options.list or options.sound else sorted({Path(mutants[number].path).parts[1] for number in numbers})
+        ):
+            found = tested(test_files(f"symosc/{package}/")[1], copy, options.limit)
             assert found == ("survived", ""), f"the tests of {package} fail without a fault: {found}"
         for number in numbers:
             mutant = mutants[number]
