@@ -52,8 +52,9 @@ def score(
       symosc score cases mine.json --tolerance 1e-6 --json
     """
     piped = goes_to_stdout(picture, "--plot", as_json)
+    from symosc.reference.compare import SCORE_TOLERANCE
     from symosc.reference.results import read_results
-    from symosc.reference.score import SCORE_TOLERANCE, read_tolerance
+    from symosc.reference.score import read_tolerance
     from symosc.reference.score import score as judged
     from symosc.reference.score_table import as_text
     from symosc.reference.stored import read_set

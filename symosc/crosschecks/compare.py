@@ -33,7 +33,7 @@ from symosc.model import Parameters
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
-from symosc.simulation.workers import Progress
+from symosc.simulation.workers import Progress, read_workers
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 
@@ -107,6 +107,7 @@ def crosscheck(
     """
     judge = partial(judged, *_limits(scene, tolerance, global_tolerance))
     found = given_solutions(judge.args[0], (t, x, v), events, columns)
+    read_workers(workers)
     return judge(found[0]) if len(found) == 1 else check_all(judge, found, workers, progress)
 
 

@@ -13,6 +13,7 @@ from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues, clue_samples
 from symosc.crosschecks.faults import REASONS
 from symosc.crosschecks.other_models import AS_GOOD, ENOUGH
+from symosc.crosschecks.smoothed_flights import smoothed_flights
 from symosc.engine.next_event import TWO_PI
 
 # A cause that explains less of the wrong steps is not named.
@@ -93,6 +94,7 @@ def _methods(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 
 
 def _sticks(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+    yield from smoothed_flights(clues)
     yield from friction_clues.at_belts(clues)
     yield from stick_clues.stick_ends(clues)
     yield from stick_clues.drift_within_steps(clues)

@@ -72,7 +72,7 @@ def _plain(where: str, data: Any, name: str) -> Any:
     try:
         return data[name]
     except ValueError:
-        what = f"{name} must be an array of numbers (events: of text), not of Python objects"
+        what = f"{name} must be an array of numbers (events, id: of text), not of Python objects"
         raise ParameterError("file", where, what) from None
 
 

@@ -14,8 +14,13 @@ from symosc.crosschecks.steps import follow_steps
 from symosc.kernels._generated import acceleration
 from symosc.model import NEIGHBOURS
 
-#: Smoothed friction, from -1 to 1 over (v - v_belt)/width: the curve's inverse, and the integral of the curve less the
-#: sign, over the gap, in units of the width.
+#: Smoothed friction, from -1 to 1 over (v - v_belt)/width.
+SMOOTH_CURVES: dict[str, Callable[[Any], Any]] = {
+    "tanh": np.tanh,
+    "arctan": lambda z: np.arctan(z) * (2.0 / np.pi),
+    "z/sqrt(1 + z^2)": lambda z: z / np.sqrt(1.0 + z * z),
+}
+#: Of each curve the inverse, and the integral of the curve less the sign, over the gap, in units of the width.
 CURVES: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
     "tanh": (np.arctanh, lambda z: np.log1p(np.exp(-2.0 * np.abs(z))) - np.log(2.0)),
     "arctan": (
@@ -58,7 +63,7 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
     name, width, error, spread = min(curves, key=lambda curve: curve[3])
     if spread <= SAME_WIDTH:
         evidence = f"in sticks v creeps off the belt by the {name} of the needed friction, {len(steps)} samples"
-        yield _smoothed(name, width, error, evidence, 1.0)
+        yield smoothed(name, width, error, evidence, 1.0)
         return
     runs = np.diff(steps) == 1
     turned = float(np.mean(gap[1:][runs] * gap[:-1][runs] < 0.0)) if np.any(runs) else 0.0
@@ -76,7 +81,8 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
         yield Diagnosis("drift", "", words, f"{len(gap)} samples, on one side of the belt", largest, None, share)
 
 
-def _smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
+def smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
+    """Return that friction is smoothed, by a curve of some width."""
     words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
     return Diagnosis("smoothed friction", name, words, evidence, width, error, share)
 
@@ -153,7 +159,7 @@ def smoothed_passages(clues: Clues) -> Iterator[Diagnosis]:
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
         # One width for all steps says more than a delay for each.
         share = float(np.mean(misses < 2.0 * SAME_WIDTH)) + (0.01 if middle <= FIRST_ORDER else 0.0)
-        yield _smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
+        yield smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
 
 
 def _paths(clues: Clues, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, inf, pi
+from math import ceil, inf, isfinite, nan, pi
 from typing import Any
 
 import numpy as np
 
 from symosc.crosschecks.samples import Samples, checked
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, brief
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Trajectory
@@ -92,10 +92,22 @@ def _asked(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
         return states
     if states.shape == (len(times), 2):
         return states.T
-    single = [np.ravel(function(time)) for time in times.tolist()]
+    single = [np.ravel(_at(function, time)) for time in times.tolist()]
     if any(len(state) != 2 for state in single):
         raise ParameterError("function", len(single[0]), "must return two numbers, x and v; it returned so many")
     return np.array(single).T
+
+
+def _at(function: Callable[..., Any], time: float) -> Any:
+    try:
+        return function(time)
+    except ParameterError:
+        raise
+    except Exception as error:  # it is somebody's; the traceback goes on to its own line
+        what = brief(f"{type(error).__name__}: {error}".partition("\n")[0])
+        raise ParameterError(
+            "function", getattr(function, "__name__", "?"), f"fails at t = {time:g}: {what}"
+        ) from error
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
@@ -111,6 +123,23 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
     return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
 
 
+def _times(values: Any) -> list[float]:
+    try:
+        found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
+    except (TypeError, ValueError):
+        found = [nan]
+    if not all(map(isfinite, found)):
+        raise ParameterError("t_events", brief(repr(values)), "must be lists of finite times")
+    return found
+
+
+def _speed(states: Any, i: int, j: int) -> float:
+    try:
+        return float(np.ravel(states[i][j])[-1])
+    except (IndexError, KeyError, TypeError, ValueError):
+        raise ParameterError("y_events", type(states).__name__, "must have x and v for each of t_events") from None
+
+
 def solver_events(
     result: Any, problem: SolverTask | None
 ) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
@@ -124,9 +153,9 @@ def solver_events(
         return None, ()
     p, found, beside = problem.parameters, [], 0
     belts = np.array([float(p.v1), float(p.v2)])
-    for i, times in enumerate(lists):
-        for j, time in enumerate(np.ravel(times).tolist()):
-            v = float(np.ravel(states[i][j])[-1]) if states is not None else belts[0]
+    for i, times in enumerate(lists if np.iterable(lists) else [nan]):
+        for j, time in enumerate(_times(times)):
+            v = belts[0] if states is None else _speed(states, i, j)
             near = np.min(np.abs(v - belts)) <= AT_BELT * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
             found += [time] if near else []
             beside += not near

@@ -74,11 +74,17 @@ def repeated(clues: Clues) -> Iterator[Diagnosis]:
     inside = clues.inside[clues.wrong[clues.inside]]
     at_events = clues.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = clues.some(inside, MOST_REPEATED)
+    # Where most steps with events have a sample on the belt at an end, the events are located.
+    passed = 2 * np.sum((clues.label[at_events] > 0) & (clues.label[at_events + 1] > 0)) > len(at_events)
     for count in SUBSTEPS:
         for name, method in FIXED_STEP_METHODS.items():
             events, others = (_share_repeated(clues, chosen, method, count) for chosen in (at_events, flights))
             h = float(np.median(clues.steps.t[wrong + 1] - clues.steps.t[wrong])) / count
-            if len(at_events) and events >= 0.8 and (others >= 0.8 or len(flights) < 3):
+            if (
+                (passed or (len(at_events) and method is None))
+                and events >= 0.8
+                and (others >= 0.8 or len(flights) < 3)
+            ):
                 unseen = clues.label[at_events + 1] == clues.label[at_events]
                 yield _not_located(clues, name, h, events, count == 1 and 2 * np.sum(unseen) > len(unseen))
                 return

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import redirect_stdout
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
+from inspect import iscoroutine
 from pathlib import Path
 from traceback import extract_tb
 from typing import Any
@@ -40,6 +41,9 @@ def run_solver(name: str, scene: Scene) -> Any:
             solution = solve(scene.parameters, *start)
         except (Exception, SystemExit) as error:
             raise ParameterError("solver", name, f"failed: {_reason(error)}") from None
+    if iscoroutine(solution):
+        solution.close()  # or it says on standard error that nobody waited for it
+        raise ParameterError("solver", name, "is async; it must return a solution")
     if solution is None:
         raise ParameterError("solver", name, "returned None; it must return a solution")
     return solution

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
@@ -22,10 +23,12 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import Course, chosen_loops, followed, joined
+from symosc.simulation.batch_loop import Course, Patience, chosen_loops, followed, joined
 
-# Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`.
+# Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`. So are fewer ones
+# once they have taken some time together, as in the diagnoses of many solutions: to load takes a second.
 COMPILE_FROM = 4000
+FEW_STEPS = Patience(3.0)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: what they need besides the result stays in the processor's cache.
 STEPS_TOGETHER = 1 << 16
@@ -233,9 +236,10 @@ def followed_rows(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
-    loops = chosen_loops(False if len(rows) < COMPILE_FROM else None)
+    few = len(rows) < COMPILE_FROM and FEW_STEPS.left > 0.0
     course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
-    numbers, table = joined(followed(loops.follow, batch, course))
+    with FEW_STEPS.used() if few else nullcontext():
+        numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
     t, x, theta = numbers[:, [0, 1, 3]].T
     found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
     doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))

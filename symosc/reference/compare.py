@@ -20,6 +20,12 @@ from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
+#: The error that an event may have in a score.
+SCORE_TOLERANCE = 1e-9
+#: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
+ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
+#: How near, in forcing periods, an event of another kind stands for one that is not there.
+KIND_WINDOW = 0.005
 #: Digits of the runs that errors are measured against.
 REFERENCE_DIGITS = 40
 # A match at the border of the window counts for this part of an exact one: two far ones beat a near one.

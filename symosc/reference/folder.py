@@ -22,10 +22,12 @@ from tabulate import tabulate
 
 import symosc
 from symosc.aliases import Record
+from symosc.crosschecks.events import WINDOW
 from symosc.exact import show
 from symosc.files import check_folder, write_folder
 from symosc.model import PARAMETER_NAMES
 from symosc.reference.case import GIVEN_DIGITS, ReferenceCase
+from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
 from symosc.reference.sets import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.simulation.simulate import simulate
 
@@ -86,7 +88,7 @@ def write_cases(
         if progress:
             progress(1)
     texts[CASES_TABLE] = _csv(TABLE_COLUMNS, rows)
-    texts["README.md"] = _readme(rows)
+    texts["README.md"] = _readme(rows, max(map(len, texts[CASES_TABLE].splitlines())))
     texts[MANIFEST] = _manifest(rows, texts)
     return write_folder(path, texts, _of_an_earlier_run)
 
@@ -197,7 +199,7 @@ def _samples(case: ReferenceCase) -> list[Record]:
     return [{"t": repr(t), "x": f"{x:.15g}", "v": f"{v:.15g}", "mode": mode} for t, _, x, v, mode in rows]
 
 
-def _readme(rows: Sequence[Record]) -> str:
+def _readme(rows: Sequence[Record], longest: int) -> str:
     counts = [
         (group, sum(row["group"] == group for row in rows), hard)
         for group, hard in CASE_GROUPS.items()
@@ -208,6 +210,12 @@ def _readme(rows: Sequence[Record]) -> str:
         "COUNT": len(rows),
         "PROVEN": sum(row["proven"] == "yes" for row in rows),
         "SHOWN_PERIODS": SHOWN_PERIODS,
+        "LONGEST": longest,
+        "WINDOW": WINDOW,
+        "KIND_WINDOW": KIND_WINDOW,
+        "TOLERANCE": f"{SCORE_TOLERANCE:g}",
+        "UNIT": f"{ROUNDING_UNIT:g}",
+        "UNITS": f"{UNITS_ALLOWED:g}",
         "GROUPS": tabulate(counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True),
     }
     text = (files("symosc.reference") / "formats.txt").read_text(encoding="utf-8")

@@ -26,15 +26,9 @@ from symosc.crosschecks.matching import RETURNS
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent
-from symosc.reference.compare import FoundEvents, align
+from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, FoundEvents, align
 from symosc.reference.results import CaseResult, GivenEvent, Results
 from symosc.reference.stored import StoredCase
-
-SCORE_TOLERANCE = 1e-9
-#: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
-ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
-#: How near, in forcing periods, an event of another kind stands for one that is not there.
-KIND_WINDOW = 0.005
 
 
 class Wrong(NamedTuple):

@@ -8,7 +8,8 @@ from itertools import chain
 
 from tabulate import tabulate
 
-from symosc.reference.score import UNITS_ALLOWED, CaseScore, Score, by_group
+from symosc.reference.compare import UNITS_ALLOWED
+from symosc.reference.score import CaseScore, Score, by_group
 
 #: Faults of a solver that are listed one by one.
 MOST_LISTED_FAULTS = 40
@@ -81,11 +82,13 @@ def _sums(scores: Sequence[Score]) -> list[list[str]]:
     return rows
 
 
-def case_table(scores: Sequence[Score], form: str = "simple") -> str:
-    """Return one row per case; for one solver its errors and seconds as well."""
+def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
+    """Return one row per case, perhaps without those of which nobody has results; for one solver more columns."""
     heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
+        if not (with_absent or any(score.cases[i].given or score.cases[i].note for score in scores)):
+            continue
         row = [case.name, str(case.events), f"{case.condition:.0e}" if case.condition else ""]
         row += [case_cell(score.cases[i]) for score in scores]
         rows.append(row + [_small(value) for value in (case.error_t, case.error_x, case.seconds)] if alone else row)
@@ -125,7 +128,7 @@ def legend(score: Score) -> list[str]:
 def as_text(scores: Sequence[Score]) -> str:
     """Return everything for the terminal."""
     found = list(chain.from_iterable(_listed(score) for score in scores))
-    parts = [case_table(scores), group_table(scores), *found, "\n".join(legend(scores[0]))]
+    parts = [case_table(scores, with_absent=False), group_table(scores), *found, "\n".join(legend(scores[0]))]
     return "\n\n".join([*parts, "\n".join(verdict(score) for score in scores)])
 
 

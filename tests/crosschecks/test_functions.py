@@ -44,8 +44,10 @@ def test_what_is_no_solution_of_a_function() -> None:
         crosscheck(FIG9.parameters, lambda t: (t, t))
     with pytest.raises(ParameterError, match="must return two numbers"):
         crosscheck("fig9", lambda t: t)
-    with pytest.raises(ZeroDivisionError):  # an error of the function itself
-        crosscheck("fig9", lambda t: (t / 0, 1))
+    for function, kind in ((lambda t: (t / 0, 1), ZeroDivisionError), (lambda: (0, 0), TypeError)):
+        with pytest.raises(ParameterError, match=rf"fails at t = 0.1324: {kind.__name__}: ") as caught:
+            crosscheck("fig9", function)
+        assert isinstance(caught.value.__cause__, kind)  # an error of the function itself, with its place
     with pytest.raises(ParameterError, match=r"x\[0\] = nan"):
         crosscheck("fig9", lambda t: (np.nan, 1))
 
@@ -61,3 +63,19 @@ def test_only_events_at_a_belt_count_and_each_once() -> None:
     assert notes[1] == "1 of the solver's t_events are not at a belt, and left out"
     assert solver_events(SimpleNamespace(t_events=None), solver_task(FIG9)) == (None, ())
     assert solver_events(result, None) == (None, ())
+
+
+@pytest.mark.parametrize(
+    ("t_events", "y_events", "words"),
+    [
+        ([["a"]], None, "must be lists of finite times"),
+        ([[np.nan]], None, "must be lists of finite times"),
+        (5, None, "must be lists of finite times"),
+        ([[1.0, 2.0]], [[[0, 1]]], "must have x and v for each of t_events"),
+        ([[1.0]], [[[None]]], "must have x and v for each of t_events"),
+    ],
+)
+def test_events_of_a_solver_that_are_none(t_events: object, y_events: object, words: str) -> None:
+    result = SimpleNamespace(t_events=t_events, y_events=y_events)
+    with pytest.raises(ParameterError, match=words):
+        solver_events(result, solver_task(FIG9))

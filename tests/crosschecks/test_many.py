@@ -73,6 +73,8 @@ def test_arguments() -> None:
     for options in ({"workers": 0}, {"workers": "two"}, {"progress": 5}, {"events": [(1.0, "cross")]}):
         with pytest.raises(ParameterError):
             crosscheck("fig9", THREE, **options)
+    with pytest.raises(ParameterError, match="workers"):  # one solution has no use for them
+        crosscheck("fig9", COLUMNS, workers=0)
 
 
 def test_a_row_says_what_its_check_says() -> None:

@@ -29,3 +29,13 @@ def test_a_method_that_goes_over_events_chatters() -> None:
     first = crosscheck(scene, t[::4], x[::4], v[::4]).diagnosis[0]
     assert (first.cause, first.subject) == ("chatter", "RK4")
     assert first.value == pytest.approx(0.0125)
+
+
+@pytest.mark.parametrize("method", ["euler", "rk4"])
+def test_a_method_whose_events_are_samples_does_not_go_over_them(method: str) -> None:
+    """Steps end and begin at the events, with v at the belt's speed: these are located, however wrong the flights."""
+    scene = load_scene("fig6")
+    run = Solver(scene.parameters, Flaw(method=method), joints=True).run(np.linspace(0, 20, 61), 0.0, 5.0)
+    assert len(run.events) == 3
+    first = crosscheck(scene, *run.arrays()).diagnosis[0]
+    assert (first.cause, first.subject) == ("truncation", NAMES[method])

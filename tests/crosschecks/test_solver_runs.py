@@ -25,6 +25,8 @@ def broken(*start):
 def leaves(*start):
     raise SystemExit(3)
 number = 5
+async def later(*start):
+    return start
 """
 
 
@@ -48,6 +50,7 @@ def test_a_function_gets_the_problem(
         ("solver_of_a_test:broken", r"failed: ZeroDivisionError: division by zero \(line 12 of solver_of_a_test.py\)"),
         ("solver_of_a_test:leaves", "failed: SystemExit: 3"),
         ("solver_of_a_test:number", "is no function of"),
+        ("solver_of_a_test:later", "is async"),
         ("solver_of_a_test:other", "is no function of"),
         ("no_such_module:solve", "cannot be imported: ModuleNotFoundError"),
         ("no_such_file.py:solve", "cannot be imported: FileNotFoundError"),

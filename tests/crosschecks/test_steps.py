@@ -59,3 +59,21 @@ def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
     assert result.ok
     assert [match.event for match in result.matched] == list(exact.events)
     assert set(range(300)) <= set(interpreted)
+
+
+def test_few_steps_again_and_again_are_a_matter_of_the_compiler_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first ones are interpreted and count; when they have taken their time, compiled code is asked for."""
+    asked, choose = [], batch_loop.chosen_loops
+
+    def noted(use_numba: bool | None) -> batch_loop.Loops:
+        asked.append(use_numba)
+        return choose(False)
+
+    monkeypatch.setattr(steps, "chosen_loops", noted)
+    monkeypatch.setattr(steps, "FEW_STEPS", batch_loop.Patience(1e-6))
+    t = np.linspace(0.0, 7.0, 100)
+    crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
+    assert set(asked) == {False}
+    assert steps.FEW_STEPS.left < 0
+    crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
+    assert asked[-1] is None

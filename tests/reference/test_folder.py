@@ -17,6 +17,7 @@ from symosc import OutputError, ResultError, load_scene, simulate
 from symosc.certificates.verify_orbits import verify
 from symosc.reference import case, folder
 from symosc.reference.case import COMPUTED
+from symosc.reference.compare import SCORE_TOLERANCE
 from symosc.reference.folder import SET_FORMAT, checksum, exact_text, write_cases
 from symosc.reference.stored import read_set
 
@@ -115,8 +116,11 @@ def test_checksums_and_readme(written: Path) -> None:
     assert f"{len(small_set())} cases" in text
     for file in ("cases.csv", "case.toml", "events.csv", "trajectory.csv", "certificate.json"):
         assert f"{file}`" in text
-    with (written / "cases.csv").open() as table:
-        assert all(f"`{name}`" in text or name in ("proven",) for name in table.readline().strip().split(","))
+    lines = (written / "cases.csv").read_text().splitlines()
+    assert all(f"`{name}`" in text for name in lines[0].split(","))
+    assert f"longest has {max(map(len, lines))} characters" in " ".join(text.split())
+    assert all(len(line.split(",")) == len(lines[0].split(",")) and ",," not in f"{line}," for line in lines)
+    assert f"may be {SCORE_TOLERANCE:g}" in text
 
 
 def content(path: Path) -> dict[str, bytes]:

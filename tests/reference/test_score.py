@@ -12,11 +12,9 @@ from small_set import right, stored_set
 
 from symosc import ParameterError
 from symosc.crosschecks.events import WINDOW
+from symosc.reference.compare import KIND_WINDOW, SCORE_TOLERANCE, UNITS_ALLOWED
 from symosc.reference.results import CaseResult, GivenEvent
 from symosc.reference.score import (
-    KIND_WINDOW,
-    SCORE_TOLERANCE,
-    UNITS_ALLOWED,
     CaseScore,
     judge_case,
     read_tolerance,
@@ -217,3 +215,12 @@ def test_tables_say_what_is_wrong_in_every_form() -> None:
     assert "&lt;c&gt;" in html
     assert "<c>" not in html
     assert html.count("<table>") == 2
+
+
+def test_the_terminal_leaves_out_cases_without_results() -> None:
+    cases = list(CASES.values())
+    some = score("some", cases, {cases[0].name: right(cases[0])})
+    text, page = as_text([some]), as_markdown([some], "Scores", 1)
+    assert [case.name for case in cases if f"{case.name} " in text] == [cases[0].name]
+    assert all(f"| {case.name} " in page for case in cases)
+    assert f"{len(cases) - 1} cases without results" in text
