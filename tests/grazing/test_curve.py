@@ -85,3 +85,14 @@ def test_figure_shows_every_piece() -> None:
     assert len(flight.lines) == sum(1 + 2 for _ in curve.pieces)  # a line and two ends each
     assert len(flight.patches) == len(curve.gaps)
     assert plane.get_title()
+
+
+def test_progress_tells_the_part_of_the_phases() -> None:
+    parts: list[float] = []
+    p = load_scene("fig9").parameters
+    curve = grazing_curve(p, "P2", 40, progress=lambda part, all: parts.append(part / all))
+    assert curve == grazing_curve(p, "P2", 40)
+    assert parts == [n / 40 for n in range(1, 41)]
+    parts.clear()
+    solve_grazing(p, "P2", x_i=4, n=40, progress=lambda part, all: parts.append(part / all))
+    assert parts[-1] == 1.0
