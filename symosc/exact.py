@@ -100,14 +100,21 @@ def _read_mpf(name: str, value: Any) -> Fraction:
     return -magnitude if sign else magnitude
 
 
+def _is_truth(value: object) -> bool:
+    """Tell whether this is a truth value, of Python or of numpy, which is not loaded for this."""
+    return type(value).__name__ in ("bool", "bool_")
+
+
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
+    if _is_truth(value):
+        raise ParameterError(name, value, allowed)
     try:
         number = operator.index(value)
     except TypeError:
         raise ParameterError(name, value, allowed) from None
-    if isinstance(value, bool) or number < least or (most is not None and number > most):
+    if number < least or (most is not None and number > most):
         raise ParameterError(name, value, allowed)
     return number
 
@@ -125,7 +132,7 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
 
 def true_or_false(name: str, value: object) -> bool:
     """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
-    if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
+    if _is_truth(value):
         return bool(value)
     raise ParameterError(name, value, "must be True or False")
 

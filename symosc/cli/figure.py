@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
 
 from symosc.cli.output import counted, undecidable, write
+from symosc.cli.quick_drawing import load_matplotlib, without_collection
 from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
 
 if TYPE_CHECKING:
@@ -48,7 +46,8 @@ def figure(
     """
     piped = goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
-    with without_collection():  # a tenth of the time, while matplotlib loads and draws
+    with without_collection():
+        load_matplotlib()
         trajectory = _drawn(problem, output, t_end, panels, boundary, columns)
     if piped:
         return int(undecidable(trajectory))
@@ -69,15 +68,3 @@ def _drawn(
     trajectory = plot.simulated(problem, t_end)
     plot.save(plot.figure(trajectory, panels=panels, boundary=boundary, columns=columns), output)
     return trajectory
-
-
-@contextmanager
-def without_collection() -> Iterator[None]:
-    """Let Python collect no garbage for a while."""
-    before = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if before:
-            gc.enable()

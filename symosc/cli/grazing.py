@@ -141,7 +141,7 @@ def _decided(
         return windows, []
     from symosc.grazing.check import check_grazing
 
-    return windows, [check_grazing(p, mapping, n=phases) for mapping in mappings]
+    return windows, [check_grazing(p, mapping, n=phases, progress=True) for mapping in mappings]
 
 
 def _show(
@@ -218,7 +218,7 @@ def _plane(axes: Axes, window: GrazingWindow) -> None:
     from symosc.grazing.curve import grazing_curve
     from symosc.plot.curve import draw_plane
 
-    draw_plane(axes, grazing_curve(window.parameters, window.mapping))
+    draw_plane(axes, grazing_curve(window.parameters, window.mapping, progress=True))
 
 
 def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:

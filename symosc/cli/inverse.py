@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.cli.output import write, write_json
+from symosc.display.progress import late_bar
 from symosc.mappings.theorem7_cases import place
 
 if TYPE_CHECKING:
@@ -31,7 +32,12 @@ def solve(
         raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
     if output is not None and (p is None or isinstance(asked, str) or phases is None or len(mappings) != 1):
         raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
-    found = [each for mapping in _depending(mappings, asked) for each in _answers(p, mapping, asked, phases, order)]
+    asked_of, found = _depending(mappings, asked), []
+    with late_bar(True, "solve", "maps") as advance:
+        for count, mapping in enumerate(asked_of, start=1):
+            found += _answers(p, mapping, asked, phases, order)
+            if advance:
+                advance(count / len(asked_of), count)
     if output is not None:
         _draw(found[0], output)
     if piped:

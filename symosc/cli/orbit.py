@@ -95,7 +95,7 @@ def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
     from symosc.orbits.continuation import continue_orbit
 
     name, limits = read_span(span, "--continue")
-    return continue_orbit(found.parameters, found.word, name, limits, found, periods=periods)
+    return continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
 
 
 def read_span(span: str, option: str) -> tuple[str, tuple[str, str]]:

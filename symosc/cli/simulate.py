@@ -57,7 +57,7 @@ def simulate(
     if start_error is not None:
         parts = start_error.split(",")
         known["start_error"] = read_start_error(parts if len(parts) > 1 else start_error)
-    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits, **known)
+    trajectory = symosc.simulate(problem, max_events=max_events, digits=digits, progress=True, **known)
     if csv_path is not None:
         trajectory.to_csv(csv_path)
     if piped:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from datetime import timedelta
 from threading import Lock, Timer
 from time import monotonic
@@ -18,6 +18,8 @@ from symosc.errors import ParameterError
 
 #: Gets how much is done, and how much there is in all.
 Report = Callable[[float, float], Any]
+#: Gets which part of the work is done, from 0 to 1, and how many things that took; None: nobody wants to know.
+Advance = Callable[[float, int], Any] | None
 #: How much is told: results and errors alone; notes, and bars on a terminal; what was done and how long it took too.
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 #: Seconds until work of unknown length shows that it goes on, and between two pictures of a bar.
@@ -82,12 +84,66 @@ def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
 
 
 @contextmanager
+def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
+    """Return what is called with the part that is done; a bar is shown once the work has taken two seconds.
+
+    The part may fall back to 0 where work is begun anew; rate and time left are then told anew.
+
+    Parameters
+    ----------
+    progress, label : bool or callable, str
+        As for `reporting`; the numbers that a callable gets are the part that is done, and 1.
+    unit : str
+        What is counted beside the part, such as events.
+    """
+    if callable(progress):
+        yield lambda part, count: progress(part, 1.0)
+    elif not isinstance(progress, bool):
+        raise ParameterError("progress", progress, "must be True, False or a function of two numbers: done, and all")
+    elif not (progress and shows_bars()):
+        yield None
+    else:
+        with ExitStack() as stack:
+            yield _LateBar(stack, label, unit).advance
+
+
+class _LateBar:
+    """A bar for work of which nobody knows before that it takes long."""
+
+    def __init__(self, stack: ExitStack, label: str, unit: str) -> None:
+        self.stack, self.label, self.unit = stack, label, unit
+        self.first = self.since = monotonic()
+        self.part = 0.0
+        self.show: Callable[[float, float, str], None] | None = None
+
+    def advance(self, part: float, count: int) -> None:
+        now, again = monotonic(), part < self.part
+        self.part = part
+        if again:
+            self.since = now
+        elif self.show is not None:
+            seconds = now - self.since
+            left = pace(part, 1 - part, seconds, "")
+            self.show(part, 1.0, f"{_rate(count / max(seconds, 1e-9), self.unit)}, {left}")
+        elif now - self.first >= SECONDS_UNTOLD:
+            self.show = self.stack.enter_context(_drawn(self.label, 0, 1.0, ""))
+
+
+@contextmanager
 def _bar(label: str, there: float, total: float, unit: str) -> Iterator[Report]:
+    begin = monotonic()
+    with _drawn(label, there, total, unit) as show:
+        yield lambda done, of: show(done, of, pace(done - there, of - done, monotonic() - begin, unit))
+
+
+@contextmanager
+def _drawn(label: str, there: float, total: float, unit: str) -> Iterator[Callable[[float, float, str], None]]:
+    """Return what draws a bar that says so much is done of so much, and a text; not more often than one can see."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     pause_working()
-    begin, last = monotonic(), -LEAST_PAUSE
+    last = -LEAST_PAUSE
     counted = MofNCompleteColumn() if unit else TextColumn("{task.percentage:.0f} %")
     columns = TextColumn("{task.description}"), BarColumn(), counted, TextColumn("{task.fields[pace]}")
     # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
@@ -96,16 +152,14 @@ def _bar(label: str, there: float, total: float, unit: str) -> Iterator[Report]:
         shown.update(task, completed=there)
         shown.refresh()
 
-        def report(done: float, of: float) -> None:
+        def show(done: float, of: float, said: str) -> None:
             nonlocal last
             now = monotonic()
-            at_the_end = done >= of
-            if at_the_end or now - last >= LEAST_PAUSE:
+            if done >= of or now - last >= LEAST_PAUSE:
                 last = now
-                said = pace(done - there, of - done, now - begin, unit)
                 shown.update(task, completed=done, total=of, pace=said, refresh=True)
 
-        yield report
+        yield show
 
 
 def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str:
@@ -120,9 +174,12 @@ def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str
         What is counted; "": only the time is told.
     """
     rate = done / max(seconds, 1e-9)
-    shown = f"{rate:,.0f}" if rate >= 10 else f"{rate:.2g}"
     time = timedelta(seconds=round(left / max(rate, 1e-9))) if done > 0 or left == 0 else "?"
-    return f"{shown} {unit}/s, {time} left" if unit else f"{time} left"
+    return f"{_rate(rate, unit)}, {time} left" if unit else f"{time} left"
+
+
+def _rate(rate: float, unit: str) -> str:
+    return f"{rate:,.0f} {unit}/s" if rate >= 10 else f"{rate:.2g} {unit}/s"
 
 
 class _Working:

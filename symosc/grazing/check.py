@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Expr, Number, Record
+from symosc.display.progress import Advance, late_bar
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, NOT_DECIDED, YES, Ways
@@ -119,7 +120,9 @@ class GrazingReport:
         return "\n".join(lines)
 
 
-def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0) -> GrazingReport:
+def check_grazing(
+    p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Any = False
+) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 
     Parameters
@@ -131,6 +134,9 @@ def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int 
         Random phases, at most a million; some hundred adversarial ones come on top.
     seed : int
         Of the random phases.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: the part that is done, and 1.
 
     Raises
     ------
@@ -147,13 +153,11 @@ def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int 
     n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
-    if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
-    if p.B0 == 0 and window.speed == 0:
-        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
+    _refuse_without_contact(window)
     check = _Check(window)
-    check.random(np.random.default_rng(seed).uniform(0.0, 2 * pi, n))
-    check.adversarial()
+    with late_bar(progress, f"check {mapping}", "phases") as advance:
+        check.everywhere(np.random.default_rng(seed).uniform(0.0, 2 * pi, n), advance)
+        check.adversarial()
     return GrazingReport(
         mapping=mapping,
         window=repr(window),
@@ -173,6 +177,15 @@ def check_grazing(p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int 
     )
 
 
+def _refuse_without_contact(window: GrazingWindow) -> None:
+    """Raise ParameterError where there is no isolated contact to check."""
+    p = window.parameters
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
+    if p.B0 == 0 and window.speed == 0:
+        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
+
+
 class _Check:
     """The counters of a check."""
 
@@ -185,6 +198,14 @@ class _Check:
         self.closest_phase = inf
         self.orders: Counter[int] = Counter()
         self.n_grazing = self.n_adversarial = self.finely = 0
+
+    def everywhere(self, theta: np.ndarray, advance: Advance) -> None:
+        """Decide random phases, in parts of CHECK_PHASES."""
+        for begin in range(0, len(theta), CHECK_PHASES):
+            part = theta[begin : begin + CHECK_PHASES]
+            self.random(part)
+            if advance:
+                advance((begin + len(part)) / len(theta), begin + len(part))
 
     def random(self, theta: np.ndarray) -> None:
         """Decide phases in double precision; what that leaves open, one by one."""

@@ -9,10 +9,12 @@ it touches the other belt or its own on the way, or it has met no belt.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
 from symosc.display.drawable import Drawable
+from symosc.display.progress import late_bar
 from symosc.exact import whole_number
 from symosc.grazing.origin import Origins
 from symosc.grazing.phase_runs import PhaseRun, arcs_of, cut, filled, phases_of
@@ -150,7 +152,7 @@ class GrazingCurve(Drawable):
         return self._source.origins
 
 
-def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> GrazingCurve:
+def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progress: Any = False) -> GrazingCurve:
     """Return the curve of the starts from which a mapping grazes, with its ends located.
 
     Parameters
@@ -161,6 +163,9 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> Grazing
     n : int
         Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
         the other belt jumps; elsewhere it may be overlooked. A piece shorter than 1e-6 is always overlooked.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: the part that is done, and 1.
 
     Raises
     ------
@@ -179,8 +184,17 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS) -> Grazing
     tracer = Tracer(p, mapping)
     arcs = arcs_of(window.intervals)
     runs: list[PhaseRun] = []
-    for arc in arcs:
-        runs += cut(tracer, [tracer.sample(float(theta)) for theta in phases_of(*arc, n)], arc)
+    phases = [phases_of(*arc, n) for arc in arcs]
+    count, done = sum(map(len, phases)), 0
+    with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
+        for arc, over in zip(arcs, phases, strict=True):
+            samples = []
+            for theta in over:
+                samples.append(tracer.sample(float(theta)))
+                done += 1
+                if advance:
+                    advance(done / count, done)
+            runs += cut(tracer, samples, arc)
     pieces = tuple(_piece(filled(tracer, run)) for run in runs if run.origin == OWN)
     gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
     return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)

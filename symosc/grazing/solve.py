@@ -66,7 +66,13 @@ class GrazingSolutions(list[GrazingStart]):
 
 
 def solve_grazing(
-    p: Parameters, mapping: str, *, n: int = CURVE_POINTS, digits: int | None = None, **given: NumberLike
+    p: Parameters,
+    mapping: str,
+    *,
+    n: int = CURVE_POINTS,
+    digits: int | None = None,
+    progress: Any = False,
+    **given: NumberLike,
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
 
@@ -81,6 +87,7 @@ def solve_grazing(
         Samples of the curve for x_i and theta_i (`grazing_curve`).
     digits : int, optional
         Correct digits of the results; None: floats.
+    progress : optional, as for `grazing_curve`
     **given : number
         Exactly one of x_i, theta_i, x_j, theta_j, theta_m.
 
@@ -105,26 +112,31 @@ def solve_grazing(
     ('5.085819', '0.612081')
     """
     check_parameters(p), place(mapping)
+    name, value = _read_given(p, given)
+    whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
+    read_digits(digits, MOST_START_DIGITS)
+    window = grazing_window(p, mapping)
+    exact = read_exact(name, value) if name in ("x_i", "x_j") else read_phase(name, value)
+    if name in ("x_i", "theta_i"):
+        solutions = _on_curve(window, name, exact, n, digits, progress)
+    else:
+        phases = _phases_of_contact(p, mapping, exact) if name == "x_j" else [phase_of(exact)]
+        solutions = _at_phases(window, phases, digits)
+    if not solutions and not window.kind:
+        solutions.message = "the grazing window is empty"
+    return solutions
+
+
+def _read_given(p: Parameters, given: dict[str, NumberLike]) -> tuple[str, NumberLike]:
+    """Return the one unknown that is given, if it can fix a tangency."""
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     name, value = next(iter(given.items()))
-    whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
-    read_digits(digits, MOST_START_DIGITS)
     if p.k == 0:
         raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
     if p.B0 == 0 and name in ("x_i", "x_j"):
         raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
-    window = grazing_window(p, mapping)
-    exact = read_exact(name, value) if name in ("x_i", "x_j") else read_phase(name, value)
-    if name in ("theta_m", "theta_j"):
-        solutions = _at_phases(window, [phase_of(exact)], digits)
-    elif name == "x_j":
-        solutions = _at_phases(window, _phases_of_contact(p, mapping, exact), digits)
-    else:
-        solutions = _on_curve(window, name, exact, n, digits)
-    if not solutions and not window.kind:
-        solutions.message = "the grazing window is empty"
-    return solutions
+    return name, value
 
 
 def _at_phases(window: GrazingWindow, phases: list[Angle], digits: int | None) -> GrazingSolutions:
@@ -151,10 +163,12 @@ def _phases_of_contact(p: Parameters, mapping: str, value: Fraction) -> list[Ang
     return [theta] if cosine in (1, -1) else [theta, 2 * sympy.pi - theta]
 
 
-def _on_curve(window: GrazingWindow, name: str, value: Any, n: int, digits: int | None) -> GrazingSolutions:
+def _on_curve(
+    window: GrazingWindow, name: str, value: Any, n: int, digits: int | None, progress: Any
+) -> GrazingSolutions:
     """Return the starts on the grazing curve that have a value of x_i or theta_i."""
     p, mapping = window.parameters, window.mapping
-    curve = grazing_curve(p, mapping, n)
+    curve = grazing_curve(p, mapping, n, progress=progress)
     candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
     found: list[GrazingStart] = []
     notes = list(candidates.notes)

@@ -12,12 +12,14 @@ So a gap in a branch is found however narrow it is compared with the steps, and 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from symosc.aliases import NumberLike
+from symosc.display.progress import Advance, late_bar
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -64,6 +66,7 @@ def continue_orbit(
     *,
     periods: int | None = None,
     max_points: int = 2000,
+    progress: Any = False,
 ) -> Branch:
     """Follow a periodic orbit as one parameter changes, both ways, until it ends or leaves the range.
 
@@ -80,6 +83,9 @@ def continue_orbit(
         As for `find_orbit`.
     max_points : int
         Of each of the two directions, at least 2.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: the part of the range that is done, and 1.
 
     Returns
     -------
@@ -101,6 +107,16 @@ def continue_orbit(
     >>> [end.kind for end in branch.ends]
     ['birth of a stick', 'end of the range']
     """
+    curve = _curve(parameters, word, parameter, range, guess, periods)
+    most = whole_number("max_points", max_points, 2)
+    with late_bar(progress, f"{curve.orbit.word} over {parameter}", "orbits") as advance:
+        down, first = _follow(curve, -1.0, most, _covered(curve, advance, 0))
+        up, last = _follow(curve, 1.0, most, _covered(curve, advance, len(down)))
+    return Branch(curve.orbit, parameter, [*reversed(down[1:]), *up], (first, last))
+
+
+def _curve(parameters: Parameters, word: Any, parameter: str, range: Any, guess: Any, periods: int | None) -> Curve:
+    """Return the curve that is followed, with the orbit that it begins with."""
     if isinstance(parameters, PeriodicOrbit):
         found = f"continue_orbit(orbit.parameters, {parameters.word!r}, 'Omega', (low, high), orbit)"
         raise ParameterError("parameters", parameters, f"must be Parameters; to follow an orbit write {found}")
@@ -111,13 +127,25 @@ def continue_orbit(
     orbit = find_orbit(parameters, word, guess, periods=periods)
     if not orbit.admissible:
         raise BranchError(orbit)
-    most = whole_number("max_points", max_points, 2)
-    curve = Curve(orbit, parameter, low, high)
-    (down, first), (up, last) = (_follow(curve, direction, most) for direction in (-1.0, 1.0))
-    return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
+    return Curve(orbit, parameter, low, high)
 
 
-def _follow(curve: Curve, direction: float, most: int) -> tuple[list[BranchPoint], BranchEnd]:
+def _covered(curve: Curve, advance: Advance, before: int) -> Callable[[float, int], None]:
+    """Return what tells that the curve was followed up to a value, in so many points after those of the other way."""
+    begin, reached = float(getattr(curve.orbit.parameters, curve.parameter)), [0.0]
+    low = 0.0 if before == 0 else begin - curve.low  # the other way is done, wherever it ended
+
+    def tell(value: float, count: int) -> None:
+        reached[0] = max(reached[0], abs(value - begin))
+        if advance:
+            advance(min(1.0, (low + reached[0]) / (curve.high - curve.low)), before + count)
+
+    return tell
+
+
+def _follow(
+    curve: Curve, direction: float, most: int, tell: Callable[[float, int], None]
+) -> tuple[list[BranchPoint], BranchEnd]:
     """Follow the curve one way; return its points and why they end."""
     path, length = _begun(curve, direction), FIRST_STEP
     current = path[-1]
@@ -132,6 +160,7 @@ def _follow(curve: Curve, direction: float, most: int) -> tuple[list[BranchPoint
                 return path, _stalled(curve, current)
             continue
         path += scanned.points
+        tell(path[-1].value, len(path))
         if len(path) > most:
             path = path[:most]
             return path, BranchEnd(MOST, path[-1].value, f"stopped after {most} points", _named(curve, path[-1]), ())

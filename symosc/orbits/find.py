@@ -295,7 +295,10 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     try:
         if text_or_booleans(guess):
             raise TypeError
-        values = np.array([[float(value) for value in row] for row in np.atleast_2d(np.array(guess, dtype=object))])
+        rows = np.atleast_2d(np.array(guess, dtype=object))
+        if rows.ndim > 2:
+            raise TypeError
+        values = np.array([[float(value) for value in row] for row in rows])
     except (TypeError, ValueError, OverflowError):
         values = np.zeros((0, 0))
     if values.shape not in ((n, 2), (1, 2)) or not np.isfinite(values).all():

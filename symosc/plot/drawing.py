@@ -19,6 +19,7 @@ from matplotlib.ticker import ScalarFormatter
 
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
+from symosc.plot.panel_axes import PanelAxes
 
 FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 
@@ -74,6 +75,9 @@ class Drawing(Figure):
     def draw(self, renderer: Any) -> None:
         """Draw it; what saves a figure asks for that twice, and the first time only the layout counts."""
         plain_numbers(self.axes)
+        for each in self.axes:
+            if isinstance(each, PanelAxes):
+                each.forget_labels()
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -14,13 +14,16 @@ from matplotlib.lines import Line2D
 
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.plot.drawing import STYLE, Drawing, figure_of, read_panels
 from symosc.plot.insets import INSET_TOP, ROOM, draw_insets
+from symosc.plot.panel_axes import PanelAxes
 from symosc.plot.panels import PANELS, SHAPES, Panel, View, look, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from symosc.orbits.periodic_orbit import PeriodicOrbit
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
 SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
@@ -148,6 +151,8 @@ def orbit_figure(
     >>> [axes.get_ylabel() for axes in plot.orbit_figure(orbit, "c").axes]
     ['velocity $\\\\dot{x}$']
     """
+    from symosc.orbits.periodic_orbit import PeriodicOrbit  # loads mpmath, which other figures do without
+
     if not isinstance(orbit, PeriodicOrbit):
         raise ParameterError("orbit", type(orbit).__name__, "must be a PeriodicOrbit; find_orbit(...) makes one")
     if not orbit.admissible:
@@ -219,7 +224,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             cell = grid[number // columns, number % columns]
             if number == tall:
                 cell = cell.subgridspec(2, 1, height_ratios=(ROOM, 1.0))[1]
-            ax = drawing.add_subplot(cell)
+            ax = drawing.add_subplot(cell, axes_class=PanelAxes)
             panel(ax, view)
             if number == tall:
                 draw_insets(ax, view)

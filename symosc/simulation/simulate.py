@@ -14,6 +14,7 @@ from math import inf, isinf
 from typing import Any
 
 from symosc.aliases import Number
+from symosc.display.progress import Advance, late_bar
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, ON_BELT, REST
@@ -44,6 +45,7 @@ def simulate(
     digits: int | None = None,
     accuracy: float | None = None,
     start_error: Any = None,
+    progress: Any = False,
 ) -> Trajectory:
     """Follow the motion from a start to t_end, event by event, exactly.
 
@@ -65,6 +67,9 @@ def simulate(
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene, or exact. A
         contact that the error of the start can make a touch is a graze, and the errors of events cover it.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: the part that is done, and 1.
 
     Returns
     -------
@@ -85,14 +90,22 @@ def simulate(
     3.14159265358979323846264338328
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
+    return _followed(start, max_events, digits, accuracy, progress)
+
+
+def _followed(start: Start, max_events: int | None, digits: int | None, accuracy: Any, progress: Any) -> Trajectory:
+    """Follow a motion as `simulate` is asked to."""
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
-        return in_doubles(start, most, read_accuracy(accuracy))
+        asked = read_accuracy(accuracy)
+        with late_bar(progress, "simulate", "events") as advance:
+            return in_doubles(start, most, asked, advance)
     digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
-    return _with_digits(start, most, digits)
+    with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
+        return _with_digits(start, most, digits, advance)
 
 
 def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_error: Any) -> Start:
@@ -131,7 +144,7 @@ def read_accuracy(value: Any) -> float:
     return accuracy
 
 
-def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
+def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
     """Follow a motion in double precision; see `simulate`."""
     path, backup = Path(start), None
     if isinf(accuracy):
@@ -151,7 +164,15 @@ def in_doubles(start: Start, most: int, accuracy: float) -> Trajectory:
             if not backup.follow(before + 1):
                 return _undecidable(backup.path, before, backup.digits)
             path.adopt(backup.path)
+        if advance:
+            advance(_part_done(path, most), len(path.events))
     return _ended(path)
+
+
+def _part_done(path: Path, most: int) -> float:
+    """Return which part of a motion has been followed, in time or in events, whichever ends it earlier."""
+    span = float(path.start.t_end - path.start.t0)
+    return min(1.0, max(float(path.elapsed) / span, len(path.events) / most))
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
@@ -165,7 +186,7 @@ def _inexact(event: Event, t0: float, accuracy: float) -> bool:
     )
 
 
-def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
+def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
     """Raise the working precision until every contact is decided and every event known to `digits` digits."""
     spare = start.spare_digits
     working = digits + 10 + spare
@@ -179,6 +200,8 @@ def _with_digits(start: Start, most: int, digits: int) -> Trajectory:
         while not path.ended and len(path.events) < most and not open_contact:
             before = len(path.events)
             path.step()
+            if advance:
+                advance(_part_done(path, most), len(path.events))
             if not path.decided and path.code != FAILED and not start.start_error:
                 needed = touch_digits(path, path.elapsed, digits)
                 open_contact = needed is None or working < needed

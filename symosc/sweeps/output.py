@@ -111,7 +111,7 @@ def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
             plain[name] = variable.astype(object)
     with warnings.catch_warnings():
         # Readers expect the metadata in one piece, which is not in zarr's specification yet either.
-        warnings.filterwarnings("ignore", message="Consolidated metadata")
+        warnings.filterwarnings("ignore", message="Consolidated metadata|.*not part in the Zarr format 3")
         plain.to_zarr(draft, mode="w", consolidated=True)
 
 

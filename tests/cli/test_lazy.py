@@ -20,7 +20,7 @@ ALLOWED = {
     "simulate fig5 --json": {"numpy"},
     "grazing fig9": {"numpy"},
     "orbit fig9": {"numpy", "mpmath", "gmpy2"},
-    "figure fig5 -o fig5.svg": {"numpy", "matplotlib", "fontTools", "gmpy2", "mpmath"},
+    "figure fig5 -o fig5.svg": {"numpy", "matplotlib", "fontTools"},
     "simulate fig5 --digits 20": {"numpy", "mpmath", "gmpy2"},
 }
 

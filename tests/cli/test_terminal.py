@@ -56,6 +56,24 @@ def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:
     assert "0:00:0" in shown.text
 
 
+#: Commands that take long, and what their bars count.
+COUNTED = {
+    "simulate": (["simulate", "fig9", "--t-end", "100000", "--max-events", "900000"], "events/s"),
+    "digits": (["simulate", "fig9", "--digits", "400", "--t-end", "2000"], "events/s"),
+    "check": (["grazing", "fig9", "--map", "P2", "--check", "1000000"], "phases/s"),
+    "branch": (["orbit", "fig10", "--continue", "Omega=1:6"], "orbits/s"),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_work_of_known_length_has_a_bar_with_rate_and_time_left(name: str, tmp_path: Path) -> None:
+    command, unit = COUNTED[name]
+    shown = on_terminal(*command, folder=tmp_path, interrupt=" left")
+    assert shown.code == 130, shown.text
+    assert re.search(rf"━ .* \d+ %.*{unit}, .*\d:\d\d:\d\d left", COLOUR.sub("", shown.text))
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("name", LONG)
 def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(name: str, tmp_path: Path) -> None:
     if name == "sweep":

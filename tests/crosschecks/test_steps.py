@@ -40,6 +40,7 @@ def test_periods_and_phase_are_the_time() -> None:
 
 def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     """To compile takes twenty seconds, to interpret some thousand steps a part of one."""
+    pytest.importorskip("numba")
     batch_loop.chosen_loops(None)  # binds the functions that are compiled, once, before one is another
     interpreted, loop = [], compiled_loop.follow_all
 

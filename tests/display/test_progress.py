@@ -8,7 +8,8 @@ import sys
 import pytest
 from bad_values import refused
 
-from symosc.display.progress import pace, reporting
+from symosc.display import progress as module
+from symosc.display.progress import late_bar, pace, reporting
 
 
 @pytest.mark.parametrize(
@@ -57,6 +58,74 @@ def test_a_function_of_ones_own() -> None:
 def test_what_is_refused(progress: object) -> None:
     def enter() -> None:
         with reporting(progress, 0, 1):
+            pass
+
+    refused(enter, "progress")
+
+
+class Clock:
+    """A clock that is put forward by hand."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def on_terminal(monkeypatch: pytest.MonkeyPatch) -> tuple[Clock, Terminal]:
+    clock, terminal = Clock(), Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(module, "monotonic", clock)
+    return clock, terminal
+
+
+def test_a_bar_comes_after_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, terminal = on_terminal(monkeypatch)
+    with late_bar(True, "simulate", "events") as advance:
+        assert advance is not None
+        for clock.now, part, count in ((1.0, 0.1, 10), (1.9, 0.2, 20)):
+            advance(part, count)
+        assert terminal.getvalue() == ""
+        for clock.now, part, count in ((2.5, 0.25, 25), (4.0, 0.5, 400)):
+            advance(part, count)
+    shown = terminal.getvalue()
+    assert all(text in shown for text in ("simulate", "50 %", "100 events/s, 0:00:04 left"))
+
+
+def test_work_that_is_begun_anew_is_told_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, terminal = on_terminal(monkeypatch)
+    with late_bar(True, "simulate", "events") as advance:
+        assert advance is not None
+        for clock.now, part, count in ((2.5, 0.5, 5), (10.0, 0.9, 9), (10.0, 0.0, 0), (14.0, 0.25, 48)):
+            advance(part, count)
+    assert "12 events/s, 0:00:12 left" in terminal.getvalue()
+
+
+def test_short_work_and_a_pipe_have_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, terminal = on_terminal(monkeypatch)
+    with late_bar(True, "simulate", "events") as advance:
+        assert advance is not None
+        advance(1.0, 10)
+    assert terminal.getvalue() == ""
+    with late_bar(False, "simulate", "events") as advance:
+        assert advance is None
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    with late_bar(True, "simulate", "events") as advance:
+        assert advance is None
+
+
+def test_a_part_goes_to_a_function_of_ones_own() -> None:
+    calls: list[tuple[float, float]] = []
+    with late_bar(lambda done, total: calls.append((done, total)), "simulate", "events") as advance:
+        assert advance is not None
+        advance(0.5, 7)
+    assert calls == [(0.5, 1.0)]
+
+
+@pytest.mark.parametrize("progress", [None, 1, "yes"])
+def test_what_a_late_bar_refuses(progress: object) -> None:
+    def enter() -> None:
+        with late_bar(progress, "simulate", "events"):
             pass
 
     refused(enter, "progress")

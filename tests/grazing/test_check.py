@@ -323,3 +323,12 @@ def test_a_report_says_what_it_counted() -> None:
         assert failed.summary().splitlines()[1].startswith("FAILED: ")
     lines = check.GrazingReport(**plain | {"mismatches": many}).summary().splitlines()
     assert lines[6:] == [f"  mismatch: {each}" for each in many[:20]]
+
+
+def test_many_phases_are_checked_in_parts_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts: list[float] = []
+    p = load_scene("fig9").parameters
+    whole = check_grazing(p, "P2", n=100)
+    monkeypatch.setattr(check, "CHECK_PHASES", 40)
+    assert check_grazing(p, "P2", n=100, progress=lambda part, all: parts.append(part / all)) == whole
+    assert parts == [0.4, 0.8, 1.0]

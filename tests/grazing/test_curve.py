@@ -117,3 +117,14 @@ def test_a_curve_is_made_of_the_runs_from_its_belt_and_gaps_of_the_others(monkey
     assert found.gaps == ((0.5, 1.0, UNKNOWN), (1.0, 1.5, OTHER), (2.0, 2.5, NOWHERE))
     assert [(each.low.theta_m, each.high.theta_m) for each in found.pieces] == [(0.0, 0.5), (1.5, 2.0)]
     assert {(each.low.reason, each.high.reason, each.low.x) for each in found.pieces} == {("begins", "ends", sample.x)}
+
+
+def test_progress_tells_the_part_of_the_phases() -> None:
+    parts: list[float] = []
+    p = load_scene("fig9").parameters
+    curve = grazing_curve(p, "P2", 40, progress=lambda part, all: parts.append(part / all))
+    assert curve == grazing_curve(p, "P2", 40)
+    assert parts == [n / 40 for n in range(1, 41)]
+    parts.clear()
+    solve_grazing(p, "P2", x_i=4, n=40, progress=lambda part, all: parts.append(part / all))
+    assert parts[-1] == 1.0

@@ -348,3 +348,12 @@ def test_the_smooth_tests_are_those_of_the_characteristic_polynomial():
         assert plus == pytest.approx(np.linalg.det(M - np.eye(2)))
         assert minus == pytest.approx(np.linalg.det(M + np.eye(2)))
         assert one == pytest.approx(1 - np.prod(np.linalg.eigvals(M)).real)
+
+
+def test_progress_tells_the_part_of_the_range_both_ways() -> None:
+    parts: list[float] = []
+    p = load_scene("fig9").parameters
+    branch = continue_orbit(p, "P32", "Omega", (3.9, 4.1), progress=lambda part, all: parts.append(part / all))
+    assert branch == continue_orbit(p, "P32", "Omega", (3.9, 4.1))
+    assert parts == sorted(parts)
+    assert 0 < parts[0] < 0.5 < parts[-1] == pytest.approx(1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -127,7 +128,8 @@ class Counted:
 def test_the_loop_is_interpreted_for_as_long_as_compiling_takes(
     seconds: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene, compiled = load_scene("fig9"), Counted()
+    scene, compiled, clock = load_scene("fig9"), Counted(), count(step=0.01)
+    monkeypatch.setattr(batch_loop, "process_time", lambda: next(clock))
     monkeypatch.setattr(batch_loop.DOUBLES, "left", seconds)
     monkeypatch.setattr(batch_loop, "TURN", 64)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
