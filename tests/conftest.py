@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Generator
 from functools import partial
 from pathlib import Path
 
@@ -25,6 +27,21 @@ def pytest_configure(config: pytest.Config) -> None:
             sys.dont_write_bytecode = False
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Spare the garbage collector what stays to the end: half a million objects of modules and tests.
+
+    Later it looks at all others after millions of new ones, not after 70,000: that took a tenth of the time.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.set_threshold(5_000, 20, 25)
+        gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects

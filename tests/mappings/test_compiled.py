@@ -31,7 +31,7 @@ def found(p: Any, label: str, point: list[Any], exit: str | None) -> np.ndarray:
 
 
 #: Compiling the formulas of flights takes ten seconds.
-LABELS = ["P1", pytest.param("P3", marks=pytest.mark.slow), "P4", pytest.param("P8", marks=pytest.mark.slow)]
+LABELS = ["P1", pytest.param("P3", marks=pytest.mark.slow), pytest.param("P4", marks=pytest.mark.slow), pytest.param("P8", marks=pytest.mark.slow)]
 
 
 @pytest.mark.full(14)
