@@ -13,6 +13,7 @@ NAMES = {"tanh": "tanh", "arctan": "arctan", "root": "z/sqrt(1 + z^2)"}
 
 
 @pytest.mark.slow
+@pytest.mark.full(3)
 @pytest.mark.parametrize("curve", NAMES)
 @pytest.mark.parametrize("width", [0.01, 0.1])
 def test_smoothed_friction_is_measured(curve: str, width: float) -> None:
@@ -24,6 +25,7 @@ def test_smoothed_friction_is_measured(curve: str, width: float) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(1)
 @pytest.mark.parametrize("curve", NAMES)
 def test_smoothed_friction_shows_where_nothing_sticks(curve: str) -> None:
     scene = load_scene("fig9")
