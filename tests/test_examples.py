@@ -20,6 +20,7 @@ NEEDED = {"compiled_residual": "numba", "SweepStatus": "xarray", "sweep": "xarra
 NEEDED |= {f"plot.{form}_figure": "xarray" for form in ("basin", "bifurcation", "curve", "map", "swept")}
 #: Examples that take half a second and more.
 LONG = ("Branch", "BranchEnd", "Case", "CompiledResidual", "ConvergenceError", "GrazingReport", "continue_orbit")
+LONG += ("compiled_residual",)
 LONG += ("plot.branch_figure",)
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 

@@ -17,6 +17,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 from browsing import chromium
+from once import alone
 
 import symosc
 
@@ -69,14 +70,17 @@ def test_every_public_name_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the built site; SYMOSC_SITE names one that was just built."""
+    """Return the folder of the site, which one worker builds; SYMOSC_SITE names one that was just built."""
     pytest.importorskip("sphinx_design", reason="the extra docs is not installed")
     if made := os.environ.get("SYMOSC_SITE"):
         return Path(made)
-    folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(folder)]
-    result = subprocess.run([*command, "-d", f"{folder}-trees"], capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stderr[-5000:]
+    with alone("site") as folder:
+        if not folder.exists():
+            made = tmp_path_factory.mktemp("site")
+            command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(made)]
+            result = subprocess.run([*command, "-d", f"{made}-trees"], capture_output=True, text=True, check=False)
+            assert result.returncode == 0, result.stderr[-5000:]
+            folder.symlink_to(made, target_is_directory=True)
     return folder
 
 

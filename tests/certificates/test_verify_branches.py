@@ -146,6 +146,7 @@ def test_branches_in_all_parameters_are_proven_again(tmp_path: Path) -> None:
             assert judged(found.as_dict(), tmp_path)[0] == 0, found.message
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["c", "k", "m"])
 def test_a_branch_through_critical_damping_is_proven(name: str, tmp_path: Path) -> None:
     orbit = next(each for each in listed_orbits() if each.regime == "critically damped" and len(each.word) < 5)

@@ -38,6 +38,7 @@ def test_a_tight_run_passes(name: str, t_end: float) -> None:
     assert len(listed.matched) == len(exact) == len(run.events)
 
 
+@pytest.mark.slow
 def test_a_default_run_of_fig8_misses_the_micro_stick() -> None:
     run, result = check("fig8", 3.6)
     assert run.events == []

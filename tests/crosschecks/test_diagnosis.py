@@ -22,7 +22,7 @@ from symosc.crosschecks.clues import Clues, clue_samples
 SEED = 1
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     name, sampling = ("fig8", "coarse") if kind == "double root" else ("fig10", "dense")
@@ -71,6 +71,7 @@ def test_a_right_solution_has_no_diagnosis() -> None:
     assert [one.cause for one in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis] == ["precision"]
 
 
+@pytest.mark.slow
 def test_what_is_not_known_says_so() -> None:
     """Two faults of different kinds at once: nothing explains most of the steps."""
     rng = np.random.default_rng(3)

@@ -12,7 +12,8 @@ from symosc.crosschecks.friction_clues import CURVES
 NAMES = {"tanh": "tanh", "arctan": "arctan", "root": "z/sqrt(1 + z^2)"}
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
+@pytest.mark.full(3)
 @pytest.mark.parametrize("curve", NAMES)
 @pytest.mark.parametrize("width", [0.01, 0.1])
 def test_smoothed_friction_is_measured(curve: str, width: float) -> None:
@@ -24,6 +25,7 @@ def test_smoothed_friction_is_measured(curve: str, width: float) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(1)
 @pytest.mark.parametrize("curve", NAMES)
 def test_smoothed_friction_shows_where_nothing_sticks(curve: str) -> None:
     scene = load_scene("fig9")
@@ -33,7 +35,7 @@ def test_smoothed_friction_shows_where_nothing_sticks(curve: str) -> None:
     assert first.value == pytest.approx(0.02, rel=0.3)
 
 
-@pytest.mark.parametrize("rate", [1e-4, -2e-3])
+@pytest.mark.parametrize("rate", [pytest.param(1e-4, marks=pytest.mark.slow), -2e-3])
 def test_a_drift_is_measured(rate: float) -> None:
     scene = load_scene("fig10")
     run = Solver(scene.parameters, Flaw(drift=rate)).run(np.linspace(0.4588, 20, 1601), 3.0837, 1.0)

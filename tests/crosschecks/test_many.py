@@ -16,6 +16,7 @@ WRONG = {**COLUMNS, "v": V + 0.1 * (T > 2)}
 THREE = [COLUMNS, WRONG, np.column_stack([T, X])]
 
 
+@pytest.mark.slow
 def test_a_list_of_results_with_a_summary() -> None:
     calls: list[tuple[int, int]] = []
     checks = crosscheck("fig9", THREE, progress=lambda *numbers: calls.append(numbers))

@@ -26,7 +26,7 @@ def diagnosed(name: str, **changes: float) -> tuple[Diagnosis, ...]:
     return first, *first.alternatives
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 def test_a_wrong_coefficient_is_estimated(name: str) -> None:
     rng = np.random.default_rng([ord(letter) for letter in name])

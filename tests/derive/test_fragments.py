@@ -75,7 +75,7 @@ def test_every_step_of_a_flight_has_evidence(form: str, monkeypatch: pytest.Monk
         assert fragment_pages.check_fragment(name, fragment_scope({}, form=form)).steps()
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_a_fragment_has_labels_and_no_tags(name: str) -> None:

@@ -75,6 +75,7 @@ def letters_of(p: Parameters, names: list[str]) -> dict[str, Any]:
 QUICK = {"undamped": "P7", "no spring": "P8"}
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("regime", [pytest.param(r, marks=[pytest.mark.slow] * (r not in QUICK)) for r in REGIMES])
 @pytest.mark.parametrize("form", ["entire", "paper"])
 def test_the_equations_of_a_flight(form: str, regime: str) -> None:
@@ -141,7 +142,7 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
         assert printed == pytest.approx([end for low, high, *_ in window.intervals for end in (low, high)])
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("numbers", "regime"),
     [

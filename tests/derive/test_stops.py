@@ -43,6 +43,7 @@ def test_the_branch_of_orbits_with_two_stops_ends_at_the_border() -> None:
     assert branch.ends[1].value == pytest.approx(border.middle, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_counts_are_those_of_orbits() -> None:
     """A settled motion with 2 n stops has the word of n slides down, n slides up, and a stop after each."""
     for ratio, word in (("0.11", "P1312"), ("0.2", "P13131212"), ("0.9", "P1312")):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from answers import answers
+from answers import answer
 
 from symosc import MissingExtraError
 
@@ -20,14 +20,14 @@ TABLES = ["trajectory", "trajectory in digits", "trajectory without events", "br
 def test_a_missing_package_is_named(kind: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingExtraError, match=rf"a table of {package} needs .*symosc\[sweep\]"):
-        getattr(answers()[kind], f"to_{package}")()
+        getattr(answer(kind), f"to_{package}")()
 
 
 @pytest.mark.parametrize("kind", TABLES[:3])
 def test_events_of_a_trajectory(kind: str) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
-    path = answers()[kind]
+    path = answer(kind)
     frame, dataset = path.to_pandas(), path.to_xarray()
     assert frame.to_dict("records") == path.table()
     for name in ("t", "kind", "boundary", "t_error"):
@@ -40,7 +40,7 @@ def test_events_of_a_trajectory(kind: str) -> None:
 def test_points_of_a_branch() -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
-    branch = answers()["branch"]
+    branch = answer("branch")
     frame, dataset = branch.to_pandas(), branch.to_xarray()
     assert np.array_equal(frame["Omega"], branch.values)
     for i in (0, 1):
@@ -56,6 +56,6 @@ def test_points_of_a_branch() -> None:
 @pytest.mark.parametrize("kind", TABLES)
 def test_tables_go_into_files(kind: str, tmp_path: Path) -> None:
     xarray = pytest.importorskip("xarray")
-    dataset: Any = answers()[kind].to_xarray()
+    dataset: Any = answer(kind).to_xarray()
     dataset.to_netcdf(tmp_path / "table.nc")
     assert xarray.load_dataset(tmp_path / "table.nc").equals(dataset)

@@ -141,7 +141,7 @@ def test_words_name_the_mappings_between_events() -> None:
     assert set(seen) == set(LABELS.values())
 
 
-@pytest.mark.parametrize("count", [30, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [15, pytest.param(150, marks=pytest.mark.slow)])
 def test_invariants(count: int) -> None:
     for_all(count, invariants, starts())
 

@@ -37,7 +37,7 @@ def test_the_second_closed_form_is_the_flow(seed: int) -> None:
     assert np.abs(np.array([x, v]) - states).max() < 1e-7  # critical damping: 1e-8 of the roots apart
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None:
     """Whatever the phase of the contact is, the rounded start is recognised; a start off the curve is not."""

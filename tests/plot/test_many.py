@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from answers import answers
+from answers import answer
 from bad_values import refused
 from matplotlib.figure import Figure
 
@@ -12,7 +12,7 @@ from symosc import Summary, plot
 
 
 def test_every_event_has_a_mark() -> None:
-    events = answers()["events"]
+    events = answer("events")
     axes = events.plot().axes[0]
     drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
     assert sum(map(len, drawn.values())) == len(events)
@@ -23,7 +23,7 @@ def test_every_event_has_a_mark() -> None:
 
 
 def test_no_events_say_so() -> None:
-    assert [text.get_text() for text in answers()["no events"].plot().axes[0].texts] == ["no event"]
+    assert [text.get_text() for text in answer("no events").plot().axes[0].texts] == ["no event"]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -41,13 +41,13 @@ def test_bars_count_all_motions(seed: int) -> None:
 @pytest.mark.parametrize("name", ["section", "stuck", "mode", "sticks", "events"])
 def test_every_column_is_drawn_into_given_axes(name: str) -> None:
     axes = Figure().add_subplot()
-    assert answers()["summary"].plot(name=name, ax=axes) is axes.figure
+    assert answer("summary").plot(name=name, ax=axes) is axes.figure
     assert axes.has_data()
 
 
 def test_what_cannot_be_drawn() -> None:
     refused(lambda: plot.events_figure(3), "events")  # type: ignore[arg-type]
-    refused(lambda: plot.summary_figure(answers()["events"]), "summary")
-    refused(lambda: answers()["summary"].plot(name="words"), "name")
+    refused(lambda: plot.summary_figure(answer("events")), "summary")
+    refused(lambda: answer("summary").plot(name="words"), "name")
     refused(lambda: Summary().plot(), "name")
-    refused(lambda: answers()["summary"].plot(ax=3), "ax")
+    refused(lambda: answer("summary").plot(ax=3), "ax")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from answers import PROVEN, answers
+from answers import PROVEN, answer
 from bad_values import refused
 from matplotlib.figure import Figure
 
@@ -20,6 +20,6 @@ def test_widths_are_those_of_the_enclosures() -> None:
 
 
 def test_what_cannot_be_drawn() -> None:
-    refused(lambda: answers()["open certificate"].plot(), "certificate")
+    refused(lambda: answer("open certificate").plot(), "certificate")
     refused(lambda: plot.certificate_figure("fig5"), "certificate")  # type: ignore[arg-type]
     refused(lambda: PROVEN.plot(ax="axes"), "ax")

@@ -29,7 +29,7 @@ def given_line(ax: Axes) -> float:
     return float(line.get_xdata()[0])  # type: ignore[index]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 def test_the_given_value_is_inside_the_frame(mapping: str) -> None:
     """By default, and where the range that is asked for ends at the value."""

@@ -69,6 +69,7 @@ def test_words_and_what_is_shown() -> None:
     assert described(case) == "t0 = 0, x0 = 0, v0 = 5, t_end = 20"
 
 
+@pytest.mark.slow
 def test_cases_are_there_without_the_extra_that_proves_them() -> None:
     """The chapter on published results takes closed forms from here."""
     code = "import sys; sys.modules['flint'] = None; import symosc.reference.sets, symosc.derive.published"

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import pi, sqrt
 
 import pytest
-from small_set import right, stored_set
+from small_set import NAMES, right, stored_set
 
 from symosc import ParameterError
 from symosc.crosschecks.events import WINDOW
@@ -23,8 +23,11 @@ from symosc.reference.score import (
 from symosc.reference.score_table import as_html, as_markdown, as_text, case_cell, faults, group_cell, verdict
 from symosc.reference.stored import StoredCase
 
-CASES = {case.name: case for case in stored_set()}
 FAULTS = ("missed", "invented", "kinds", "late")
+
+
+def case_of(name: str) -> StoredCase:
+    return next(case for case in stored_set() if case.name == name)
 
 
 def judged(case: StoredCase, events: list[GivenEvent]) -> CaseScore:
@@ -35,9 +38,9 @@ def counts(found: CaseScore) -> dict[str, int]:
     return {name: getattr(found, name) for name in FAULTS if getattr(found, name)}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NAMES)
 def test_right_results_are_right(name: str) -> None:
-    found = judged(CASES[name], right(CASES[name]).events)
+    found = judged(case_of(name), right(case_of(name)).events)
     assert found.right
     assert (found.units, found.grazes_found) == (0.0 if found.events else None, found.grazes)
     assert found.wrong == []
@@ -75,7 +78,7 @@ def _far(t: float, events: list[GivenEvent], period: float) -> bool:
 @pytest.mark.parametrize("change", ["dropped", "added", "shifted", "moved", "another kind", "another belt"])
 @pytest.mark.parametrize("name", ["paper-fig5", "graze-overdamped-P3", "free-decay-2", "continuum-1-2"])
 def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
-    rng, case = random.Random(f"{name} {change}"), CASES[name]
+    rng, case = random.Random(f"{name} {change}"), case_of(name)
     for _ in range(10):
         events, expected, t = changed(case, change, rng)
         rng.shuffle(events)
@@ -86,7 +89,7 @@ def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
 
 
 def test_an_event_far_from_its_time_is_missed_and_invented() -> None:
-    case = CASES["continuum-1-2"]
+    case = case_of("continuum-1-2")
     events = right(case).events
     by = Fraction(1.5 * WINDOW * 2 * pi / float(case.Omega))
     events[2] = events[2]._replace(t=events[2].t + by)
@@ -94,7 +97,7 @@ def test_an_event_far_from_its_time_is_missed_and_invented() -> None:
 
 
 def test_faults_are_in_order_of_time() -> None:
-    case = CASES["paper-fig5"]
+    case = case_of("paper-fig5")
     events = right(case).events
     early = GivenEvent(Fraction(3), None, "cross", 2)
     found = judged(case, [early, *events[:-1]])
@@ -102,14 +105,14 @@ def test_faults_are_in_order_of_time() -> None:
 
 
 def test_swapped_kinds_are_two_wrong_kinds() -> None:
-    case = CASES["paper-fig5"]
+    case = case_of("paper-fig5")
     events = right(case).events
     events[2], events[3] = events[2]._replace(kind="slip"), events[3]._replace(kind="stick")
     assert counts(judged(case, events)) == {"kinds": 2}
 
 
 def test_errors_are_measured_in_units_of_the_condition() -> None:
-    case = CASES["paper-fig5"]
+    case = case_of("paper-fig5")
     events, i = right(case).events, 4
     events[i] = events[i]._replace(t=events[i].t * (1 + Fraction(1, 10**12)))
     found = judged(case, events)
@@ -125,10 +128,6 @@ def test_errors_are_measured_in_units_of_the_condition() -> None:
     assert judge_case(ill, CaseResult(events), 1e-11).late == 0
 
 
-GRAZING = CASES["graze-overdamped-P3"]
-TOUCH = right(GRAZING).events[0]
-
-
 @pytest.mark.parametrize(
     ("kinds", "apart", "expected"),
     [
@@ -142,36 +141,40 @@ TOUCH = right(GRAZING).events[0]
 def test_a_graze_may_be_nothing_or_a_short_contact(
     kinds: tuple[str, ...], apart: float, expected: dict[str, int]
 ) -> None:
-    half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(GRAZING.Omega))
+    case = case_of("graze-overdamped-P3")
+    touch, *others = right(case).events
+    half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(case.Omega))
     sides = (-half, half)
-    contacts = [TOUCH._replace(kind=kind, t=TOUCH.t + side) for kind, side in zip(kinds, sides, strict=False)]
-    found = judged(GRAZING, [*contacts, *right(GRAZING).events[1:]])
+    contacts = [touch._replace(kind=kind, t=touch.t + side) for kind, side in zip(kinds, sides, strict=False)]
+    found = judged(case, [*contacts, *others])
     assert counts(found) == {name: count for name, count in expected.items() if count}
     assert (found.grazes, found.grazes_found) == (1, 0)
 
 
 def test_a_graze_at_another_time_is_an_error() -> None:
-    late = TOUCH._replace(t=TOUCH.t + Fraction(1, 1000))
-    assert counts(judged(GRAZING, [late, *right(GRAZING).events[1:]])) == {"late": 1}
+    case = case_of("graze-overdamped-P3")
+    touch, *others = right(case).events
+    late = touch._replace(t=touch.t + Fraction(1, 1000))
+    assert counts(judged(case, [late, *others])) == {"late": 1}
 
 
 def test_an_event_at_a_start_on_a_belt_is_none() -> None:
-    case = CASES["paper-fig6"]  # starts in a stick on belt 2
+    case = case_of("paper-fig6")  # starts in a stick on belt 2
     start = GivenEvent(case.t0, None, "stick", 2)
     assert judged(case, [start, *right(case).events]).right
     assert counts(judged(case, [start, start, *right(case).events])) == {"invented": 1}
-    assert counts(judged(CASES["paper-fig5"], [start, *right(CASES["paper-fig5"]).events])) == {"invented": 1}
+    assert counts(judged(case_of("paper-fig5"), [start, *right(case_of("paper-fig5")).events])) == {"invented": 1}
 
 
 def test_belts_and_positions_may_be_left_out() -> None:
-    case = CASES["paper-fig6"]
+    case = case_of("paper-fig6")
     found = judged(case, [event._replace(x=None, boundary=0) for event in right(case).events])
     assert found.right
     assert (found.error_t, found.error_x) == (0.0, None)
 
 
 def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -> None:
-    case = CASES["continuum-1-2"]
+    case = case_of("continuum-1-2")
     events, last = right(case).events, case.events[-2:]
     long = replace(case, events=last, conditions=case.conditions[-2:], count=len(events))
     assert judged(long, events).right
@@ -183,7 +186,7 @@ def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -
 
 
 def test_cases_without_results_are_no_faults() -> None:
-    cases = list(CASES.values())
+    cases = list(stored_set())
     found = score("mine", cases, {cases[0].name: right(cases[0])})
     assert found.ok
     assert len(found.given) == 1
@@ -200,7 +203,7 @@ def test_a_tolerance_is_a_small_number(value: object) -> None:
 
 
 def test_tables_say_what_is_wrong_in_every_form() -> None:
-    cases = list(CASES.values())
+    cases = list(stored_set())
     good = score("a|b", cases, {case.name: right(case) for case in cases})
     events = right(cases[0]).events
     bad = score("<c>", cases, {cases[0].name: CaseResult([*events[1:3], *events[4:]], seconds=0.25)})

@@ -48,7 +48,7 @@ def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> N
     np.testing.assert_allclose(found["section"], expected["section"], rtol=0, atol=1e-9 * scale)
 
 
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(24))
 def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     p, (t0, x0, v0), t_end = scene(seed)

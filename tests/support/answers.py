@@ -1,7 +1,8 @@
-"""One answer of each kind, small ones, for tests of what answers look like."""
+"""One answer of each kind, small ones, by names that say what they are, for tests of what answers look like."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -30,24 +31,27 @@ def _check(shift: float) -> Any:
     return crosscheck("fig5", t, x, v + shift * (t > 5))
 
 
+MANY: dict[str, Any] = {"t_end": 9, "use_numba": False}
+MAKERS: dict[str, Callable[[], Any]] = {
+    "trajectory": lambda: simulate("fig5", t_end=7),
+    "trajectory without events": lambda: simulate("fig5", t_end="0.1"),
+    "trajectory in digits": lambda: simulate("fig8-exact", digits=30, t_end=6),
+    "orbit": lambda: find_orbit(P, "P32"),
+    "branch": lambda: continue_orbit(P, "P32", "Omega", (3.9, 4.1)),
+    "window": lambda: grazing_window(P, "P2"),
+    "empty window": lambda: grazing_window(P.replace(k=0, B0=0), "P2"),
+    "check": lambda: _check(0.0),
+    "failed check": lambda: _check(0.1),
+    "certificate": lambda: PROVEN,
+    "open certificate": lambda: Certificate("branch", False, "open at Omega = 4", (("cross", "Omega2", "Omega1"),)),
+    "events": lambda: simulate_many(P, STARTS, **MANY),
+    "no events": lambda: simulate_many(P, (0, 0, 0), t_end="0.001", use_numba=False),
+    "summary": lambda: simulate_many(P, STARTS, record="summary", sections=2, **MANY),
+    "summary of words": lambda: simulate_many(P, STARTS[:2], record="word", **MANY),
+}
+
+
 @cache
-def answers() -> dict[str, Any]:
-    """Return the answers by names that say what they are."""
-    many = {"t_end": 9, "use_numba": False}
-    return {
-        "trajectory": simulate("fig5", t_end=7),
-        "trajectory without events": simulate("fig5", t_end="0.1"),
-        "trajectory in digits": simulate("fig8-exact", digits=30, t_end=6),
-        "orbit": find_orbit(P, "P32"),
-        "branch": continue_orbit(P, "P32", "Omega", (3.9, 4.1)),
-        "window": grazing_window(P, "P2"),
-        "empty window": grazing_window(P.replace(k=0, B0=0), "P2"),
-        "check": _check(0.0),
-        "failed check": _check(0.1),
-        "certificate": PROVEN,
-        "open certificate": Certificate("branch", False, "open at Omega = 4", (("cross", "Omega2", "Omega1"),)),
-        "events": simulate_many(P, STARTS, **many),
-        "no events": simulate_many(P, (0, 0, 0), t_end="0.001", use_numba=False),
-        "summary": simulate_many(P, STARTS, record="summary", sections=2, **many),
-        "summary of words": simulate_many(P, STARTS[:2], record="word", **many),
-    }
+def answer(kind: str) -> Any:
+    """Return the answer of this kind, which is made when it is first asked for."""
+    return MAKERS[kind]()

@@ -26,7 +26,7 @@ def test_every_picture_is_made_by_a_command() -> None:
     assert {path.name for path in (DOCS / "sweeps").iterdir()} == {Path(name).name for name in pictures}
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: shlex.split(command)[-1])
 def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
