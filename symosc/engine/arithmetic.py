@@ -75,6 +75,7 @@ OUTLINED = {
     "creeps_for_ever",
     "touch_belt",
     "slow_passing_time",
+    "sine_and_cosine_of",
     "resolve",
     "tolerance",
     "parts_again",

@@ -26,8 +26,8 @@ from symosc.engine.state import (
 from symosc.engine.tally import end_tally, rest_tally, tally_step
 from symosc.kernels.entire import EPS
 
-# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0.
-STATE_WIDTH = 16
+# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0, then s, c.
+STATE_WIDTH = 18
 # Columns of a row of events.
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_code")
@@ -63,7 +63,7 @@ def room_for(events: int) -> EventRows:
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
     """Return a state, the two parts of the end, and the time as that of the start, as a row of a batch."""
-    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t]
+    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, state.s, state.c]
 
 
 def state_of(states, i):
@@ -81,6 +81,8 @@ def state_of(states, i):
         Covariance(float(states[i, 8]), float(states[i, 9]), float(states[i, 10])),
         float(states[i, 11]),
         float(states[i, 12]),
+        float(states[i, 16]),
+        float(states[i, 17]),
     )
 
 
@@ -91,6 +93,7 @@ def keep_state(states, i, state):
     states[i, 6], states[i, 7] = state.Fb, state.Fa
     states[i, 8], states[i, 9], states[i, 10] = state.S.S11, state.S.S12, state.S.S22
     states[i, 11], states[i, 12] = state.t, state.t_low
+    states[i, 16], states[i, 17] = state.s, state.c
 
 
 def handed_out(t, t_low, t0, x, v, t_error, S11, K):

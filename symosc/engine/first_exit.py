@@ -39,7 +39,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from symosc.engine.flow import derivatives, fifth_derivative, state_at
+from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned
 from symosc.engine.gap_bounds import (
     CLEAR_DEPTH,
     ISOLATED,
@@ -78,18 +78,19 @@ def first_exit(tau_max, start, walls, S, K):
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
     now, flat = search_start(tau_max, start, walls, K)
-    thin, margin = error_margins(start, S, K)
+    margins = error_margins(start, S, K)
     if K.apart and not flat:
-        now, M4, side, there = march(tau_max, start.v, now, walls, margin, K)
+        now, M4, side, there = march(tau_max, start.v, now, walls, margins[1], K)
         if side != 0:
             return polish(between(now, there, side, walls, K), now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
+    return stepped(tau_max, now, M4, margins, start, walls, S, K)
 
 
-def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
+def stepped(tau_max, now, M4, margins, start, walls, S, K):
     """Return what `first_exit` returns, by safe steps from `now` on: where marching has not decided."""
+    thin, margin = margins
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -289,7 +290,7 @@ def polish(tau, low, high, side, start, walls, K):
     shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
     if abs(shift) * K.rate < NEAR and low - slack <= tau + shift <= high + slack:
         return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
-    return halved(now, shift, low, high, slack, side, start, walls, K)
+    return halved(now, shift, (low, high, slack), side, start, walls, K)
 
 
 def narrowed(low, high, tau, beyond):
@@ -299,11 +300,12 @@ def narrowed(low, high, tau, beyond):
     return low, (tau if tau < high else high)
 
 
-def halved(now, shift, low, high, slack, side, start, walls, K):
+def halved(now, shift, bracket, side, start, walls, K):
     """Go on with what `polish` began at the point `now`, from which the contact looks to be a `shift` away.
 
-    A step that leaves the bracket, which narrows, is replaced by halving it.
+    A step that leaves the bracket by more than the third entry of it is replaced by halving it; it narrows.
     """
+    low, high, slack = bracket
     for _ in range(MOST_HALVINGS):
         tau = now.tau
         inside = low - slack <= tau + shift <= high + slack
@@ -326,11 +328,3 @@ def shifted(now, shift, v0, K):
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)
     return Flown(now.tau + shift, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
-
-
-def turned(s, c, angle):
-    """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
-    half = 0.5 * angle
-    sixth = SIXTH * angle * angle
-    last = 0.25 * angle * sixth
-    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle

@@ -5,7 +5,7 @@ The rule is that of `symosc.engine.start.first_state`; a start that takes more t
 
 from __future__ import annotations
 
-from math import cos
+from math import cos, sin
 
 from symosc.engine.flow import constant_force, march_constants, march_steps
 from symosc.engine.state import ON_BELT
@@ -57,6 +57,7 @@ def first_rows(table, sets, states):
             elif mode == at:
                 above = below
         states[i, 0], states[i, 6], states[i, 7] = mode, below, above
+        states[i, 16], states[i, 17] = sin(theta), c
         states[i, 8] = (EPS * x) * (EPS * x)
         states[i, 10] = 0.0 if at > 0 else (EPS * v) * (EPS * v)
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
-from symosc.kernels.entire import basis
+from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters
 
@@ -298,6 +298,14 @@ def state_at(tau, start, K):
     else:
         G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
+
+
+def turned(s, c, angle):
+    """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
+    half = 0.5 * angle
+    sixth = SIXTH * angle * angle
+    last = 0.25 * angle * sixth
+    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
 
 
 def derivatives(v, F, s, c, K):

@@ -75,34 +75,37 @@ def advance_flight(state, left, K):
     """Advance through a domain, for the time `left` at most; see `advance`."""
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
-    mode, at, n, theta, x, v, F, _, S, t, t_low = state
-    start = Launch(v, F, sin(theta), cos(theta))
+    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c = state
+    start = Launch(v, F, s, c)
     lower, upper = speeds_around(mode, K)
     walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
     tau_max = reach_of(left if left < K.chunk else K.chunk, left)
     end = first_exit(tau_max, start, walls, S, K)
     if end.code == NOTHING and tau_max < left:
-        end = apart_from_walls(end, tau_max, left, start, walls, lower, upper, S, K)
+        end = apart_from_walls(end, tau_max, left, state, start, walls, K)
     if end.now.tau > left and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
     code, side, now = end
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
-    n, theta = later(n, theta, now.tau, K)
+    turns, theta = later(0, theta, now.tau, K)
+    n, s, c = n + turns, now.s, now.c
+    if turns > 0:
+        s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
-        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low)
+        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c)
         return no_contact(state, there, now, left, lower, upper, K)
     boundary = mode - 1 if side < 0 else mode
     v = K.belt1.v if boundary == 1 else K.belt2.v
     if code == STALLED:
-        return NextEvent(FAILED, boundary, False, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low))
+        return NextEvent(FAILED, boundary, False, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c))
     if code == TANGENCY:
         F = 0.0 * F
     elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low), end, v_noise, left, K)
+    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c), end, v_noise, left, K)
 
 
 def reach_of(tau_max, left):
@@ -112,18 +115,19 @@ def reach_of(tau_max, left):
     return tau_max
 
 
-def apart_from_walls(end, tau_max, left, start, walls, lower, upper, S, K):
+def apart_from_walls(end, tau_max, left, state, start, walls, K):
     """Return the end of a search that goes on until it is not near a belt: nobody would find a touch there.
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
+    lower, upper = speeds_around(state.mode, K)
     while end.code == NOTHING and tau_max < left and tau_max <= 1.5 * K.chunk:
         v = start.v + end.now.dv
         size = abs(start.v) + abs(end.now.dv) + (abs(start.F) + abs(K.f0)) * K.moment
         if not beside_a_wall(v, size, lower, upper):
             break
         tau_max = reach_of(tau_max + 0.125 * K.chunk, left)
-        end = first_exit(tau_max, start, walls, S, K)
+        end = first_exit(tau_max, start, walls, state.S, K)
     return end
 
 
@@ -138,9 +142,10 @@ def no_contact(state, there, now, left, lower, upper, K):
         return NextEvent(END, 0, True, 0.0, there)
     if never_leaves(Launch(there.v, there.Fb, now.s, now.c), there.S, lower, upper, there.mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
-    mode, at, n, theta, x, v, _, _, S, t, t_low = there
+    mode, at, n, theta, x, v, _, _, S, t, t_low, _, _ = there
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low))
+    s, c = sine_and_cosine_of(theta)
+    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c))
 
 
 def flight_noise(state, now, K):
@@ -185,16 +190,17 @@ def meet_belt(there, end, v_noise, left, K):
 
 def touch_belt(there, G1, G2, G3, v_noise, tau, left, K):
     """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low = there
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, left - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
         n, theta = later(n, theta, shift, K)
         t, t_low = added(t, t_low, shift, K)
+        s, c = sin(theta), cos(theta)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
     code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
     F = 0.0 * F
-    return NextEvent(code, boundary, False, t_error, State(mode, boundary, n, theta, x, v, F, F, S, t, t_low))
+    return NextEvent(code, boundary, False, t_error, State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c))
 
 
 def switch(there, end, vague, t_error, K):
@@ -202,7 +208,7 @@ def switch(there, end, vague, t_error, K):
 
     A `vague` contact is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
     """
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low = there
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c = there
     belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
     if vague:
         F = 0.0 * F
@@ -225,26 +231,27 @@ def switch(there, end, vague, t_error, K):
         where = resolve(v, Fb, Fa, now.s, now.c, K)
     if where == BELT:
         S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)  # the belt takes the error of the velocity away
-        held = State(ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low)
+        held = State(ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c)
         return NextEvent(STICK, boundary, decided, t_error, held)
     out = Fa if where == DOMAIN_ABOVE else Fb
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * F
-        touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low)
+        touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c)
         return NextEvent(GRAZE, boundary, False, t_error, touched)
     ratio = out / F if F != 0.0 else 1.0
     S = Covariance(S.S11, ratio * S.S12, ratio * ratio * S.S22)
-    return NextEvent(CROSS, boundary, decided, t_error, State(target, boundary, n, theta, x, v, out, out, S, t, t_low))
+    crossed = State(target, boundary, n, theta, x, v, out, out, S, t, t_low, s, c)
+    return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
 def advance_stick(state, left, K):
     """Advance along a belt, for the time `left` at most; see `advance`."""
-    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low = state
+    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c = state
     boundary = mode - ON_BELT
     belt = K.belt1 if boundary == 1 else K.belt2
-    zero, hold = 0.0 * Fb, Hold(Fb, Fa, theta, sin(theta), cos(theta))
-    code, side, tau, Delta, slope, bend = belt_exit(left if left < K.chunk else K.chunk, hold, S.S11, belt, K)
+    zero, hold = 0.0 * Fb, Hold(Fb, Fa, theta, s, c)
+    code, side, tau, Delta, slope, bend, s, c = belt_exit(left if left < K.chunk else K.chunk, hold, S.S11, belt, K)
     if tau > left and code in (HIT, TANGENCY):
         code, tau = NOTHING, left
     if code == NOTHING and tau < left and belt.drift == 0.0 and tau >= K.period:
@@ -252,20 +259,23 @@ def advance_stick(state, left, K):
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
-    n, theta = later(n, theta, tau, K)
+    turns, theta = later(0, theta, tau, K)
+    n = n + turns
+    if code != HIT or turns > 0:
+        s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:
-        held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low)
+        held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c)
         return NextEvent(END if tau >= left else MOVED, 0, True, 0.0, held)
     if code != HIT:
         Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
-        held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low)
+        held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c)
         return NextEvent(MOVED if code == TANGENCY else FAILED, 0 if code == TANGENCY else boundary, False, 0.0, held)
     target = boundary if side < 0 else boundary + 1
     terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
-    slipped = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low)
+    slipped = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c)
     return NextEvent(SLIP, boundary, True, t_error, slipped)
 
 
@@ -284,6 +294,11 @@ def later(n, theta, tau, K):
     if theta < 0.0:  # by the rest of 2 pi
         theta = 0.0 * theta
     return n, theta
+
+
+def sine_and_cosine_of(theta):
+    """Return the sine and the cosine of a phase, without rounding errors from before."""
+    return sin(theta), cos(theta)
 
 
 def added(t, t_low, tau, K):

@@ -89,4 +89,6 @@ def in_doubles(state):
         Covariance(S11, S12, S22),
         t,
         ((state.t - t) + state.t_low).hi,
+        state.s.hi,
+        state.c.hi,
     )

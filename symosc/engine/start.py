@@ -109,10 +109,12 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
     return BeltStart(boundary, mode, below, above)
 
 
-def belt_state(start: BeltStart, clock: tuple[int, Number], x: Number, S: Covariance, K: Constants) -> State:
-    """Return the state at the time 0 for a start on a belt; `clock` is the number of periods and the phase."""
+def belt_state(
+    start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
+) -> State:
+    """Return the state at the time 0 for a start on a belt; `clock` is the number of periods and the angle."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
-    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero)
+    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase)
 
 
 def belt_rows(
@@ -125,7 +127,8 @@ def belt_rows(
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     A = np.array([K.A1, K.A2, K.A3, K.A3])
-    Fb, Fa = (acceleration(x, v, np.cos(theta), A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
+    c = np.cos(theta)
+    Fb, Fa = (acceleration(x, v, c, A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
     above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
     held = (at > 0) & ~above & ~below
     mode = np.where(held, ON_BELT + at, mode + above)
@@ -133,7 +136,7 @@ def belt_rows(
     zero = np.zeros(len(x))
     S11, S22 = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
     state = [mode, at, zero, theta, x, v, Fb, Fa, S11, zero, S22, zero, zero]
-    return np.column_stack([*state, left, zero, zero])
+    return np.column_stack([*state, left, zero, zero, np.sin(theta), c])
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
@@ -170,7 +173,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
         S12 = 3 * v * Fb * dt**2
         S = Covariance(S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2))
-    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0))
+    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase)
 
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
@@ -242,6 +245,7 @@ def settles(start: Start) -> bool:
 def rounded(state: State) -> State:
     """Return a state in double precision, with the rounding as a part of its error."""
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
+    s, c = float(state.s), float(state.c)
     t_low = float(state.t - t + state.t_low)
     S = Covariance(*rounded_covariance(state.at, x, v, *(float(value) for value in state.S)))
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low)
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low, s, c)

@@ -39,7 +39,9 @@ class State(NamedTuple):
     """The state between events.
 
     Phase and time are carried one beside the other: Omega t never loses digits however large t becomes, and t none
-    however slow the drive is.
+    however slow the drive is. So are the sine and the cosine of the phase, which the search has at a contact: to make
+    them anew would hold up every event. They are made anew of theta in each forcing period, so that their rounding
+    errors do not add up.
     """
 
     mode: int
@@ -53,6 +55,8 @@ class State(NamedTuple):
     S: Covariance
     t: Number  # time, in two parts whose sum is right to far below an ulp
     t_low: Number
+    s: Number  # sine and cosine of theta
+    c: Number
 
 
 class NextEvent(NamedTuple):
@@ -139,3 +143,5 @@ class StickEnd(NamedTuple):
     Delta: Number  # what both forces have gained, and its first two derivatives
     slope: Number
     bend: Number
+    s: Number  # sine and cosine of the phase, where its code is HIT
+    c: Number

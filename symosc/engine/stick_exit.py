@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
+from symosc.engine.flow import turned
 from symosc.engine.gap_bounds import NEAR, local_root
 from symosc.engine.state import HIT, NOTHING, STALLED, TANGENCY, StickEnd, Stretch
 from symosc.engine.touches import ROUNDING
@@ -29,13 +30,18 @@ SAME_PHASE = 64.0
 
 
 def gain(tau, s0, c0, belt, K):
-    """Return Delta, Delta' and Delta'' at tau, without cancellation at small tau; s0, c0 belong to the start."""
+    """Return Delta at tau, without cancellation at small tau, and the phase's sine and cosine; s0, c0: at the start."""
     half = 0.5 * K.Om * tau
     s, c = sin(half), cos(half)
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
-    return Delta, belt.drift - K.fB * (s0 * c_Om + c0 * s_Om), -K.fB * K.Om * (c0 * c_Om - s0 * s_Om)
+    return Delta, s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+
+
+def slopes(s, c, belt, K):
+    """Return Delta' and Delta'' at a phase."""
+    return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
 def wrapped(angle):
@@ -95,11 +101,11 @@ def belt_exit(tau_max, hold, S11, belt, K):
         over = force + Delta_end if rising else -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
         if turning and abs(over) <= force_noise(hold.Fb, end, S11, belt, K):
-            return StickEnd(TANGENCY, side, end, Delta_end, zero, zero)
+            return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
         if over >= 0.0:
             return exit_root(force, side, Stretch(tau, end, Delta, s, c), hold, belt, K)
         tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
-    return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero)
+    return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero, zero, zero)
 
 
 def turns_of(tau_max, theta, belt, K):
@@ -123,19 +129,20 @@ def exit_root(force, side, stretch, hold, belt, K):
     and `local_root` from nearby. Halving when a step leaves the bracket or the steps do not shrink.
     """
     tau, over, low, high, s, c = first_guess(force, side, stretch, hold, belt, K)
-    slope, bend = belt.drift - K.fB * s, -K.fB * K.Om * c
+    slope, bend = slopes(s, c, belt, K)
     Om2 = K.Om * K.Om
     slack, step_before, exact = 4.0 * EPS * high, 2.0 * (high - low), False
     for _ in range(MOST_STICK_STEPS):
         third = Om2 * (belt.drift - slope)
         if exact:  # the first point is a guess, for which digits may have been lost
             if over == 0.0:
-                return StickEnd(HIT, side, tau, -force, slope, bend)
+                return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
             if abs(over * bend) < 0.1 * slope * slope:
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
                     incline = slope + (bend + 0.5 * third * step) * step
-                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step)
+                    s, c = turned(s, c, K.Om * step)
+                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step, s, c)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
         step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
@@ -146,15 +153,16 @@ def exit_root(force, side, stretch, hold, belt, K):
             step = 0.5 * (low + high) - tau
         step_before = abs(step) if exact else step_before
         if tau + step == tau:  # the bracket is as narrow as it gets
-            return StickEnd(HIT, side, tau, -force, slope, bend)
+            return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
         tau, exact = tau + step, True
-        Delta, slope, bend = gain(tau, hold.s, hold.c, belt, K)
+        Delta, s, c = gain(tau, hold.s, hold.c, belt, K)
+        slope, bend = slopes(s, c, belt, K)
         over = force + Delta
         if side * over > 0.0:
             high = tau
         else:
             low = tau
-    return StickEnd(STALLED, side, tau, -force, slope, bend)
+    return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
 
 
 def first_guess(force, side, stretch, hold, belt, K):

@@ -135,14 +135,14 @@ def keep_last(i, t, x, v, tally):
 
 def launch_of(state):
     """Return where a flight from a state is computed from."""
-    return Launch(state.v, state.Fb, sin(state.theta), cos(state.theta))
+    return Launch(state.v, state.Fb, state.s, state.c)
 
 
 def end_of(before, after, tau, start, K):
     """Return the end of a flight (Flown), from the state behind it."""
     if K.stiff:
         return state_at(tau, start, K)
-    s, c = sin(after.theta), cos(after.theta)
+    s, c = after.s, after.c
     F = acceleration(after.x, after.v, c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
     G1, G2, G3 = derivatives(after.v, F, s, c, K)
     return Flown(tau, after.x - before.x, after.v - before.v, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
@@ -197,8 +197,7 @@ def tally_sections(i, before, last, S, tally, K):
 def flown(before, tau, s_Om, c_Om, K):
     """Return position and velocity of a flight, given sine and cosine of what the phase gains."""
     E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
-    s, c = sin(before.theta), cos(before.theta)
-    dx, dv, _ = motion(before.v, before.Fb, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    dx, dv, _ = motion(before.v, before.Fb, before.s, before.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     return before.x + dx, before.v + dv
 
 
@@ -249,7 +248,8 @@ def rest_tally(i, state, left, t0, tally, K):
         step = left - passed if state.mode > ON_BELT or left - passed < K.chunk else K.chunk
         x, v, F = flown_on(now, step, K)
         phase = later(0, now.theta, step, K)[1]
-        then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, now.t + step, now.t_low)
+        clock = now.t + step, now.t_low, sin(phase), cos(phase)
+        then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step
         if passed >= left or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
@@ -260,7 +260,8 @@ def rest_tally(i, state, left, t0, tally, K):
     if state.mode <= ON_BELT:
         turn = theta - state.theta
         x, v = flown(state, left, sin(turn), cos(turn), K)
-    end = State(state.mode, 0, n, theta, x, v, state.Fb, state.Fa, state.S, state.t + left, state.t_low)
+    clock = state.t + left, state.t_low, sin(theta), cos(theta)
+    end = State(state.mode, 0, n, theta, x, v, state.Fb, state.Fa, state.S, *clock)
     end_tally(i, end, tally)
     keep_last(i, state.t + left, x, v, tally)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits
-from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms
+from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent, State
 from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
@@ -146,7 +146,8 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * rest
     begun = _begun(row, arithmetic, x, theta, phase)
-    state = belt_state(begun, (0, phase), x, Covariance((eps * x) ** 2, 0 * x, 0 * x), K)
+    S = Covariance((eps * x) ** 2, 0 * x, 0 * x)
+    state = belt_state(begun, (0, phase), sine_and_cosine(phase, arithmetic), x, S, K)
     event = _followed(state, arithmetic)
     if event.code in (END, REST):
         many = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"

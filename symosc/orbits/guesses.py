@@ -54,7 +54,8 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     """Follow the motion from a start on a belt for at most `most` events, in double precision."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
-    state = belt_state(start, (turns, theta - 2 * pi * turns), x, Covariance(0.0, 0.0, 0.0), K)
+    angle = theta - 2 * pi * turns
+    state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
     passages, code = [Passage(x, theta, boundary, start.mode)], END
     for _ in range(20 * most):
         code, belt_met, _, _, state = equations.arithmetic.paths.advance(state, MOST_GUESS_PERIODS * K.period, 0.0, K)

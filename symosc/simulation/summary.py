@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from math import cos
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -218,7 +218,8 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
 def _state(piece: Any) -> State:
     zero = Covariance(0.0, 0.0, 0.0)
     at = piece.mode - ON_BELT if piece.mode > ON_BELT else 0
-    return State(piece.mode, at, piece.n, piece.theta, piece.x, piece.v, piece.a, piece.a, zero, piece.elapsed, 0.0)
+    clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta)
+    return State(piece.mode, at, piece.n, piece.theta, piece.x, piece.v, piece.a, piece.a, zero, *clock)
 
 
 def _is_at(state: State, event: Any) -> bool:

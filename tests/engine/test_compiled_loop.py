@@ -47,7 +47,8 @@ from symosc.kernels.entire import EPS
 def drawn(rng: random.Random) -> State:
     numbers = [rng.uniform(-9, 9) for _ in range(5)]
     S = Covariance(*(rng.uniform(0, 1e-9) for _ in range(3)))
-    return State(rng.randint(1, 5), rng.randint(0, 2), rng.randint(0, 99), *numbers, S, rng.uniform(0, 99), 1e-15)
+    clock = rng.uniform(0, 99), 1e-15, rng.uniform(-1, 1), rng.uniform(-1, 1)
+    return State(rng.randint(1, 5), rng.randint(0, 2), rng.randint(0, 99), *numbers, S, *clock)
 
 
 def test_a_row_is_its_state() -> None:
@@ -56,14 +57,14 @@ def test_a_row_is_its_state() -> None:
     states = [drawn(rng) for _ in range(5)]
     for i, state in enumerate(states):
         rows[i] = row_of(state, 123.0, 1e-14)
-        assert rows[i, 13:].tolist() == [123.0, 1e-14, state.t]
+        assert rows[i, 13:].tolist() == [123.0, 1e-14, state.t, state.s, state.c]
     assert [state_of(rows, i) for i in range(5)] == states
     others = [drawn(rng) for _ in range(5)]
-    ends = rows[:, 13:].copy()
+    ends = rows[:, 13:16].copy()
     for i in (3, 0):
         keep_state(rows, i, others[i])
     assert [state_of(rows, i) for i in range(5)] == [others[0], *states[1:3], others[3], states[4]]
-    assert np.array_equal(rows[:, 13:], ends)
+    assert np.array_equal(rows[:, 13:16], ends)
 
 
 def test_errors_that_are_handed_out_cover_the_rounding_of_the_numbers() -> None:

@@ -14,7 +14,7 @@ from random_constants import constants_of
 
 from symosc import Parameters, load_scene, simulate, simulate_many
 from symosc.engine import first_exit as first_exit_module
-from symosc.engine import gap_bounds, stick_exit
+from symosc.engine import flow, gap_bounds, stick_exit
 from symosc.engine import march as march_module
 from symosc.engine.first_exit import first_exit
 from symosc.engine.flow import state_at
@@ -49,7 +49,7 @@ def test_no_contact_is_passed_over() -> None:
 
 def test_a_phase_turned_by_taylor() -> None:
     for angle in (1e-3, -7e-4, 1e-9):
-        s, c = first_exit_module.turned(math.sin(1.2), math.cos(1.2), angle)
+        s, c = flow.turned(math.sin(1.2), math.cos(1.2), angle)
         with mpmath.workdps(30):
             assert abs(s - mpmath.sin(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
             assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5

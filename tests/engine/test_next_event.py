@@ -192,7 +192,8 @@ def test_errors_travel_through_events_as_pushed_starts_do() -> None:
 
 def state_in(mode: int, v: float, a: float, p: Parameters = BASE) -> tuple[State, Constants]:
     """Return a state between the belts, and constants."""
-    return State(mode, 0, 0, 1.0, 0.0, v, a, a, Covariance(0.0, 0.0, 0.0), 0.0, 0.0), Arithmetic(p).K
+    phase = sin(1.0), cos(1.0)
+    return State(mode, 0, 0, 1.0, 0.0, v, a, a, Covariance(0.0, 0.0, 0.0), 0.0, 0.0, *phase), Arithmetic(p).K
 
 
 def hit_at(side: int, tau: float, F: float, s: float = 0.0, c: float = 1.0) -> FlightEnd:
@@ -267,13 +268,14 @@ def test_a_crossing_that_is_none_is_moved_to_the_touch_behind(mode: int) -> None
         x, v, theta, t = rng.uniform(-3, 3), rng.uniform(-2, 2), rng.uniform(0, 6), rng.uniform(0, 50)
         S, tau = Covariance(1e-20, 0.0, 4e-20), rng.uniform(0.1, 2)
         left = tau + rng.choice([1.0, 0.25 * abs(F / G1)])
-        there = State(mode, 2, 3, theta, x, v, F, F, S, t, 1e-18)
+        there = State(mode, 2, 3, theta, x, v, F, F, S, t, 1e-18, sin(theta), cos(theta))
         found = next_event.touch_belt(there, G1, 0.5, 0.25, 1e-12, tau, left, K)
         shift = min(-F / G1, left - tau) if F * G1 < 0 else 0.0
         now = found.state
         assert (found.code, found.boundary, found.decided) == (next_event.GRAZE, 2, False)
         assert (now.mode, now.at, now.Fb, now.Fa, now.v, now.S) == (mode, 2, 0.0, 0.0, v, S)
         assert now.t + now.t_low == pytest.approx(t + shift, rel=1e-15)
+        assert (now.s, now.c) == pytest.approx((sin(now.theta), cos(now.theta)), abs=1e-15)
         assert 2 * np.pi * (now.n - 3) + now.theta == pytest.approx(theta + K.Om * shift, rel=1e-14)
         assert now.x == pytest.approx(x + v * shift + F * shift**2 / 2 + G1 * shift**3 / 6, rel=1e-14)
         assert found.t_error == passing_time(K.rate * (2e-10 + 1e-12), G1, 0.5, 0.25, K)

@@ -265,7 +265,7 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         state = first_state(Start(p, Fraction(0), x0, p.belt(boundary), Fraction(1)), arithmetic)
         x, phase = float(x0), (0.0, 1.0)
         begun = start.belt_start(boundary, x, phase, arithmetic)
-        again = start.belt_state(begun, (0, 0.0), x, state.S, arithmetic.K)
+        again = start.belt_state(begun, (0, 0.0), phase, x, state.S, arithmetic.K)
         assert again == state
         at, v = np.array([boundary, 0]), np.array([state.v, state.v + 1e-3])
         rows = start.belt_rows(at, np.zeros(2), np.full(2, x), v, np.full(2, 0.5), arithmetic.K)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from math import cos, sin
 from typing import Any
 
 import mpmath
@@ -11,10 +12,13 @@ import pytest
 from agreement import BASE
 from touches import tenths
 
-from symosc import Parameters
+from symosc import Parameters, load_scene
 from symosc.engine import state
-from symosc.engine.start import Start
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.next_event import advance
+from symosc.engine.start import Start, first_state
 from symosc.engine.state import CROSS, END, GRAZE, MOVED, ON_BELT, REST, SLIP, STICK, State
+from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.simulation.run import Path
 
@@ -46,6 +50,8 @@ def check_state(start: Start, s: State, eps: float) -> None:
     )
     angle = p.Omega.numerator * (mpmath.mpf(s.t) + mpmath.mpf(s.t_low)) / p.Omega.denominator
     assert 0 <= s.theta < 2 * mpmath.pi
+    assert abs(s.s - mpmath.sin(s.theta)) < 40 * eps
+    assert abs(s.c - mpmath.cos(s.theta)) < 40 * eps
     assert abs(2 * mpmath.pi * turns + s.theta - angle) < 300 * eps * (1 + abs(angle))
     forces = {domain: acceleration(p, domain, s) for domain in (1, 2, 3)}
     size = 1 + max(map(abs, forces.values()))
@@ -113,3 +119,15 @@ def test_codes_of_one_column_differ(names: str) -> None:
 def test_directions_are_those_of_the_velocity() -> None:
     """A search returns sides as signs of the velocity; where a motion goes has the same signs."""
     assert (state.DOMAIN_BELOW, state.BELT, state.DOMAIN_ABOVE) == (-1, 0, 1)
+
+
+def test_the_errors_of_sine_and_cosine_do_not_add_up() -> None:
+    """After thousands of events they are those of the phase, but for a few rounding errors."""
+    scene = load_scene("fig5")
+    arithmetic, start = Arithmetic(scene.parameters), Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
+    now, worst = first_state(start, arithmetic), 0.0
+    for _ in range(6000):
+        now = advance(now, 1e7, 0.0, arithmetic.K).state
+        worst = max(worst, abs(now.s * now.s + now.c * now.c - 1.0))
+        assert abs(now.s - sin(now.theta)) + abs(now.c - cos(now.theta)) < 32 * EPS
+    assert EPS < worst < 16 * EPS

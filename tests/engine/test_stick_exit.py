@@ -11,7 +11,7 @@ from random_constants import constants_of
 
 from symosc.engine.flow import BeltConstants, Constants
 from symosc.engine.state import HIT, NOTHING, TANGENCY, Hold
-from symosc.engine.stick_exit import belt_exit, gain
+from symosc.engine.stick_exit import belt_exit, gain, slopes
 
 
 def test_the_end_of_a_stick_is_the_first() -> None:
@@ -22,7 +22,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
         s0, c0 = math.sin(theta), math.cos(theta)
-        code, side, tau, _, _, _ = belt_exit(K.period, Hold(below, below - belt.J, theta, s0, c0), 0.0, belt, K)
+        code, side, tau, *_ = belt_exit(K.period, Hold(below, below - belt.J, theta, s0, c0), 0.0, belt, K)
         inside = [below + gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
         assert all(0 < force < belt.J for force in inside)
         if code == HIT:
@@ -56,7 +56,10 @@ def test_a_stick_that_lasts_has_no_side() -> None:
             assert end.Delta == pytest.approx(gain(tau_max, hold.s, hold.c, belt, K)[0], abs=1e-12 * (1 + abs(K.f0)))
         else:
             assert abs(end.side) == 1
-            Delta, slope, bend = gain(end.tau, hold.s, hold.c, belt, K)
+            Delta, s, c = gain(end.tau, hold.s, hold.c, belt, K)
+            slope, bend = slopes(s, c, belt, K)
+            phase = hold.theta + K.Om * end.tau
+            assert (end.s, end.c) == pytest.approx((math.sin(phase), math.cos(phase)), abs=4e-15)
             size = (1 + abs(K.f0)) * (1 + K.Om) ** 2
             assert (end.Delta, end.slope) == pytest.approx((Delta, slope), abs=1e-9 * size)
             assert end.bend == pytest.approx(bend, abs=1e-5 * size)

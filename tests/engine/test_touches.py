@@ -192,7 +192,8 @@ def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: py
     start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
     path = Path(start)
     assert path.state.mode == 4
-    monkeypatch.setattr(next_event, "belt_exit", lambda *_: StickEnd(touches.STALLED, -1, behind, 0.0, 0.0, 0.0))
+    gave_up = StickEnd(touches.STALLED, -1, behind, 0.0, 0.0, 0.0, 0.0, 1.0)
+    monkeypatch.setattr(next_event, "belt_exit", lambda *_: gave_up)
     path.step()
     assert (path.code, path.decided) == (next_event.FAILED, False)
 
