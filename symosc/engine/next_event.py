@@ -45,8 +45,6 @@ TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
 MANY_TURNS = 64.0
 # A search ends a little later than the motion: a contact exactly at its end would else not be found, nor excluded.
 PAST_END = 1e-9
-# Forcing periods after which sine and cosine of the phase are made anew.
-FRESH = 4
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
 
@@ -92,7 +90,7 @@ def advance_flight(state, left, K):
     S = carried_error(S, now, x_noise, v_noise, K)
     turns, theta = later(0, theta, now.tau, K)
     n, s, c = n + turns, now.s, now.c
-    if turns > 0 and n % FRESH == 0:
+    if turns > 0:
         s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
@@ -263,7 +261,7 @@ def advance_stick(state, left, K):
     x = x + v * tau
     turns, theta = later(0, theta, tau, K)
     n = n + turns
-    if code != HIT or (turns > 0 and n % FRESH == 0):
+    if code != HIT or turns > 0:
         s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:

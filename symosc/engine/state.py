@@ -40,8 +40,8 @@ class State(NamedTuple):
 
     Phase and time are carried one beside the other: Omega t never loses digits however large t becomes, and t none
     however slow the drive is. So are the sine and the cosine of the phase, which the search has at a contact: to make
-    them anew would hold up every event. They are made anew of theta every few forcing periods (`FRESH` in
-    `symosc.engine.next_event`), so that their rounding errors do not add up.
+    them anew would hold up every event. They are made anew of theta in each forcing period, so that their rounding
+    errors do not add up.
     """
 
     mode: int
