@@ -44,6 +44,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "reference.stored": ("reference/test_folder.py", "it reads what is written there"),
     "bench.work_table": ("bench/test_work_precision.py", "the table is that of the run"),
     "engine.first_rows": ("simulation/test_problems.py", "its rows are compared with starts that are made one by one"),
+    "engine.settled": ("simulation/test_summary.py", "what repeats there does so in the sampled trajectory"),
     "engine.tally": ("simulation/test_summary.py", "what it counts is compared with trajectories there"),
     "simulation.chunks": ("simulation/test_summary.py", "a chunk is what summaries and tables are made of"),
     "simulation.event_table": ("simulation/test_ensemble.py", "the table is what simulate_many returns"),

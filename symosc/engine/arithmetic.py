@@ -23,6 +23,7 @@ from symosc.engine import (
     march,
     next_event,
     rests,
+    settled,
     state,
     stick_exit,
     switching,
@@ -51,7 +52,7 @@ SOURCES = (
     compiled_loop,
 )
 # What is done with motions in doubles only.
-IN_DOUBLES_ONLY = (extremes, tally)
+IN_DOUBLES_ONLY = (extremes, tally, settled)
 
 
 # What decisions must exceed with mpmath, instead of `touches.ROUNDING` and `flow.SIGMAS`.
@@ -83,19 +84,18 @@ OUTLINED = {
     "follow_all",
     "first_rows",
     "march_rows",
-    "tally_step",
     "tally_stretch",
-    "tally_sections",
     "flight_extremes",
     "covered",
     "within",
     "cut_at",
     "stationary",
-    "end_tally",
-    "rest_tally",
-    "keep_section",
-    "close_word",
+    "leave_tally",
+    "rest_stretches",
     "flown",
+    "settle",
+    "periods",
+    "section",
 }
 
 

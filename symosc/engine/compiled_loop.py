@@ -11,7 +11,6 @@ from symosc.aliases import Number
 from symosc.engine.next_event import advance
 from symosc.engine.state import (
     DOUBTFUL,
-    END,
     FAILED,
     FULL,
     GRAZE,
@@ -23,7 +22,7 @@ from symosc.engine.state import (
     Covariance,
     State,
 )
-from symosc.engine.tally import end_tally, rest_tally, tally_step
+from symosc.engine.tally import leave_tally, tally_step
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0, then s, c.
@@ -157,10 +156,8 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             if tallied and code not in DOUBTFUL and code != REST:
                 tally_step(i, before, found, t0, tally, K)
             before = state
-        if tallied and code == END:
-            end_tally(i, before, tally)
-        elif tallied and code == REST:
-            rest_tally(i, before, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
+        if tallied:
+            leave_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
         keep_state(states, i, before)
         codes[i] = code
         if code == RUNNING:

@@ -10,7 +10,7 @@ from symosc.engine.compiled_loop import handed_out, keep_state, state_of, write_
 from symosc.engine.next_event import advance
 from symosc.engine.rounding import is_faint, rounded_covariance, rounding_error
 from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, REST, RUNNING, Covariance, NextEvent, State
-from symosc.engine.tally import end_tally, rest_tally, tally_step
+from symosc.engine.tally import leave_tally, tally_step
 from symosc.kernels.pair_type import from_complex
 
 
@@ -63,10 +63,9 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
             if tallied and code != IN_DOUBT and code != REST:
                 found = NextEvent(step, boundary, True, t_error.hi, rounded)
                 tally_step(i, before, found, t0.hi, tally, plain)
-        if tallied and code == END:
-            end_tally(i, rounded, tally)
-        elif tallied and code == REST:
-            rest_tally(i, rounded, ((t_end - state.t) + (t_end_low - state.t_low)).hi, t0.hi, tally, plain)
+        if tallied:
+            left = (t_end - state.t) + (t_end_low - state.t_low)
+            leave_tally(i, rounded, code, left.hi, t0.hi, tally, plain)
         codes[i] = code
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)

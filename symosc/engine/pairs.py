@@ -62,7 +62,7 @@ def follow_pairs() -> Any:
     callees = binding.bind((rounding,), {}, numba.njit)
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(as_pair)}
     plain = in_doubles()  # summaries are of doubles
-    callees |= {name: plain[name] for name in ("tally_step", "end_tally", "rest_tally")}
+    callees |= {name: plain[name] for name in ("tally_step", "leave_tally")}
     beside = (pair_type, pair_functions, tally)
     modules = (*SOURCES, pair_loop)
     outlined = binding.functions_of(modules).keys() - binding.functions_of((_generated,)).keys() - {"derivatives"}

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine import compiled_loop, first_rows
+from symosc.engine import compiled_loop, first_rows, settled
 from symosc.engine.arithmetic import compiled
 from symosc.engine.binding import is_compiled
 from symosc.engine.compiled_loop import Batch, EventRows, room_for
@@ -50,11 +50,12 @@ Follow = Callable[[int, Batch, int, float, EventRows, Tally, np.ndarray], tuple[
 
 
 class Loops(NamedTuple):
-    """What motions are begun and followed with, compiled or not; each takes constants as a table."""
+    """What motions are begun, followed and finished with, compiled or not; each takes constants as a table."""
 
     follow: Follow
     first_rows: Callable[..., None]
     march_rows: Callable[..., None]
+    settle: Callable[..., None]
 
     @property
     def in_threads(self) -> bool:
@@ -75,6 +76,10 @@ def _first_rows(table: np.ndarray, sets: np.ndarray, states: np.ndarray) -> None
 
 def _march_rows(table: np.ndarray, out: np.ndarray) -> None:
     first_rows.march_rows(ConstantRows(table), out)
+
+
+def _settle(tally: Tally, sets: np.ndarray, table: np.ndarray, sections: np.ndarray, repeats: np.ndarray) -> None:
+    settled.settle(tally, sets, ConstantRows(table), sections, repeats)
 
 
 class PatientLoop:
@@ -106,7 +111,7 @@ def chosen_loops(use_numba: Any) -> Loops:
     """Return the loops that are asked for: compiled (True), interpreted (False), or what is there (None)."""
     if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
         raise ParameterError("use_numba", use_numba, "must be True, False or None")
-    plain = Loops(interpreted, _first_rows, _march_rows)
+    plain = Loops(interpreted, _first_rows, _march_rows, _settle)
     if use_numba is not None and not use_numba:
         return plain
     try:
@@ -115,7 +120,7 @@ def chosen_loops(use_numba: Any) -> Loops:
         if use_numba:
             raise
         return plain
-    ready = Loops(*(functions[name] for name in ("follow_all", "first_rows", "march_rows")))
+    ready = Loops(*(functions[name] for name in ("follow_all", "first_rows", "march_rows", "settle")))
     if use_numba:
         return ready
     there = {name: function for name, function in ready._asdict().items() if is_compiled(function)}

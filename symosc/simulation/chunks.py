@@ -13,9 +13,9 @@ from symosc.engine.compiled_loop import EventRows, state_of
 from symosc.engine.start import settles
 from symosc.engine.state import END, FULL, REST
 from symosc.errors import ParameterError
-from symosc.simulation.batch_loop import Loops, joined
+from symosc.simulation.batch_loop import Loops
 from symosc.simulation.event_table import EventTable, rows_of, table_from
-from symosc.simulation.ladder import Ladder, Limits, is_doubtful, without
+from symosc.simulation.ladder import Ladder, Limits, is_doubtful, spliced
 from symosc.simulation.problems import Problems
 from symosc.simulation.run import MOST_PERIODS, check_reached
 from symosc.simulation.simulate import end_status, in_doubles
@@ -58,12 +58,8 @@ def events_part(task: BatchTask, rows: slice, room: EventRows, patrol: Patrol) -
     """Return the events of a chunk."""
     steps = Ladder(task.problems, rows, task.loops, task.limits, room, patrol)
     status, looks = ended(steps, patrol)
-    parts = [without(part, list(looks)) for part in steps.rows] if looks else steps.rows
-    parts = [*parts, *(rows_of(i, trajectory.events) for i, trajectory in looks.items())]
-    if steps.mixed:
-        events = joined(parts)
-        order = np.argsort(events.ints[:, 0], kind="stable")
-        parts = [EventRows(*(column[order] for column in events))]
+    again = steps.climbed | {i: rows_of(i, trajectory.events) for i, trajectory in looks.items()}
+    parts = spliced(steps.rows, again) if again else steps.rows
     if rows.start:
         for part in parts:
             part.ints[:, 0] += rows.start
@@ -79,16 +75,17 @@ def summary_part(
     task: BatchTask, asked: Question, rows: slice, room: EventRows, patrol: Patrol, longest: int = USUAL_WORD
 ) -> dict[str, np.ndarray]:
     """Return the columns of a chunk; a motion whose word has no room is followed once more, with more of it."""
-    keep = partial(asked.begun, rows, longest=longest)
+    keep = partial(asked.begun, longest)
     steps = Ladder(task.problems, rows, task.loops, task.limits, room, patrol, keep)
     status, looks = ended(steps, patrol)
     modes = steps.batch.states[:, 0].astype(int)
     for i, trajectory in looks.items():
         last = tally_alone(i, trajectory, steps.tally, steps.table, int(steps.batch.sets[i]))
         modes[i] = last.mode
-    columns = columns_of(steps.tally, asked.sections)
-    columns |= {"status": np.array(status, dtype=str), "mode": MODE_TEXTS[modes]}
-    whole = np.isin(columns["status"], ("t_end", "equilibrium"))
+    columns = columns_of(asked, steps.tally, partial(task.loops.settle, steps.tally, steps.batch.sets, steps.table))
+    texts = np.array(status, dtype=str)
+    columns |= {"status": texts, "mode": MODE_TEXTS[modes]}
+    whole = (texts == "t_end") | (texts == "equilibrium")
     t_end, t0 = (column.pairs(rows).hi for column in (task.problems.t_end, task.problems.t0))
     columns["t"] = np.where(whole, t_end, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]

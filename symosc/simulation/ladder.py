@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from math import isinf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -74,16 +74,16 @@ class Ladder:
     patrol : Patrol
         Asked whether to go on whenever the room is full.
     keep : callable, optional
-        Returns the tally of the motions, given their rows at the start: then no events are recorded.
+        Returns the tally of motions, given their numbers and their rows at the start: then no events are recorded.
 
     Attributes
     ----------
     batch : Batch
         What became of the motions; those that ended in doubt need still more digits.
     rows : list of EventRows
-        Events, those of a motion in order of time.
-    mixed : bool
-        Whether the rows are not in order of the motions.
+        Events in order of motion and time, as doubles have them.
+    climbed : dict
+        The events of motions that were followed in double-double numbers, by number.
     looks : dict
         Motions that were followed alone, by number.
     """
@@ -96,32 +96,36 @@ class Ladder:
         limits: Limits,
         room: EventRows,
         patrol: Patrol,
-        keep: Callable[[np.ndarray], Tally] | None = None,
+        keep: Callable[[Any, np.ndarray], Tally] | None = None,
     ) -> None:
         self._problems, self._first, self.limits = problems, rows.start, limits
         self._follow, self._patrol = loops.follow, patrol
         self.batch, table = problems.begin(rows, loops.first_rows, loops.march_rows)
         if isinf(limits.accuracy):
             table["sigmas"] = 0.0
-        self.table, self.tally = table, keep(self.batch.states) if keep else no_tally()
+        self.table, self.tally = table, keep(rows, self.batch.states) if keep else no_tally()
         needed = attainable(limits.accuracy, problems.start_error)
         self._into = Course(room, self.tally, limits.most, needed, table)
-        fresh = some_of(self.tally, slice(None))
+        self._keep, self._starts = keep, self.batch.states.copy() if keep else self.batch.states
         self.rows = list(self._in_doubles(self.batch, self.tally))
-        self.looks: dict[int, Trajectory] = {}
+        self.looks, self.climbed = dict[int, Trajectory](), dict[int, EventRows]()
         in_doubt = np.flatnonzero(is_doubtful(self.batch.codes)).tolist()
-        self.mixed = len(in_doubt) > 0
-        put_back(self.tally, in_doubt, some_of(fresh, in_doubt))
+        self._begin_again(in_doubt)
         if in_doubt and loops.in_threads:
             self.looks = looks_before_compiling(in_doubt, self.problem, limits)
             self._climb([i for i in in_doubt if i not in self.looks and fits(self.problem(i))])
-        left = np.flatnonzero(is_doubtful(self.batch.codes)).tolist()
-        put_back(self.tally, left, some_of(fresh, left))
+        self._begin_again(np.flatnonzero(is_doubtful(self.batch.codes)).tolist())
 
     def problem(self, i: int) -> Start:
         """Return a motion's problem by its number here."""
         found: Start = self._problems[self._first + i]
         return found
+
+    def _begin_again(self, members: list[int]) -> None:
+        """Take back what was counted of some motions."""
+        if self._keep and members:
+            motions = self._first + np.array(members)
+            put_back(self.tally, members, self._keep(motions, self._starts[members]))
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
         for rows in followed(self._follow, batch, self._into._replace(tally=tally)):
@@ -129,18 +133,19 @@ class Ladder:
             yield rows
 
     def _climb(self, members: list[int]) -> None:
-        self.rows = [without(rows, members) for rows in self.rows]
         groups: dict[Parameters, list[int]] = {}
         for i in members:
             groups.setdefault(self.problem(i).parameters, []).append(i)
         for some in groups.values():
             below = Motions(Batch(*(column[some] for column in self.batch)), some_of(self.tally, some), self.table)
             found = climb([self.problem(i) for i in some], below, self._in_doubles)
-            for rows in found.rows:
-                rows.ints[:, 0] = np.asarray(some)[rows.ints[:, 0]]
-            self.rows += found.rows
-            for column, own in zip(self.batch, found.batch, strict=True):
-                column[some] = own
+            events = joined(found.rows)
+            for number, i in enumerate(some):
+                own = EventRows(*(column[events.ints[:, 0] == number] for column in events))
+                own.ints[:, 0] = i
+                self.climbed[i] = own
+            for column, values in zip(self.batch, found.batch, strict=True):
+                column[some] = values
             put_back(self.tally, some, below.tally)
 
 
@@ -150,10 +155,17 @@ def is_doubtful(codes: np.ndarray) -> np.ndarray:
     return doubtful
 
 
-def without(rows: EventRows, members: list[int]) -> EventRows:
-    """Return rows without those of some motions."""
-    kept = ~np.isin(rows.ints[:, 0], members)
-    return EventRows(rows.floats[kept], rows.ints[kept])
+def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
+    """Return rows in order of motion and time, with those in `again` in place of the ones that these motions have.
+
+    The parts are cut, not copied.
+    """
+    members, pieces = np.array(sorted(again), np.int64), list(again.values())
+    for part in parts:
+        begins, ends = (np.searchsorted(part.ints[:, 0], members, side) for side in ("left", "right"))
+        gaps = zip([0, *ends], [*begins, len(part.ints)], strict=True)
+        pieces += [EventRows(part.floats[begin:end], part.ints[begin:end]) for begin, end in gaps]
+    return sorted((piece for piece in pieces if len(piece.ints)), key=lambda piece: int(piece.ints[0, 0]))
 
 
 def fits(start: Start) -> bool:

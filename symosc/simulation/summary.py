@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from math import cos, sin
@@ -15,8 +15,9 @@ from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine import tally as kept
 from symosc.engine.constant_table import ConstantRows
-from symosc.engine.state import MOVED, ON_BELT, Covariance, NextEvent, State
-from symosc.engine.tally import Tally, rest_tally, tally_step
+from symosc.engine.settled import LONGEST_REPEAT
+from symosc.engine.state import MOVED, ON_BELT, REST, RUNNING, Covariance, NextEvent, State
+from symosc.engine.tally import LEAST_RING, Kept, Tally, leave_tally, tally_step
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.model import MODE_NAMES
@@ -26,10 +27,6 @@ from symosc.simulation.problems import Problems
 from symosc.simulation.run import EVENT_KINDS
 from symosc.simulation.trajectory import Trajectory
 
-# Periods after which a motion may repeat, at most.
-LONGEST_REPEAT = 32
-# Two sections are the same if they differ by less than this part of the motion's extent, and this times their errors.
-SAME_PART, SAME_ERRORS = 1e-6, 8.0
 # Mappings of a period for which there is room at first.
 USUAL_WORD = 48
 
@@ -144,7 +141,9 @@ class Summary(Drawable):
 
 #: Columns of a summary, and those that have to be looked for inside flights.
 SUMMARY_COLUMNS = tuple(field.name for field in fields(Summary))
-EXTREMES = {"x_min", "x_max", "v_min", "v_max"}
+EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
+#: Where a tally has them, and the last state.
+KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 
 
 def read_names(record: Any) -> tuple[str, ...]:
@@ -177,7 +176,6 @@ class Question:
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
         self.names = read_names(record)
-        self.inside = not EXTREMES.isdisjoint(self.names)
         self.sections = whole_number("sections", sections, 0)
         column = NumberColumn("skip", as_given(skip))
         if len(column) not in (1, len(problems)):
@@ -187,10 +185,18 @@ class Question:
         for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():
             raise ParameterError(column.called(row), column.hi[row % len(column)], "must be >= 0 and end before t_end")
 
-    def begun(self, rows: slice, states: np.ndarray, longest: int = USUAL_WORD) -> Tally:
-        """Return the tally of some motions at their starts."""
-        room = kept.Kept(self.inside, max(2 * LONGEST_REPEAT, self.sections), longest)
-        return kept.begun_tally(states, self.skip[rows], room)
+    def asks(self, *names: str) -> bool:
+        """Return whether one of some columns is asked for."""
+        return not set(names).isdisjoint(self.names)
+
+    def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
+        """Return the tally of some motions (a slice, or numbers) at their starts: it keeps what is asked for."""
+        repeats, extremes = self.asks("multiplicity"), self.asks(*EXTREMES)
+        ring = 2 * LONGEST_REPEAT if repeats else LEAST_RING if self.asks("word", "section") else 0
+        ring = max(ring, self.sections) if self.asks("section") else ring
+        words = longest if self.asks("word") else 0
+        asked = Kept(self.asks("stuck"), repeats or extremes, extremes, ring, words)
+        return kept.begun_tally(states, self.skip[motions], asked)
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> State:
@@ -209,8 +215,8 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
             number += 1
         tally_step(i, before, found, 0.0, tally, K)
         last = after
-    if trajectory.status in ("t_end", "equilibrium"):
-        rest_tally(i, last, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
+    code = REST if trajectory.status in ("t_end", "equilibrium") else RUNNING
+    leave_tally(i, last, code, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
     tally.floats[i, kept.T_LAST] += t0
     return last
 
@@ -227,49 +233,42 @@ def _is_at(state: State, event: Any) -> bool:
     return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near
 
 
-def columns_of(tally: Tally, sections: int) -> dict[str, np.ndarray]:
-    """Return the columns of a summary that a tally has."""
-    floats, ints = tally.floats, tally.ints
-    values, errors, words = _in_order(tally)
-    extent = np.stack([floats[:, kept.X_HIGH] - floats[:, kept.X_LOW], floats[:, kept.V_HIGH] - floats[:, kept.V_LOW]])
-    found = {"events": ints[:, kept.EVENTS_SO_FAR], "sticks": ints[:, kept.STICKS]}
-    lengths = np.minimum(ints[:, kept.LAST_LENGTH], tally.labels.shape[2]).tolist()
-    labels = tally.labels[:, 1]
-    found["word"] = np.array([_text(row[:size]) for row, size in zip(labels, lengths, strict=True)], dtype=str)
-    found["multiplicity"] = repeats(values, errors, words, extent.T)
-    names = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
-    names |= {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
-    found |= {name: np.where(np.isfinite(floats[:, n]), floats[:, n], np.nan) for name, n in names.items()}
-    return found | {"section": values[:, values.shape[1] - sections :]}
+def columns_of(asked: Question, tally: Tally, settle: Callable[[np.ndarray, np.ndarray], None]) -> Record:
+    """Return the columns of a summary that a tally has, of those that are asked for.
 
-
-def _text(labels: np.ndarray) -> str:
-    """Return the word of mappings in order of time, of which the first was under way when the period began."""
-    return "P" + bytes(48 + np.roll(labels, -1))[::-1].decode() if len(labels) else ""
-
-
-def _in_order(tally: Tally) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the sections, their errors, and the words before them, in order of time, the last one last."""
-    ring = tally.words.shape[1]
-    places = (tally.ints[:, kept.SECTIONS, None] - ring + np.arange(ring)) % ring
-    sections = np.take_along_axis(tally.sections, places[:, :, None], axis=1)
-    return sections[:, :, :2], sections[:, :, 2:], np.take_along_axis(tally.words, places, axis=1)
-
-
-def repeats(values: np.ndarray, errors: np.ndarray, words: np.ndarray, extent: np.ndarray) -> np.ndarray:
-    """Return after how many periods words and sections repeat, twice in a row; 0 if they do not."""
-    found = np.zeros(len(words), np.int64)
-    left = np.arange(len(words))
-    for m in range(1, LONGEST_REPEAT + 1):
-        last, before = slice(-m, None), slice(-2 * m, -m)
-        same = (words[left, last] == words[left, before]).all(axis=1) & (words[left, before] >= 0).all(axis=1)
-        some = left[same]
-        gap = abs(values[some, last] - values[some, before])
-        allowed = SAME_PART * extent[some, None] + SAME_ERRORS * (errors[some, last] + errors[some, before])
-        some = some[(gap <= allowed).all(axis=(1, 2))]
-        found[some] = m
-        left = left[found[left] == 0]
+    Parameters
+    ----------
+    asked : Question
+    tally : Tally
+    settle : callable
+        Fills sections and multiplicities (`symosc.engine.settled.settle`).
+    """
+    found: Record = {"events": tally.ints[:, kept.EVENTS_SO_FAR], "sticks": tally.ints[:, kept.STICKS]}
+    for name, n in KEPT_COLUMNS.items():
+        values = tally.floats[:, n]
+        found[name] = np.where(np.isfinite(values), values, np.nan) if name in EXTREMES else values
+    if asked.asks("word"):
+        found["word"] = words_of(tally)
+    if asked.asks("multiplicity", "section"):
+        count, sections = len(tally.floats), asked.sections if asked.asks("section") else 0
+        found["section"] = np.full((count, sections, 2), np.nan)
+        found["multiplicity"] = np.zeros(count if asked.asks("multiplicity") else 0, np.int64)
+        settle(found["section"], found["multiplicity"])
     return found
+
+
+def words_of(tally: Tally) -> np.ndarray:
+    """Return the last words as text; most motions have one of a few."""
+    width = tally.labels.shape[2]
+    there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
+    rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
+    words, numbers = np.unique(rows, return_inverse=True)
+    return np.array([_text(labels) for labels in words.tolist()], dtype=str)[numbers]
+
+
+def _text(labels: bytes) -> str:
+    """Return the word of mappings in order of time, of which the first was under way when the period began."""
+    return "P" + bytes(48 + label for label in (*labels[1:], *labels[:1]))[::-1].decode() if labels else ""
 
 
 def summary_from(parts: Sequence[dict[str, np.ndarray]]) -> Summary:

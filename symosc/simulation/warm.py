@@ -43,6 +43,7 @@ def warm() -> list[Warmed]:
         loops.march_rows(table, np.zeros((1, 2, 7)))
         loops.first_rows(table, nothing, states)
         loops.follow(0, batch_of(states), 1, 1.0, room_for(0), no_tally(), table)
+        loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
 
     def pairs() -> None:
         states = np.zeros((0, STATE_WIDTH))

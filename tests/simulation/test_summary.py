@@ -171,6 +171,18 @@ def test_some_columns_are_those_of_all() -> None:
     assert some != whole
 
 
+def test_each_column_alone_is_that_of_all() -> None:
+    """What is not asked for is not kept, and changes nothing else; with a transient left out, and motions at rest."""
+    sets, starts, ends = (column[:12] for column in many())
+    given: Any = {"skip": 2.5, "sections": 3, "use_numba": False}
+    whole = simulate_many(sets, starts, ends, record="summary", **given)
+    assert set(whole.status.tolist()) == {"t_end", "equilibrium"}
+    for name, column in whole.columns().items():
+        alone = getattr(simulate_many(sets, starts, ends, record=(name,), **given), name)
+        assert np.array_equal(alone, column, equal_nan=column.dtype.kind == "f"), name
+        assert alone.dtype == column.dtype
+
+
 def test_tables_of_other_packages() -> None:
     sets, starts, ends = (column[:3] for column in many())
     whole: Summary = simulate_many(sets, starts, ends, record="summary", sections=2, use_numba=False)
