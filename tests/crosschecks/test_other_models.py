@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,8 +10,9 @@ import numpy as np
 import pytest
 
 from symosc import crosscheck, load_scene, simulate
+from symosc.crosschecks import other_models
 from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import fitted
+from symosc.crosschecks.clues import Fit, fitted
 from symosc.crosschecks.other_models import TICK, _shift_or_phase, _tick, rounded, with_error
 from symosc.model import PARAMETER_NAMES
 
@@ -131,3 +133,24 @@ def test_small_changes_are_small_in_the_units_of_what_they_change(name: str) -> 
         assert _tick(p, each) == pytest.approx(TICK * float(unit))
     moved = p.replace(v1=0, v2=p.v2 - p.v1)
     assert [_tick(moved, each) for each in ("v1", "v2")] == [_tick(p, each) for each in ("v1", "v2")]
+
+
+@pytest.mark.parametrize("off", [4.9, 5.1])
+def test_forces_are_named_if_they_are_off_by_five_errors(off: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: three visited domains, of which the force of the second one, or of none, is off by so much."""
+    p, error = load_scene("fig9").parameters, np.array([0.1, 0.02, 0.3])
+    K = SimpleNamespace(A1=1.0, A2=-2.0, A3=4.0, f0=1.0)
+    clues: Any = SimpleNamespace(
+        parameters=p, steps=SimpleNamespace(K=K), inside=np.arange(12), label=np.repeat([1, 2, 3], 4),
+        some=lambda chosen, most: chosen, share=lambda sizes, of: 0.75,
+    )  # fmt: skip
+    for domain, sign in ((0, 1), (1, -1), (2, 1)):
+        value = np.array([1.0, -2.0, 4.0])
+        value[domain] += sign * off * error[domain]
+        monkeypatch.setattr(other_models, "fitted", lambda *_, value=value: Fit(value, error, np.zeros(12)))
+        found = list(other_models.forces(clues))
+        assert len(found) == (off > 5)
+        for one in found:
+            assert (one.cause, one.share) == ("forces", 0.75)
+            assert re.findall(r"A\d", one.words) == [f"A{domain + 1}"]
+            assert f"should be {float(p.m) * [1.0, -2.0, 4.0][domain]:.6g}" in one.words
