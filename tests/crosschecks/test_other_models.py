@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from symosc import crosscheck, load_scene, simulate
+from symosc.crosschecks import clues as fits
 from symosc.crosschecks import other_models
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Fit, fitted
@@ -154,3 +155,21 @@ def test_forces_are_named_if_they_are_off_by_five_errors(off: float, monkeypatch
             assert (one.cause, one.share) == ("forces", 0.75)
             assert re.findall(r"A\d", one.words) == [f"A{domain + 1}"]
             assert f"should be {float(p.m) * [1.0, -2.0, 4.0][domain]:.6g}" in one.words
+
+
+def test_one_number_is_what_most_steps_ask_for_and_several_are_least_squares() -> None:
+    rng = np.random.default_rng(6)
+    J, wanted = rng.uniform(0.5, 2, (21, 2, 1)), np.append(np.full(12, 0.25), rng.uniform(-9, 9, 9))
+    change, error = fits._median_change(-J[..., 0] * wanted[:, None], J)
+    assert change == pytest.approx([0.25])
+    assert error == pytest.approx([1 / np.sqrt(np.sum(J**2))])
+    J[0] = 0.0  # a step that shows nothing
+    assert fits._median_change(-J[..., 0] * wanted[:, None], J)[0] == pytest.approx([0.25])
+    assert fits._median_change(np.ones((3, 2)), np.zeros((3, 2, 1))) is None
+    J, right = rng.uniform(-1, 1, (21, 2, 3)) * [1.0, 1e-6, 1e6], np.array([0.5, 2e5, -3e-7])
+    change, error = fits._median_change(-J @ right, J)
+    assert change == pytest.approx(right)
+    matrix = J.reshape(-1, 3)
+    assert error == pytest.approx(np.sqrt(np.diag(np.linalg.inv(matrix.T @ matrix))), rel=1e-6)
+    assert fits._least_squares(np.ones((4, 2)), np.ones((4, 2, 2))) is None  # two numbers that do the same
+    assert fits._least_squares(np.ones((0, 2)), np.ones((0, 2, 2))) is None
