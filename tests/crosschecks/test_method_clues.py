@@ -55,7 +55,7 @@ def test_the_order_of_errors_is_seen_if_the_steps_differ_enough(power: float) ->
             assert abs(found[0] - power) < 5 * found[1] < 0.5
 
 
-@pytest.mark.parametrize("count", [1, 2, 4])
+@pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("name", ["exact", "Euler", "RK4"])
 def test_what_a_method_repeats_is_missed_by_nothing(name: str, count: int) -> None:
     """Samples that were made by the method itself, in steps of each domain, and others that are off."""
@@ -66,7 +66,7 @@ def test_what_a_method_repeats_is_missed_by_nothing(name: str, count: int) -> No
     x = rng.uniform(-2, 2, 13)
     steps = follow_steps(p, t, x, v, 1e-9, np.ones(2))
     clues: Any = SimpleNamespace(steps=steps, allowed=np.tile([1e-3, 2e-3], (12, 1)))
-    chosen = np.array([0, 3, 4, 8, 11])
+    chosen = np.array([0, 4, 11])
     missed = []
     for i in chosen.tolist():
         state, h = (x[i], v[i]), (t[i + 1] - t[i]) / count
