@@ -127,3 +127,10 @@ def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
         monkeypatch.setattr(formats, "import_module", none_of)
         with pytest.raises(MissingExtraError, match=r"file needs an optional package: pip install 'symosc\[tables\]'"):
             read_samples(tmp_path / f"run{suffix}")
+
+
+@pytest.mark.parametrize("content", [b"", b"no HDF5", b"\x89HDF\r\n\x1a\n" + bytes(40)])
+def test_what_is_no_hdf5_file_is_called_so(content: bytes) -> None:
+    pytest.importorskip("h5py")
+    with pytest.raises(ParameterError, match="is not an HDF5 file, or it is damaged"):
+        formats.read_hdf5(io.BytesIO(content), {}, "here.h5")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from solution_files import COLUMNS, T, V, X
 
 from symosc import MissingExtraError, ParameterError, crosscheck
+from symosc.crosschecks import many
 from symosc.crosschecks.many import RESULT_COLUMNS, CrossChecks
 from symosc.display import frames
 
@@ -93,3 +95,15 @@ def test_a_row_says_what_its_check_says() -> None:
         assert found == expected
         assert (first == fault.t) if fault else np.isnan(first)
     assert len({len(check.t) for check in checks} | {len(check.matched) for check in checks}) > 1
+
+
+def test_progress_begins_with_nothing_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def reporting(*what: Any) -> Any:
+        asked.append(what)
+        return nullcontext(lambda *numbers: asked.append(numbers))
+
+    monkeypatch.setattr(many, "reporting", reporting)
+    crosscheck("fig9", [COLUMNS, COLUMNS])
+    assert asked == [(False, 0, 2, "check", "solutions"), (1, 2), (2, 2)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 import pytest
 
 from symosc import crosscheck, load_scene, simulate
+from symosc.crosschecks import clues as fits
+from symosc.crosschecks import other_models
 from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import fitted
+from symosc.crosschecks.clues import Fit, fitted
 from symosc.crosschecks.other_models import TICK, _shift_or_phase, _tick, rounded, with_error
 from symosc.model import PARAMETER_NAMES
 
@@ -131,3 +134,42 @@ def test_small_changes_are_small_in_the_units_of_what_they_change(name: str) -> 
         assert _tick(p, each) == pytest.approx(TICK * float(unit))
     moved = p.replace(v1=0, v2=p.v2 - p.v1)
     assert [_tick(moved, each) for each in ("v1", "v2")] == [_tick(p, each) for each in ("v1", "v2")]
+
+
+@pytest.mark.parametrize("off", [4.9, 5.1])
+def test_forces_are_named_if_they_are_off_by_five_errors(off: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: three visited domains, of which the force of the second one, or of none, is off by so much."""
+    p, error = load_scene("fig9").parameters, np.array([0.1, 0.02, 0.3])
+    K = SimpleNamespace(A1=1.0, A2=-2.0, A3=4.0, f0=1.0)
+    clues: Any = SimpleNamespace(
+        parameters=p, steps=SimpleNamespace(K=K), inside=np.arange(12), label=np.repeat([1, 2, 3], 4),
+        some=lambda chosen, most: chosen, share=lambda sizes, of: 0.75,
+    )  # fmt: skip
+    for domain, sign in ((0, 1), (1, -1), (2, 1)):
+        value = np.array([1.0, -2.0, 4.0])
+        value[domain] += sign * off * error[domain]
+        monkeypatch.setattr(other_models, "fitted", lambda *_, value=value: Fit(value, error, np.zeros(12)))
+        found = list(other_models.forces(clues))
+        assert len(found) == (off > 5)
+        for one in found:
+            assert (one.cause, one.share) == ("forces", 0.75)
+            assert re.findall(r"A\d", one.words) == [f"A{domain + 1}"]
+            assert f"should be {float(p.m) * [1.0, -2.0, 4.0][domain]:.6g}" in one.words
+
+
+def test_one_number_is_what_most_steps_ask_for_and_several_are_least_squares() -> None:
+    rng = np.random.default_rng(6)
+    J, wanted = rng.uniform(0.5, 2, (21, 2, 1)), np.append(np.full(12, 0.25), rng.uniform(-9, 9, 9))
+    change, error = fits._median_change(-J[..., 0] * wanted[:, None], J)
+    assert change == pytest.approx([0.25])
+    assert error == pytest.approx([1 / np.sqrt(np.sum(J**2))])
+    J[0] = 0.0  # a step that shows nothing
+    assert fits._median_change(-J[..., 0] * wanted[:, None], J)[0] == pytest.approx([0.25])
+    assert fits._median_change(np.ones((3, 2)), np.zeros((3, 2, 1))) is None
+    J, right = rng.uniform(-1, 1, (21, 2, 3)) * [1.0, 1e-6, 1e6], np.array([0.5, 2e5, -3e-7])
+    change, error = fits._median_change(-J @ right, J)
+    assert change == pytest.approx(right)
+    matrix = J.reshape(-1, 3)
+    assert error == pytest.approx(np.sqrt(np.diag(np.linalg.inv(matrix.T @ matrix))), rel=1e-6)
+    assert fits._least_squares(np.ones((4, 2)), np.ones((4, 2, 2))) is None  # two numbers that do the same
+    assert fits._least_squares(np.ones((0, 2)), np.ones((0, 2, 2))) is None

@@ -13,7 +13,7 @@ from careful_solver import random_parameters
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.compare import crosscheck
-from symosc.crosschecks.rounding import find_digits
+from symosc.crosschecks.rounding import _grid, find_digits
 
 Round = Callable[[Any], np.ndarray]
 
@@ -190,3 +190,15 @@ def test_a_result_with_nan_equals_its_copy() -> None:
     one = crosscheck("fig8", t, *np.column_stack([exact(t[:-1]), [0.0, 0.0]]))
     assert np.isnan(one.errors).any()
     assert one == pickle.loads(pickle.dumps(one))
+
+
+def test_an_even_grid_holds_all_numbers() -> None:
+    """Also those that are not looked at to find its step, such as the speeds of belts."""
+    step = 20.0 / 2**16
+    values = np.rint(np.random.default_rng(6).uniform(-9, 9, 60) / step) * step
+    for more, holds in ([], True), ([3 * step, -77 * step], True), ([3.5 * step], False), ([step * (3 + 1e-4)], False):
+        found = _grid(np.append(values, more), values)
+        assert (found is not None) == holds
+        assert found is None or found.units == pytest.approx(np.full(len(values) + len(more), step))
+    assert _grid(values, values[:15]) is None  # too few to tell
+    assert _grid(values, values[:16]) is not None

@@ -12,6 +12,7 @@ from oracle import flow_oracle
 
 from symosc import load_scene, simulate
 from symosc.crosschecks import steps
+from symosc.crosschecks.events import CODES
 from symosc.crosschecks.steps import follow_steps
 from symosc.model import MODE_NAMES
 from symosc.simulation.run import EVENT_KINDS
@@ -112,4 +113,6 @@ def test_only_what_doubles_leave_open_is_followed_by_itself(
     monkeypatch.setattr(steps, "_follow_one", followed)
     found = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
     assert np.abs(found.defects).max() < 1e-11
+    assert found.events.t == pytest.approx([float(event.t) for event in exact.events])
+    assert found.events.kind.tolist() == [CODES[event.kind] for event in exact.events]
     assert len(alone) == doubtful

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from careful_solver import random_parameters
 
 from symosc import ParameterError, crosscheck, load_scene, simulate
+from symosc.crosschecks import velocities
 from symosc.crosschecks.samples import checked_positions
 from symosc.crosschecks.velocities import NOTE, with_velocities
+from symosc.engine.flow import constants
 
 
 def test_velocities_are_those_of_the_motion() -> None:
@@ -63,3 +67,42 @@ def test_positions_that_are_too_far_apart_are_refused() -> None:
     with pytest.raises(ParameterError, match="too far apart to tell it: give velocities"):
         crosscheck(p, [0.0, 3.0, 6.0], [1.0, 2.0, 3.0])
     assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
+
+
+def test_a_step_can_be_a_stick_if_it_moves_as_the_belt_does() -> None:
+    """As far as both its ends are off; never at a joint of two pieces."""
+    K = constants(load_scene("fig9").parameters)
+    t = np.array([0.0, 1.0, 1.5, 1.5, 3.5])
+    for number, belt in enumerate((K.belt1.v, K.belt2.v)):
+        for off, part in itertools.product((0.25, np.array([0.5, 0.125, 0.25, 0.25, 1.0])), (-1.01, -0.99, 0.99, 1.01)):
+            wide = np.broadcast_to(off, t.shape)
+            x = belt * t
+            x[1:] += np.cumsum(part * (wide[:-1] + wide[1:]))
+            found = velocities._held(t, x, off, K)
+            near = np.array([abs(part) < 1] * 2 + [False] + [abs(part) < 1])
+            assert np.array_equal(found[number], np.where(near, belt, np.nan), equal_nan=True)
+
+
+def test_two_steps_agree_where_their_candidates_are_nearest() -> None:
+    """A belt's velocity is taken as it is, else the mean; the other ends of both steps are known too."""
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        starts, ends = rng.uniform(-1, 1, (5, 6)), rng.uniform(-1, 1, (5, 6))
+        starts[rng.random((5, 6)) < 0.3] = np.nan
+        best, left, right = velocities._nearest(starts, ends)
+        for n in range(5):
+            gaps = np.abs(ends[:, n, None] - starts[None, :, n + 1])
+            if np.isnan(gaps).all():
+                assert best[n] == np.inf
+                continue
+            assert best[n] == np.nanmin(gaps) == gaps[left[n], right[n]]
+        sure = np.flatnonzero(best < np.inf)[:1]
+        v = velocities._agreed(starts, ends, left, right, sure)
+        known = set()
+        for n in sure.tolist():
+            arrives, leaves = ends[left[n], n], starts[right[n], n + 1]
+            middle = arrives if left[n] > 2 else leaves if right[n] > 2 else (arrives + leaves) / 2
+            assert v[n + 1] == pytest.approx(middle)
+            assert np.array_equal(v[[n, n + 2]], [starts[left[n], n], ends[right[n], n + 1]], equal_nan=True)
+            known |= {n, n + 1, n + 2}
+        assert np.isnan(v[[n for n in range(7) if n not in known]]).all()

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import pi, sqrt
 
 import mpmath
+import numpy as np
+import pytest
 
 from symosc import Parameters, load_scene
+from symosc.engine.flow import constants
+from symosc.grazing.backward_flow import Search
 from symosc.grazing.start import grazing_start
 
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
@@ -51,3 +56,21 @@ def test_search_that_is_too_short_says_so() -> None:
     short = grazing_start(p, "P2", 0, periods=0.5)
     assert not short.found
     assert "periods" in str(short.reason)
+
+
+@pytest.mark.parametrize("c", ["0", "0.4", "9"])
+def test_bounds_of_errors_add_up_backward(c: str) -> None:
+    """An error of the energy grows as backward motions do, and each step adds its own rounding."""
+    p = load_scene("fig9").parameters.replace(c=c)
+    K = constants(p)
+    search = Search(K, 1, 1)
+    state, errors = search.begin(0.0), []
+    for _ in range(40):
+        _, step, state = search.over(1.0, 1, state)
+        errors.append((state.energy_error, state.v_error))
+        state = search.ended(state, step)
+    growth = float(np.exp(K.cm * search.H))
+    for (before, _), (after, v_error) in pairwise(errors):
+        assert after > growth * before > 0.0
+        assert 0.0 < v_error < 2.0 * after / K.w0 * max(1.0, K.rate / K.w0)
+    assert errors[-1][0] > 20 * errors[0][0]

@@ -332,3 +332,21 @@ def test_many_phases_are_checked_in_parts_and_told(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(check, "CHECK_PHASES", 40)
     assert check_grazing(p, "P2", n=100, progress=lambda part, all: parts.append(part / all)) == whole
     assert parts == [0.4, 0.8, 1.0]
+
+
+def test_each_way_is_counted_for_itself_at_the_special_phases(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: the G-functions always say yes, the exact flow no, DOP853 nothing."""
+    judge = check._Check(grazing_window(load_scene("fig9").parameters, "P2"))
+    counted: list[Any] = []
+    monkeypatch.setattr(check, "DECADES", (3, 14))
+    monkeypatch.setattr(judge, "_fine", lambda value, zero: (YES, NO))
+    monkeypatch.setattr(judge.ways, "solver", lambda theta: np.full(len(theta), NOT_DECIDED))
+    monkeypatch.setattr(judge, "_count", lambda *columns: counted.extend(columns))
+    judge.adversarial()
+    phases, inside, margins, signs, flow, solver = counted
+    assert {len(each) for each in counted} == {judge.n_adversarial}
+    assert (set(signs), set(flow), set(solver)) == ({YES}, {NO}, {NOT_DECIDED})
+    assert inside.tolist() == [bool(judge.window.contains(phase)) for phase in phases]
+    zeros = [i for i, margin in enumerate(margins) if margin == 0.0]
+    assert [abs(float(judge.ways.slope(np.array([float(phases[i])]))[0])) < 1e-15 for i in zeros] == [True, True]
+    assert judge.closest_phase == pytest.approx(1e-14)

@@ -69,3 +69,18 @@ def test_a_digit_that_is_missing_is_computed(lacking: int, monkeypatch: pytest.M
     _, flights = origins.exact((low + high) / 2, 1, lambda flights: flights.number(Fraction(1, 4)), 20)
     assert next(missing, None) is None
     assert flights.digits >= 20 + 20 + lacking
+
+
+def test_a_contact_just_at_the_end_of_the_search_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With all digits: one that comes later than asked for is none, and the end of the time is polished instead."""
+    origins = Origins(load_scene("fig9").parameters, "P2")
+    theta = Fraction(1)
+    found = origins.arrival(theta, 1)
+    assert found.kind == CONTACT
+    exact, _ = origins.exact(theta, 1, lambda each: each.number(2) * each.number(found.tau), 20)
+    at_end, _ = origins.exact(theta, 1, lambda each: each.number(exact.tau), 20)
+    assert (at_end.kind, at_end.boundary, at_end.tau) == (CONTACT, exact.boundary, exact.tau)
+    monkeypatch.setattr(origins, "arrival", lambda *_, **__: found)  # doubles do not tell
+    before, _ = origins.exact(theta, 1, lambda each: each.number(exact.tau) * (1 - each.number(1) / 10**18), 20)
+    assert (before.kind, before.boundary) == (REACHED, 0)
+    assert before.tau < exact.tau

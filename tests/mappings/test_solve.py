@@ -139,3 +139,10 @@ def test_derivatives_keep_all_digits() -> None:
         exact = [entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)]
         assert len(exact) >= 3
         assert all(entry != float(entry) for entry in exact)
+
+
+def test_points_are_equal_by_where_they_are() -> None:
+    p = load_scene("fig9").parameters
+    one, same, other = (solve_map(p, "P2", 4.5, theta) for theta in (0.5, 0.5, 0.6))
+    assert (one == same, one != same) == (True, False)
+    assert (one == other, one != other) == (False, True)

@@ -12,6 +12,7 @@ import pytest
 from paper_orbits import FIG9, FIG10
 
 from symosc import Parameters, find_orbit
+from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES
 from symosc.orbits import verification
 from symosc.orbits.admissibility import Condition
@@ -213,3 +214,30 @@ def test_the_engine_starts_behind_a_flight_where_the_forces_are_clearest() -> No
         }
         right = max(clear, key=lambda i: clear[i]) if clear else 0
         assert verification._start(equations, [(float(i), 7.0) for i in range(5)]) == right
+
+
+def test_a_root_is_ill_conditioned_by_what_rounding_does_to_its_phases(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: f2 counts in forces for a stick, else in velocities, and more where roots tau = 0 are divided out."""
+    rng = np.random.default_rng(8)
+    sizes = SimpleNamespace(a=7.0, v=0.5)
+    monkeypatch.setattr(verification, "scales", lambda *_: sizes)
+    for _ in range(40):
+        n, Om = int(rng.integers(1, 4)), 2.0
+        pieces = [SimpleNamespace(sticks=bool(rng.integers(2)), zeros=int(rng.integers(3))) for _ in range(n)]
+        durations, matrix = rng.uniform(0.05, 3, n), rng.uniform(-1, 1, (2 * n, 2 * n))
+        points = rng.uniform(-4, 4, (n, 2))
+        equations: Any = SimpleNamespace(
+            pieces=pieces, K=SimpleNamespace(Om=Om), durations=lambda _, d=durations: d, matrix=lambda _, J=matrix: J
+        )
+        errors = []
+        for piece, duration in zip(pieces, durations, strict=True):
+            f2 = sizes.a if piece.sticks else sizes.v
+            if piece.zeros:
+                f2 *= min(1.0, duration) / (duration / Om) ** piece.zeros
+            errors += [np.abs(points[:, 0]).max(), f2]
+        moved = max((np.abs(np.linalg.inv(matrix)) @ errors)[1::2]) * EPS
+        for part, ill in ((0.999, True), (1.001, False)):
+            monkeypatch.setattr(verification, "MARGINAL", part * moved)
+            assert verification.ill_conditioned(equations, points) == ill
+    equations.matrix = lambda _: np.zeros((2 * n, 2 * n))
+    assert verification.ill_conditioned(equations, points)
