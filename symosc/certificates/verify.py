@@ -127,8 +127,8 @@ class Motion:
         for i, (end, f, slope, bend) in enumerate(zip(mode.ends, *values, strict=True)):
             if end in orders:
                 sure = sure and near and inside[orders[end]][i] > 0
-            elif not (near and end == falls and (inside[1][i] < 0 or inside[2][i] > 0)):
-                sure = sure and (near or mode.swing.is_finite()) and f + slope * h - bend * h * h / 2 > 0
+            elif not (near and end == falls and f > 0 and (inside[1][i] < 0 or inside[2][i] > 0)):
+                sure = sure and f > 0 and (near or mode.swing.is_finite()) and f + slope * h - bend * h * h / 2 > 0
         return sure
 
     def positive(self, until, falls=None):
@@ -139,8 +139,6 @@ class Motion:
             P = P * mode.jump(n) if count % 16 else (mode.M * (a - self.origin)).exp()  # rounding does not add up
             z, left, orders = P * self.z0, until - a, {} if count else self.leaves
             state = z, orders, *((row * z).entries() for row in mode.rows[:2]), mode.bends(z)
-            for end, f in zip(mode.ends, state[2], strict=True):
-                require(arb(1) if end in orders else f, "the mode ends before the next event stated, or before t_end")
             whole = -frexp(float(left.upper()))[1]  # 2^-whole is not less than what is left
             if self.holds(state, whole, left, falls):
                 return
@@ -148,6 +146,8 @@ class Motion:
             while not sure:
                 n, h = n + 1, arb(fmpq(2) ** (-n - 1))
                 sure = self.holds(state, n, h) and (not orders or a + h > self.t)
+                over = not sure and any(f < 0 for f in (mode.rows[0] * (mode.jump(n) * z)).entries())
+                check(not over, "the mode ends before the next event stated, or before t_end")
                 check(sure or n < max(whole, 0) + 2 * ctx.prec, "a touch or a near miss", OPEN)
             a += h
         raise Stop(BAD, f"an event or t_end is more than {MOST_STEPS} steps away")
