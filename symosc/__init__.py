@@ -22,7 +22,7 @@ import lazy_loader
 
 from symosc.display import drawable
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 drawable.loaders.append(partial(import_module, "symosc.plot"))
 drawable.page_loaders.append(partial(import_module, "symosc.plot.notebooks"))

@@ -9,12 +9,44 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Generator
+from fnmatch import fnmatch
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import compiling
 import pytest
 from once import SHARED, alone
+
+#: Files and folders of tests that need an optional package, and cases of others: left out where it is not installed.
+NEED = {
+    "flint": (
+        "certificates",
+        "cli/test_certify.py",
+        "cli/test_score.py",
+        "reference/test_folder.py",
+        "reference/test_score.py",
+        "reference/test_sets.py",
+    ),
+    "h5netcdf": ("cli/test_sweep.py", "sweeps/test_output.py", "sweeps/test_page.py", "sweeps/test_sweep.py"),
+}
+NEED_CASES = {
+    "flint": (
+        "bench/test_hard.py::test_a_proven_reference_is_that_of_40_digits",
+        "cli/test_cases.py::test_a_table_of_a_group",
+        "cli/test_cases.py::test_a_folder",
+        "plot/test_score.py::test_each_case_is_where_it_belongs",
+        "plot/test_score.py::test_sixteen_solvers_look_different",
+        "reference/test_case.py::test_a_graze_has_no_condition",
+        "reference/test_case.py::test_conditions_are_those_of_the_scene",
+        "reference/test_case.py::test_words_and_what_is_shown",
+        "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
+        "[certify]",
+    ),
+    "h5netcdf": ("crosschecks/test_formats.py::*[xarray.nc]",),
+}
+MISSING = [name for name in NEED if find_spec(name) is None]
+collect_ignore = [path for name in MISSING for path in NEED[name]]
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -50,12 +82,22 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
     Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled loops comes last.
     """
+    _leave_out_without_extras(items)
     _leave_out(items, "full", unless="campaign", mark="campaign")
     for item in items:
         if item.get_closest_marker("campaign"):
             item.add_marker("slow")
     _leave_out(items, "quick", unless="slow", mark="slow")
     items.sort(key=_loops)
+
+
+def _leave_out_without_extras(items: list[pytest.Item]) -> None:
+    """Skip the cases that need a package that is not installed."""
+    for name in MISSING:
+        patterns = [f"*{each.replace('[', '[[]')}*" for each in NEED_CASES[name]]
+        for item in items:
+            if any(fnmatch(item.nodeid, pattern) for pattern in patterns):
+                item.add_marker(pytest.mark.skip(reason=f"{name} is not installed"))
 
 
 def _loops(item: pytest.Item) -> str:

@@ -16,7 +16,8 @@ from symosc import plot
 PUBLIC = {name: getattr(symosc, name) for name in symosc.__all__}
 PUBLIC |= {f"plot.{name}": getattr(plot, name) for name in plot.__all__ if callable(getattr(plot, name))}
 #: Examples that need an optional package, and which.
-NEEDED = {"compiled_residual": "numba", "SweepStatus": "xarray", "sweep": "xarray", "sweep_status": "xarray"}
+NEEDED = {"compiled_residual": "numba", "SweepStatus": "h5netcdf", "sweep": "xarray", "sweep_status": "h5netcdf"}
+NEEDED |= dict.fromkeys(("Certificate", "ReferenceCase", "certify", "plot.certificate_figure"), "flint")
 NEEDED |= {f"plot.{form}_figure": "xarray" for form in ("basin", "bifurcation", "curve", "map", "swept")}
 #: Examples that take half a second and more.
 LONG = ("Branch", "BranchEnd", "Case", "CompiledResidual", "ConvergenceError", "GrazingReport", "continue_orbit")

@@ -1,4 +1,7 @@
-"""`certify`: hand over a scene, get a proof."""
+"""`certify`: hand over a scene, get a proof. The provers are loaded when there is something to prove.
+
+So the name is there without python-flint too: `from symosc import *` and completion need no extra.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from symosc.certificates.branch import prove_branch
 from symosc.certificates.certificate import Certificate
-from symosc.certificates.orbit import prove_orbit
-from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
-from symosc.certificates.window import prove_window
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
@@ -88,15 +87,23 @@ def certify(
 def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
     """Prove what is no scene."""
     if isinstance(what, PeriodicOrbit):
+        from symosc.certificates.orbit import prove_orbit
+
         return prove_orbit(what)
     if isinstance(what, Branch):
+        from symosc.certificates.branch import prove_branch
+
         return prove_branch(what, progress)
     if isinstance(what, GrazingWindow):
+        from symosc.certificates.window import prove_window
+
         return prove_window(what)
     raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
+    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
+
     if t_end is not None:
         scene = scene.started({"t_end": t_end})
     if start_error is not None:

@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from symosc.aliases import Number
+from symosc.certificates.certify import certify
 from symosc.errors import MissingExtraError
 from symosc.scenes import Scene
 
@@ -29,10 +30,9 @@ class Known(NamedTuple):
 def known_events(scene: Scene) -> Known:
     """Return the events of a scene from its certificate, as fractions, or say why it has none."""
     try:
-        from symosc.certificates.certify import certify
+        certificate = certify(scene)
     except MissingExtraError as error:
         return Known((), str(error))
-    certificate = certify(scene)
     if not certificate.proven:
         return Known((), certificate.message)
     rows = certificate.statement["events"]

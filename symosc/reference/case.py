@@ -11,6 +11,7 @@ from math import inf, pi
 from typing import Any, NamedTuple
 
 from symosc.certificates.certificate import Certificate
+from symosc.certificates.certify import certify
 from symosc.exact import show
 from symosc.model import Parameters
 from symosc.reference.condition import conditions, events_of
@@ -172,8 +173,6 @@ class ReferenceCase:
 def _certificate(case: ReferenceCase) -> Certificate:
     if case.periods:
         return Certificate("trajectory", False, case.open, statement={"events": []})
-    from symosc.certificates.certify import certify  # late: it needs the extra certify, the cases' closed forms do not
-
     return certify(case.scene, digits=GIVEN_DIGITS)
 
 

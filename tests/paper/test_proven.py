@@ -12,6 +12,7 @@ from symosc.paper.checks.proven import CERTIFICATE, certificate_of
 
 
 def test_orbits_sticks_and_grazes_cite_a_proof() -> None:
+    pytest.importorskip("flint")
     scene = load_scene("fig9")
     for what in (find_orbit(scene.parameters, scene.structure), load_scene("fig6"), load_scene("fig8-exact")):
         assert certificate_of(what)[CERTIFICATE].startswith("proven: "), what

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from symosc.certificates.certify import certify
 from symosc.errors import MissingExtraError
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene
@@ -15,8 +16,7 @@ def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
     Without python-flint it says that nothing is proven here; the verdict does not rest on it.
     """
     try:
-        from symosc.certificates.certify import certify
+        proof = certify(what)
     except MissingExtraError:
         return {CERTIFICATE: "none here: python-flint is not installed"}
-    proof = certify(what)
     return {CERTIFICATE: f"{'proven' if proof.proven else 'not proven'}: {proof.message}"}

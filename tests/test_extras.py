@@ -1,0 +1,50 @@
+"""Without optional packages all public names are there; what needs one says so when it is called."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+#: What extras bring, as it is imported.
+BROUGHT = (
+    "numba",
+    "gmpy2",
+    "heyoka",
+    "sksundae",
+    "xarray",
+    "pandas",
+    "h5netcdf",
+    "h5py",
+    "zarr",
+    "dask",
+    "distributed",
+)
+BROUGHT += ("flint", "pint", "pyarrow", "bokeh")
+CODE = f"""
+import sys
+for name in {BROUGHT!r}:
+    sys.modules[name] = None
+from symosc import *
+import symosc
+from symosc import plot
+assert set(symosc.__all__) <= set(globals()), "a public name is not there"
+for name in plot.__all__:
+    getattr(plot, name)
+print(simulate("fig5", t_end=7).word)
+for call in (lambda: certify("fig5"), lambda: sweep("fig9", {{"Omega": [4]}}), lambda: simulate("fig5").to_pandas()):
+    try:
+        call()
+    except MissingExtraError as error:
+        print(str(error).rpartition("pip install ")[2])
+"""
+
+
+@pytest.mark.slow
+def test_public_names_need_no_extra() -> None:
+    run = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True)
+    assert run.stderr == ""
+    word, *needed = run.stdout.splitlines()
+    assert word == "['P1', 'P2', 'P1', 'P3']"
+    assert needed == ["'symosc[certify]'", "'symosc[sweep]'", "'symosc[sweep]'"]
