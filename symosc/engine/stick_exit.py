@@ -134,8 +134,7 @@ def exit_root(force, side, stretch, hold, belt, K):
             if abs(over * bend) < 0.1 * slope * slope:
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
-                    incline = slope + (bend + 0.5 * third * step) * step
-                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step)
+                    return slips_at(tau, step, side, -force, slope, bend, third)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
         step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
@@ -155,6 +154,12 @@ def exit_root(force, side, stretch, hold, belt, K):
         else:
             low = tau
     return StickEnd(STALLED, side, tau, -force, slope, bend)
+
+
+def slips_at(tau, step, side, Delta, slope, bend, third):
+    """Return the end of a stick at tau + step, from the derivatives of Delta at tau."""
+    incline = slope + (bend + 0.5 * third * step) * step
+    return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step)
 
 
 def first_guess(force, side, stretch, hold, belt, K):
