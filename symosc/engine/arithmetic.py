@@ -21,6 +21,7 @@ from symosc.engine import (
     flow,
     gap_bounds,
     march,
+    near_event,
     next_event,
     rests,
     settled,
@@ -51,6 +52,8 @@ SOURCES = (
     first_rows,
     compiled_loop,
 )
+# What is done with many digits only.
+IN_DIGITS_ONLY = (near_event,)
 # What is done with motions in doubles only.
 IN_DOUBLES_ONLY = (extremes, tally, settled)
 
@@ -82,6 +85,9 @@ OUTLINED = {
     "parts_again",
     "hidden",
     "follow_all",
+    "next_doubt",
+    "search_row",
+    "searched",
     "first_rows",
     "march_rows",
     "tally_stretch",
@@ -162,7 +168,7 @@ class MpArithmetic(Arithmetic):
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
-        self.namespace = binding.bind(SOURCES, replaced, literal=context.mpf)
+        self.namespace = binding.bind((*SOURCES, *IN_DIGITS_ONLY), replaced, literal=context.mpf)
         self._replaced = replaced
 
     @cached_property
@@ -172,7 +178,7 @@ class MpArithmetic(Arithmetic):
             from symosc.engine.mpfr_arithmetic import MpfrPaths
         except ImportError:
             return Paths(self.namespace)
-        return MpfrPaths(self.parameters, self.context, SOURCES, self._replaced)
+        return MpfrPaths(self.parameters, self.context, (*SOURCES, *IN_DIGITS_ONLY), self._replaced)
 
     def number(self, value: Fraction) -> Number:
         """Round a Fraction to an mpf of this precision."""

@@ -143,7 +143,7 @@ def compiled(
 
 def is_compiled(function: Any) -> bool:
     """Return whether numba has compiled a function of `compiled`, or finds it on disk."""
-    if not hasattr(function, "py_func") or function.signatures:
+    if not hasattr(function, "py_func") or function.overloads:
         return True
     folder, name = function.stats.cache_path, function.py_func.__qualname__
     there, looked = _ON_DISK.get((folder, name), (False, -LOOK_AGAIN))

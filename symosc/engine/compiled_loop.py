@@ -11,6 +11,7 @@ from symosc.aliases import Number
 from symosc.engine.next_event import advance
 from symosc.engine.state import (
     DOUBTFUL,
+    END,
     FAILED,
     FULL,
     GRAZE,
@@ -27,6 +28,8 @@ from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0, then s, c.
 STATE_WIDTH = 18
+# Steps after which doubles that are not in doubt are no longer looked ahead for.
+LOOK_AHEAD = 16
 # Columns of a row of events.
 FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
 INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_code")
@@ -144,7 +147,7 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             elif step <= GRAZE:
                 x, v = state.x, state.v
                 t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
-                if t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x)):
+                if is_inexact(t, t_error, x, x_error, t0, accuracy):
                     code = INEXACT
                 if not tallied:
                     write_event(out, rows, t, state, t_error, x_error)
@@ -163,6 +166,49 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
         if code == RUNNING:
             return i, rows
     return states.shape[0], rows
+
+
+def is_inexact(t, t_error, x, x_error, t0, accuracy):
+    """Return whether an event is known to less than `accuracy`."""
+    return t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x))
+
+
+def searched(state, row, K):
+    """Return the next event (NextEvent) of a state, by the times in a row of a batch."""
+    return advance(state, float(row[13]), float(row[14]), K)
+
+
+def search_row(states, table):
+    """Advance the state in the first row to its next event; return code, belt, decided and t_error (NextEvent)."""
+    code, boundary, decided, t_error, state = searched(state_of(states, 0), states[0], table[0])
+    keep_state(states, 0, state)
+    return code, boundary, decided, t_error
+
+
+def next_doubt(state, count, row, most, accuracy, K):
+    """Return the number of the next event that `follow_all` leaves in doubt; 0 if there is none soon.
+
+    Parameters
+    ----------
+    state : State, before which there were `count` events.
+    row : row of a batch, for its times.
+    most : number of the last event that is of interest.
+    accuracy, K : as `follow_all` takes them.
+    """
+    t0 = float(row[15])
+    for _ in range(LOOK_AHEAD):
+        step, _, decided, t_error, state = searched(state, row, K)
+        if count >= most or step in (END, REST):
+            break
+        if step == FAILED or not decided:
+            return count + 1
+        if step <= GRAZE:
+            count += 1
+            x, v = state.x, state.v
+            t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
+            if is_inexact(t, t_error, x, x_error, t0, accuracy):
+                return count
+    return 0
 
 
 def write_event(out, row, t, state, t_error, x_error):

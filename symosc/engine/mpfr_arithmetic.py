@@ -1,4 +1,4 @@
-"""The fast paths with many digits by MPFR (gmpy2): the same source as with mpmath, and ten times as fast.
+"""The fast paths with many digits by MPFR (gmpy2): the same source as with mpmath, and six times as fast.
 
 The precision is that of an mpmath context, in bits. Both round the four operations and the square root correctly, so
 what comes out differs, if at all, in the last bits of a sine. Numbers are computed with between `enter` and `leave`
@@ -61,4 +61,6 @@ class MpfrPaths(Paths):
 
     def outward(self, value: Any) -> Any:
         """Return a number of MPFR, or a tuple with some, as numbers of mpmath."""
+        if type(value) is tuple:  # the numbers of an event
+            return tuple([to_mpf(entry, self._context) for entry in value])
         return converted(value, lambda entry: to_mpf(entry, self._context) if type(entry) is mpfr else entry)

@@ -75,14 +75,26 @@ def advance_flight(state, left, K):
     """Advance through a domain, for the time `left` at most; see `advance`."""
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
-    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c = state
-    start = Launch(v, F, s, c)
-    lower, upper = speeds_around(mode, K)
-    walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
+    start, walls = launched(state, K)
     tau_max = reach_of(left if left < K.chunk else K.chunk, left)
-    end = first_exit(tau_max, start, walls, S, K)
+    end = first_exit(tau_max, start, walls, state.S, K)
     if end.code == NOTHING and tau_max < left:
         end = apart_from_walls(end, tau_max, left, state, start, walls, K)
+    return after_flight(state, end, start, left, K)
+
+
+def launched(state, K):
+    """Return the launch of a flight, and the walls around it."""
+    mode, at, v = state.mode, state.at, state.v
+    lower, upper = speeds_around(mode, K)
+    walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
+    return Launch(v, state.Fb, state.s, state.c), walls
+
+
+def after_flight(state, end, start, left, K):
+    """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
+    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c = state
+    lower, upper = speeds_around(mode, K)
     if end.now.tau > left and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
     code, side, now = end
@@ -120,15 +132,19 @@ def apart_from_walls(end, tau_max, left, state, start, walls, K):
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
-    lower, upper = speeds_around(state.mode, K)
     while end.code == NOTHING and tau_max < left and tau_max <= 1.5 * K.chunk:
-        v = start.v + end.now.dv
-        size = abs(start.v) + abs(end.now.dv) + (abs(start.F) + abs(K.f0)) * K.moment
-        if not beside_a_wall(v, size, lower, upper):
+        if not ends_beside_wall(state, end.now, K):
             break
         tau_max = reach_of(tau_max + 0.125 * K.chunk, left)
         end = first_exit(tau_max, start, walls, state.S, K)
     return end
+
+
+def ends_beside_wall(state, now, K):
+    """Return whether a flight from `state` is so near a wall at the point `now` that a touch may be here."""
+    v, (lower, upper) = state.v, speeds_around(state.mode, K)
+    size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
+    return beside_a_wall(v + now.dv, size, lower, upper)
 
 
 def point_at_end(left, start, K):
@@ -247,11 +263,22 @@ def switch(there, end, vague, t_error, K):
 
 def advance_stick(state, left, K):
     """Advance along a belt, for the time `left` at most; see `advance`."""
-    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c = state
-    boundary = mode - ON_BELT
+    belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
+    end = belt_exit(left if left < K.chunk else K.chunk, held_by(state), state.S.S11, belt, K)
+    return after_stick(state, end, left, K)
+
+
+def held_by(state):
+    """Return the beginning of a stick."""
+    return Hold(state.Fb, state.Fa, state.theta, state.s, state.c)
+
+
+def after_stick(state, end, left, K):
+    """Return the next event of a stick from `state`, given how its search ended; see `advance`."""
+    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _ = state
+    boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
-    zero, hold = 0.0 * Fb, Hold(Fb, Fa, theta, s, c)
-    code, side, tau, Delta, slope, bend, s, c = belt_exit(left if left < K.chunk else K.chunk, hold, S.S11, belt, K)
+    code, side, tau, Delta, slope, bend, s, c = end
     if tau > left and code in (HIT, TANGENCY):
         code, tau = NOTHING, left
     if code == NOTHING and tau < left and belt.drift == 0.0 and tau >= K.period:

@@ -6,16 +6,46 @@ What comes out is rounded to doubles by the rules for numbers with many digits (
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from symosc.engine.compiled_loop import handed_out, keep_state, state_of, write_event, write_kind
-from symosc.engine.next_event import advance
+from symosc.engine.compiled_loop import next_doubt as next_doubt_in_doubles
+from symosc.engine.compiled_loop import searched as searched_in_doubles
+from symosc.engine.first_rows import first_rows
+from symosc.engine.near_event import advance_near
 from symosc.engine.rounding import is_faint, rounded_covariance, rounding_error
 from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, REST, RUNNING, Covariance, NextEvent, State
 from symosc.engine.tally import leave_tally, tally_step
 from symosc.kernels.pair_type import from_complex
 
 
-def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
+def first_pairs(pairs, K):
+    """Complete rows of starts, see `symosc.engine.first_rows`: mode 0 is left where that takes more digits."""
+    K = from_complex(K)
+    for i in range(pairs.shape[0]):
+        at = int(pairs[i, 1])
+        if at > 0:  # to the last bit
+            pairs[i, 5] = K.belt1.v if at == 1 else K.belt2.v
+    first_rows((K,), np.zeros(pairs.shape[0], np.int64), pairs)
+
+
+class Going(NamedTuple):
+    """How far motions are followed, and by which constants in doubles."""
+
+    most: int  # events after which a trajectory is FULL
+    accuracy: float
+    more: int  # events that there is room for, for each motion, beside those that are wanted
+    table: np.ndarray  # as `symosc.engine.compiled_loop.follow_all` takes it
+    careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+
+
+def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
     """Follow trajectories to a number of events, or to their end; events and states come out in doubles.
+
+    The search for each event is made in doubles as far as these are sure (`symosc.engine.near_event`). A motion that
+    doubles would soon leave open again is followed farther, as long as there is room.
 
     Parameters
     ----------
@@ -27,7 +57,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
         doubles.
     out : EventRows, room for all events to come.
     K : Constants of complex numbers
-    tally, table : as `symosc.engine.compiled_loop.follow_all` takes them.
+    tally : as `symosc.engine.compiled_loop.follow_all` takes it.
+    going : Going
 
     Returns
     -------
@@ -38,31 +69,30 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
     states, sets, counts, codes = batch
     rows, tallied = 0, tally.floats.shape[0] > 0
     for i in chosen:
-        state, plain = state_of(pairs, i), table[sets[i]]
+        state, plain, careful = state_of(pairs, i), going.table[sets[i]], going.careful[sets[i]]
         t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
-        code, rounded = RUNNING, in_doubles(state)
-        while code == RUNNING and counts[i] < wanted[i]:
-            source, before = state.mode, rounded
-            step, boundary, decided, t_error, state = advance(state, t_end, t_end_low, K)
+        code, rounded, goal, last = RUNNING, in_doubles(state), wanted[i], min(going.most, wanted[i] + going.more)
+        while code == RUNNING:
+            if counts[i] >= goal:
+                goal = next_doubt_in_doubles(rounded, counts[i], states[i], last, going.accuracy, plain)
+                if goal == 0:
+                    break
+            before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
+            found = advance_near(state, rounded, rough, t_end, t_end_low, K)
+            state, step = found.state, found.code
             rounded = in_doubles(state)
-            if step == FAILED or not decided:
+            if step == FAILED or not found.decided:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                x, v = state.x, state.v
-                t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
-                if not (is_faint(t_error.hi, t.hi) and is_faint(x_error.hi, x.hi)):
+                if not written(i, rows, out, found, before.mode, rounded, t0, K):
                     code = IN_DOUBT
-                if not tallied:
-                    errors = rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
-                    write_event(out, rows, t.hi, rounded, errors[0], errors[1])
-                    write_kind(out, rows, i, step, boundary, source)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
             if tallied and code != IN_DOUBT and code != REST:
-                found = NextEvent(step, boundary, True, t_error.hi, rounded)
-                tally_step(i, before, found, t0.hi, tally, plain)
+                plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
+                tally_step(i, before, plainly, t0.hi, tally, plain)
         if tallied:
             left = (t_end - state.t) + (t_end_low - state.t_low)
             leave_tally(i, rounded, code, left.hi, t0.hi, tally, plain)
@@ -70,6 +100,17 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, table):
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)
     return rows
+
+
+def written(i, row, out, found, source, rounded, t0, K):
+    """Write an event into a row, if there is room; return whether it is known far better than doubles know it."""
+    state = found.state
+    t, t_error, x_error = handed_out(state.t, state.t_low, t0, state.x, state.v, found.t_error, state.S.S11, K)
+    if row < out.floats.shape[0]:  # there is none where tallies are kept
+        errors = rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, state.x.hi)
+        write_event(out, row, t.hi, rounded, errors[0], errors[1])
+        write_kind(out, row, i, found.code, found.boundary, source)
+    return is_faint(t_error.hi, t.hi) and is_faint(x_error.hi, state.x.hi)
 
 
 def in_doubles(state):

@@ -9,20 +9,23 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 
 from symosc.engine import binding, pair_loop, rounding, tally
-from symosc.engine.arithmetic import MP_ROUNDING, SOURCES, many_digits
+from symosc.engine.arithmetic import IN_DIGITS_ONLY, MP_ROUNDING, SOURCES, many_digits
 from symosc.engine.arithmetic import compiled as in_doubles
 from symosc.engine.flow import Constants
+from symosc.engine.pair_loop import Going
 from symosc.engine.paths import converted
 from symosc.kernels import _generated, pair_functions, pair_type
 from symosc.kernels.entire import INVERSES
 from symosc.kernels.multiprecision import mp_context
 from symosc.kernels.pair_type import Pair
 from symosc.model import Parameters
+
+__all__ = ["Going", "as_complex", "is_compiled", "pair_constants", "pair_loops", "pair_phase"]
 
 # What errors are estimated from: 64 times the rounding of one operation, as an entire function loses a digit or two.
 PAIR_EPS = Fraction(1, 2**100)
@@ -45,9 +48,16 @@ def as_pair(z):
     return pair_type.from_complex(z)
 
 
+class PairLoops(NamedTuple):
+    """The functions of `symosc.engine.pair_loop` compiled: each when it is first called, and kept on disk."""
+
+    first_pairs: Any
+    follow_pairs: Any
+
+
 @lru_cache(maxsize=1)
-def follow_pairs() -> Any:
-    """Return `symosc.engine.pair_loop.follow_pairs` compiled: when it is first called, and kept on disk."""
+def pair_loops() -> PairLoops:
+    """Return how motions are begun and followed in double-double numbers."""
     two_pi = 2 * mp_context(70).pi
     replaced = {
         "EPS": Pair(PAIR_EPS),
@@ -63,15 +73,17 @@ def follow_pairs() -> Any:
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(as_pair)}
     plain = in_doubles()  # summaries are of doubles
     callees |= {name: plain[name] for name in ("tally_step", "leave_tally")}
+    callees |= {f"{name}_in_doubles": plain[name] for name in ("searched", "next_doubt")}  # what the loop calls them
     beside = (pair_type, pair_functions, tally)
-    modules = (*SOURCES, pair_loop)
+    modules = (*SOURCES, *IN_DIGITS_ONLY, pair_loop)
     outlined = binding.functions_of(modules).keys() - binding.functions_of((_generated,)).keys() - {"derivatives"}
-    return binding.compiled(modules, outlined, callees, replaced, Pair, beside)["follow_pairs"]
+    functions = binding.compiled(modules, outlined, callees, replaced, Pair, beside)
+    return PairLoops(*(functions[name] for name in PairLoops._fields))
 
 
 def is_compiled() -> bool:
-    """Return whether the loop was compiled before, here or in an earlier program that left it on disk."""
-    return binding.is_compiled(follow_pairs())
+    """Return whether both were compiled before, here or in an earlier program that left them on disk."""
+    return all(map(binding.is_compiled, pair_loops()))
 
 
 def as_complex(value: Any) -> Any:
@@ -91,3 +103,9 @@ def as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as complex numbers hi + i lo, each rounded once."""
     return as_complex(many_digits(parameters, ROUNDED_FROM).K)
+
+
+def pair_phase(parameters: Parameters, t: Fraction) -> complex:
+    """Return the phase at a time, rounded once."""
+    found: complex = as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
+    return found

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Paths:
-    """`advance` and `handed_out` of the engine for one kind of numbers.
+    """`advance`, `advance_near` and `handed_out` of the engine for one kind of numbers.
 
     Parameters
     ----------
@@ -16,13 +16,14 @@ class Paths:
 
     Attributes
     ----------
-    advance, handed_out : callable
-        See `symosc.engine.next_event` and `symosc.engine.compiled_loop`. They, and all arithmetic on their numbers,
-        belong between `enter` and `leave`.
+    advance, advance_near, handed_out : callable
+        See `symosc.engine.next_event`, `near_event` (None for doubles) and `compiled_loop`. They, and all arithmetic on
+        their numbers, belong between `enter` and `leave`.
     """
 
     def __init__(self, functions: dict[str, Any]) -> None:
         self.advance: Callable[..., Any] = functions["advance"]
+        self.advance_near: Any = functions.get("advance_near")
         self.handed_out: Callable[..., Any] = functions["handed_out"]
 
     def enter(self) -> Any:

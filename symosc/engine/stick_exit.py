@@ -140,9 +140,7 @@ def exit_root(force, side, stretch, hold, belt, K):
             if abs(over * bend) < 0.1 * slope * slope:
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
-                    incline = slope + (bend + 0.5 * third * step) * step
-                    s, c = turned(s, c, K.Om * step)
-                    return StickEnd(HIT, side, tau + step, -force, incline, bend + third * step, s, c)
+                    return slips_at(tau, step, side, -force, slope, bend, third, s, c, K)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
         step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
@@ -163,6 +161,13 @@ def exit_root(force, side, stretch, hold, belt, K):
         else:
             low = tau
     return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
+
+
+def slips_at(tau, step, side, Delta, slope, bend, third, s, c, K):
+    """Return the end of a stick at tau + step, from what Delta, its derivatives, and the sine and cosine are at tau."""
+    incline = slope + (bend + 0.5 * third * step) * step
+    s, c = turned(s, c, K.Om * step)
+    return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step, s, c)
 
 
 def first_guess(force, side, stretch, hold, belt, K):

@@ -76,7 +76,7 @@ class MpfrContext:
     @staticmethod
     def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
         """Return numbers rounded to the precision of a context, which is the current one."""
-        return tuple(+number for number in numbers)
+        return tuple([+number for number in numbers])
 
     convert = staticmethod(mpfr)
 

@@ -9,13 +9,15 @@ of them is a near miss, or a crossing. Only digits beyond that tell them from a 
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Iterable
 from math import ceil, log
 
 from symosc.aliases import Number
 from symosc.engine.flow import Constants, constants
 from symosc.engine.start import Start, is_steady
 from symosc.engine.state import FAILED
-from symosc.simulation.run import Path
+from symosc.simulation.run import Path, Searched
 
 BACKUP_DIGITS = 36
 # A contact that is open with this many times the digits may be a touch.
@@ -58,12 +60,16 @@ class Backup:
     def __init__(self, start: Start) -> None:
         self.start = start
         self.digits = BACKUP_DIGITS + start.spare_digits
-        self.path = Path(start, self.digits)
+        self.path = Path(start, self.digits, rounds=True)
         self._finer: Path | None = None
 
-    def follow(self, count: int) -> bool:
-        """Follow the path to `count` events or to its end; False if a contact on the way is open."""
+    def follow(self, count: int, searches: Iterable[Searched] = ()) -> bool:
+        """Follow the path to `count` events or to its end; False if a contact on the way is open.
+
+        `searches` is what doubles found from where this path is, by decisions that exceed their errors.
+        """
         path = self.path
+        path.searches = deque(searches)
         while len(path.events) < count and not path.ended:
             before = len(path.events)
             path.step()

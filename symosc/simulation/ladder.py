@@ -6,34 +6,40 @@ for all such motions of a parameter set in turns, double-double numbers for all,
 16 digits of a state only; so where doubles are in doubt the longer numbers go on from their own last state, and not
 from one of doubles.
 
-What double-double numbers leave open, too, is left to single motions with more digits. So the results are those of
-`simulate`, to the last bit: rounded to doubles, numbers of 30 and of 36 digits are the same unless the former are in
-doubt (`symosc.engine.rounding`).
+Double-double numbers let doubles search for the events, and go on where doubles would soon be in doubt again
+(`symosc.engine.pair_loop`). What they leave open, too, is left to single motions with more digits. So the results are
+those of `simulate`, to the last bit: rounded to doubles, numbers of 30 and of 36 digits are the same unless the former
+are in doubt (`symosc.engine.rounding`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import isinf
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine.arithmetic import Arithmetic, many_digits
+from symosc.engine.arithmetic import many_digits
 from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of
+from symosc.engine.flow import SIGMAS
 from symosc.engine.start import Start, first_state, settles
-from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING, Number
+from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING
 from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
-from symosc.simulation.problems import Problems
+from symosc.simulation.batch_loop import CAPACITY, PAIRS, Course, Loops, followed, joined
+from symosc.simulation.problems import FEW, Problems
 from symosc.simulation.run import last_time
 from symosc.simulation.simulate import attainable, in_doubles
 from symosc.simulation.trajectory import Trajectory
 from symosc.simulation.workers import Patrol
 
-# Digits between a start and a belt, or of its error, that double-double numbers have to spare.
+# Digits between a start and a belt, or of its error, that double-double numbers have to spare; and a gap of fewer.
 PAIR_SPARE = 8
+FAR_OFF = 2e-8
+# Events that a motion is followed farther at once, at most, if doubles would leave it open again.
+MOST_MORE = 64
 
 
 class Limits(NamedTuple):
@@ -101,6 +107,7 @@ class Ladder:
         self._problems, self._first, self.limits = problems, rows.start, limits
         self._follow, self._patrol = loops.follow, patrol
         self.batch, table = problems.begin(rows, loops.first_rows, loops.march_rows)
+        begun_at = self.batch.states[:, 1].copy()
         if isinf(limits.accuracy):
             table["sigmas"] = 0.0
         self.table, self.tally = table, keep(rows, self.batch.states) if keep else no_tally()
@@ -113,7 +120,7 @@ class Ladder:
         self._begin_again(in_doubt)
         if in_doubt and loops.in_threads:
             self.looks = looks_before_compiling(in_doubt, self.problem, limits)
-            self._climb([i for i in in_doubt if i not in self.looks and fits(self.problem(i))])
+            self._climb(self._fitting([i for i in in_doubt if i not in self.looks], begun_at), begun_at)
         self._begin_again(np.flatnonzero(is_doubtful(self.batch.codes)).tolist())
 
     def problem(self, i: int) -> Start:
@@ -132,21 +139,45 @@ class Ladder:
             self._patrol.check()
             yield rows
 
-    def _climb(self, members: list[int]) -> None:
+    def _fitting(self, members: list[int], at: np.ndarray) -> list[int]:
+        """Return the motions that double-double numbers can follow, of those given; see `fits`."""
+        if len(members) <= FEW:
+            return [i for i in members if fits(self.problem(i))]
+        plain = self._problems.are_apart(self._first + np.array(members, np.int64), at[members], FAR_OFF)
+        return [i for i, is_plain in zip(members, plain.tolist(), strict=True) if is_plain or fits(self.problem(i))]
+
+    def _climb(self, members: list[int], at: np.ndarray) -> None:
+        sets: dict[int, list[int]] = {}
+        for i, number in zip(members, self.batch.sets[members].tolist(), strict=True):
+            sets.setdefault(number, []).append(i)
         groups: dict[Parameters, list[int]] = {}
-        for i in members:
-            groups.setdefault(self.problem(i).parameters, []).append(i)
-        for some in groups.values():
+        for some in sets.values():
+            groups.setdefault(self._problems.sets[self._first + some[0]], []).extend(some)
+        for parameters, some in groups.items():
             below = Motions(Batch(*(column[some] for column in self.batch)), some_of(self.tally, some), self.table)
-            found = climb([self.problem(i) for i in some], below, self._in_doubles)
+            found = climb(parameters, self._pairs(parameters, some, at[some]), below, self.limits, self._in_doubles)
             events = joined(found.rows)
-            for number, i in enumerate(some):
-                own = EventRows(*(column[events.ints[:, 0] == number] for column in events))
-                own.ints[:, 0] = i
-                self.climbed[i] = own
+            order = np.argsort(events.ints[:, 0], kind="stable")
+            events = EventRows(*(column[order] for column in events))
+            cuts = np.searchsorted(events.ints[:, 0], np.arange(len(some) + 1)).tolist()
+            events.ints[:, 0] = np.array(some)[events.ints[:, 0]]
+            for i, begin, end in zip(some, cuts, cuts[1:], strict=True):
+                self.climbed[i] = EventRows(events.floats[begin:end], events.ints[begin:end])
             for column, values in zip(self.batch, found.batch, strict=True):
                 column[some] = values
             put_back(self.tally, some, below.tally)
+
+    def _pairs(self, parameters: Parameters, members: list[int], at: np.ndarray) -> np.ndarray:
+        """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
+        from symosc.engine.pairs import ROUNDED_FROM, as_complex, pair_constants, pair_loops, pair_phase
+
+        numbers, times = self._first + np.array(members, np.int64), self.batch.states[members, 13:15]
+        pairs = self._problems.pair_rows(numbers, at, times, partial(pair_phase, parameters))
+        pair_loops().first_pairs(pairs, pair_constants(parameters))
+        for i in np.flatnonzero(pairs[:, 0] == 0.0).tolist():
+            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
+            pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
+        return pairs
 
 
 def is_doubtful(codes: np.ndarray) -> np.ndarray:
@@ -182,28 +213,38 @@ class Motions(NamedTuple):
     table: np.ndarray
 
 
-def climb(problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tally], Iterator[EventRows]]) -> Climb:
+def climb(
+    parameters: Parameters,
+    pairs: np.ndarray,
+    below: Motions,
+    limits: Limits,
+    go_on: Callable[[Batch, Tally], Iterator[EventRows]],
+) -> Climb:
     """Follow motions of one parameter set that doubles left open.
 
     Parameters
     ----------
-    problems : sequence of n Start
+    parameters : Parameters
+    pairs : (n, STATE_WIDTH) complex array, updated
+        Their first states, as pairs.
     below : Motions
         What doubles made of them, with fresh tallies, which are filled.
+    limits : Limits
+        The accuracy is the one that is attainable.
     go_on : callable
         Goes on in doubles with a batch and its tallies, which it updates, and yields the rows of its events.
     """
-    from symosc.engine.pairs import ROUNDED_FROM, as_complex, follow_pairs, pair_constants
+    from symosc.engine.pairs import Going, pair_constants, pair_loops
 
-    parameters, doubles, tally = problems[0].parameters, below.batch, below.tally
-    follow, K, arithmetic = follow_pairs(), pair_constants(parameters), many_digits(parameters, ROUNDED_FROM)
-    pairs = np.array([as_complex(tuple(_row(problem, arithmetic))) for problem in problems])
+    doubles, tally, follow, K = below.batch, below.tally, pair_loops().follow_pairs, pair_constants(parameters)
     batch, rows = batch_of(doubles.states.copy(), doubles.sets), list[EventRows]()
     wanted = doubles.counts + (doubles.codes == IN_DOUBT)
-    active = np.arange(len(problems))
+    active, tables = np.arange(len(pairs)), (below.table, sure(below.table))
     while len(active):
-        room = room_for(0 if len(tally.floats) else int((wanted - batch.counts)[active].sum()))
-        filled = follow(active, wanted, pairs, batch, room, K, tally, below.table)
+        more = min(MOST_MORE, CAPACITY // len(active))
+        room = room_for(0 if len(tally.floats) else int((wanted - batch.counts + more)[active].sum()))
+        going = Going(limits.most, limits.accuracy, more, *tables)
+        filled = follow(active, wanted, pairs, batch, room, K, tally, going)
         filled = min(filled, len(room.floats))
         rows.append(EventRows(room.floats[:filled], room.ints[:filled]))
         active = active[batch.codes[active] == RUNNING]
@@ -223,8 +264,12 @@ def climb(problems: Sequence[Start], below: Motions, go_on: Callable[[Batch, Tal
     return Climb(batch, rows)
 
 
-def _row(start: Start, arithmetic: Arithmetic) -> list[Number]:
-    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
+def sure(table: np.ndarray) -> np.ndarray:
+    """Return a table of constants by which decisions exceed the errors of a state, whatever accuracy is asked for."""
+    if len(table) and (table["sigmas"] == 0.0).any():
+        table = table.copy()
+        table["sigmas"] = float(SIGMAS)
+    return table
 
 
 def looks_before_compiling(

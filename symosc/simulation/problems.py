@@ -6,6 +6,7 @@ What doubles, or pairs of them, do not decide is left to `symosc.engine.start`, 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from threading import Lock
 from typing import Any, NamedTuple
 
@@ -172,6 +173,46 @@ class Problems(Sequence[Start]):
         t0, x0, v0, end = (column.exact(i) for column in (self.t0, self.x0, self.v0, self.t_end))
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
+    def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
+        """Return where a motion has exact starts, a drive, and more than `gap` to each belt but that it starts on."""
+        v = _of(self.v0.hi, rows)
+        apart = np.full(len(rows), self.start_error is None) & (_of(self.sets.column("B0").hi, rows) != 0.0)
+        for boundary in (1, 2):
+            apart &= (at == boundary) | (abs(v - _of(self.sets.column(f"v{boundary}").hi, rows)) > gap)
+        return apart
+
+    def pair_rows(
+        self, rows: np.ndarray, at: np.ndarray, times: np.ndarray, phase: Callable[[Fraction], complex]
+    ) -> np.ndarray:
+        """Return the starts of motions of one parameter set as rows of complex numbers, which stand for pairs.
+
+        Parameters
+        ----------
+        rows : (m,)
+        at : (m,) the belt that each starts on, or 0.
+        times : (m, 2) the ends of the motions, in two parts.
+        phase : callable
+            Returns the phase at a time, as such a number.
+
+        Returns
+        -------
+        (m, STATE_WIDTH) array
+            With the mode 0, for `symosc.engine.pair_loop.first_pairs`.
+        """
+        made = np.zeros((len(rows), STATE_WIDTH), complex)
+        made[:, 1] = at
+        for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
+            hi, lo, _ = column.parts
+            made[:, place].real, made[:, place].imag = _of(hi, rows), _of(lo, rows)
+        made[:, 13].real, made[:, 13].imag = times.T
+        made[:, 15] = made[:, 11]
+        known = {0j: 0j}
+        for i, t0 in enumerate(made[:, 11].tolist()):
+            if t0 not in known:
+                known[t0] = phase(self.t0.exact(int(rows[i])))
+            made[i, 3] = known[t0]
+        return made
+
     def begin(self, rows: slice, first_rows: Callable[..., None], march_rows: Callable[..., None]) -> Begun:
         """Return the motions of some rows at their starts."""
         size = rows.stop - rows.start
@@ -221,6 +262,10 @@ class Problems(Sequence[Start]):
         states[:, 11], states[:, 12], states[:, 15] = t0.hi, t0.lo, t0.hi
         states[:, 13], states[:, 14] = t_end.hi, t_end.lo
         return doubts
+
+
+def _of(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return column[rows] if len(column) > 1 else column
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:

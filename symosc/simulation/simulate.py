@@ -146,9 +146,9 @@ def read_accuracy(value: Any) -> float:
 
 def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
     """Follow a motion in double precision; see `simulate`."""
-    path, backup = Path(start), None
+    path, backup, unsure = Path(start), None, isinf(accuracy) or start.start_error is not None
     if isinf(accuracy):
-        path.K = path.K._replace(sigmas=0.0)
+        path.believe()
     accuracy = attainable(accuracy, start.start_error)
     if settles(start):
         path.code = REST
@@ -161,7 +161,7 @@ def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None
         inexact = len(path.events) > before and _inexact(path.events[-1], float(start.t0), accuracy)
         if in_doubt or inexact:
             backup = backup or Backup(start)
-            if not backup.follow(before + 1):
+            if not backup.follow(before + 1, () if unsure else path.searches):
                 return _undecidable(backup.path, before, backup.digits)
             path.adopt(backup.path)
         if advance:

@@ -17,7 +17,8 @@ import numpy as np
 from symosc.aliases import Record
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine.flow import Constants, constants
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import Constants
 from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, whole_number
@@ -171,7 +172,7 @@ class Trajectory(Drawable):
         self.t_start, self.t_end = segments[0].t_start, segments[-1].t_end
         self._pieces, self._t0, self._t0_low = tuple(pieces), float(self.t_start), t0_low
         self._starts = [piece.elapsed for piece in pieces]
-        self._K: Constants = constants(parameters)
+        self._K: Constants = Arithmetic(parameters).K  # they are kept
 
     @property
     def word(self) -> list[str]:

@@ -8,13 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.arithmetic import Arithmetic, compiled
 from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import STATE_WIDTH, batch_of, room_for
+from symosc.engine.compiled_loop import STATE_WIDTH, batch_of, room_for, row_of
 from symosc.engine.constant_table import table_of
+from symosc.engine.start import Start, first_state
 from symosc.engine.tally import no_tally
 from symosc.scenes import load_scene
 from symosc.simulation.batch_loop import chosen_loops
+from symosc.simulation.run import last_time
 
 
 class Warmed(NamedTuple):
@@ -34,9 +36,11 @@ def warm() -> list[Warmed]:
         If numba is not installed.
     """
     loops = chosen_loops(True)
-    from symosc.engine.pairs import follow_pairs, pair_constants
+    from symosc.engine.pairs import Going, pair_constants, pair_loops
+    from symosc.engine.pairs import is_compiled as pairs_are_there
 
-    p, nothing = load_scene("fig8").parameters, np.arange(0)
+    scene, nothing = load_scene("fig8"), np.arange(0)
+    p = scene.parameters
 
     def doubles() -> None:
         table, states = table_of([Arithmetic(p).K]), np.zeros((0, STATE_WIDTH))
@@ -45,15 +49,25 @@ def warm() -> list[Warmed]:
         loops.follow(0, batch_of(states), 1, 1.0, room_for(0), no_tally(), table)
         loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
 
+    search = compiled()["search_row"]
+
+    def alone() -> None:
+        start, arithmetic = Start(p, scene.t0, scene.x0, scene.v0, scene.t_end), Arithmetic(p)
+        row = row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
+        search(np.array([row], float), table_of([arithmetic.K]))
+
     def pairs() -> None:
         states = np.zeros((0, STATE_WIDTH))
         batch, table = batch_of(states), table_of([Arithmetic(p).K])
         K, room = pair_constants(p), room_for(0)
-        follow_pairs()(nothing, nothing, states.astype(complex), batch, room, K, no_tally(), table)
+        begin, follow = pair_loops()
+        begin(states.astype(complex), K)
+        follow(nothing, nothing, states.astype(complex), batch, room, K, no_tally(), Going(1, 1.0, 0, table, table))
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops)), doubles),
-        "events in double-double numbers": (lambda: is_compiled(follow_pairs()), pairs),
+        "events of single motions": (lambda: is_compiled(search), alone),
+        "events in double-double numbers": (pairs_are_there, pairs),
     }
     done = []
     for what, (is_there, run) in works.items():

@@ -204,7 +204,7 @@ def test_a_folder_is_not_looked_through_at_each_question(tmp_path: Path, monkeyp
     monkeypatch.setattr(binding, "monotonic", lambda: clock[0])
     monkeypatch.setattr(binding, "_ON_DISK", {})
     function = SimpleNamespace(
-        py_func=SimpleNamespace(__qualname__="f-1"), signatures=[], stats=SimpleNamespace(cache_path=str(tmp_path))
+        py_func=SimpleNamespace(__qualname__="f-1"), overloads={}, stats=SimpleNamespace(cache_path=str(tmp_path))
     )
     assert [binding.is_compiled(function) for _ in range(5)] == [False] * 5
     assert len(looks) == 1

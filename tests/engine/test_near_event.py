@@ -1,0 +1,148 @@
+"""Events with many digits that doubles have searched for: those of a search with many digits, whatever doubles say."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from symosc import Parameters, load_scene, simulate
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.start import Start, rounded
+from symosc.engine.state import CROSS, MOVED, SLIP, STICK, NextEvent, State
+from symosc.simulation import closer_look, run
+from symosc.simulation.run import Path
+
+DIGITS = 40
+FINE = Fraction(1, 10**34)
+
+
+def random_start(seed: int) -> Start:
+    """Return a motion of any regime: with or without damping, spring and drive, stiff, resonant, from anywhere."""
+    dice = random.Random(seed)
+    c, k = dice.choice((0, 0.001, 0.1, 1, 4, 40)), dice.choice((0, 0.5, 4, 20, 80))
+    p = Parameters(
+        m=1,
+        c=c,
+        k=k,
+        A0=dice.choice((0, dice.randint(-30, 30))),
+        B0=dice.choice((0, dice.randint(1, 150))),
+        Omega=dice.choice((2, Fraction(dice.randint(10, 800), 100))),
+        v1=-Fraction(dice.randint(1, 40), 10),
+        v2=Fraction(dice.randint(1, 40), 10),
+        mu1=Fraction(dice.randint(0, 8), 10),
+        mu2=Fraction(dice.randint(0, 8), 10),
+        FN=dice.randint(0, 20),
+    )
+    v0 = dice.choice((p.v1, p.v2, Fraction(dice.randint(-60, 60), 10)))
+    t0 = Fraction(dice.choice((0, dice.randint(0, 60))), 10)
+    return Start(p, t0, Fraction(dice.randint(-30, 30), 10), v0, t0 + 9)
+
+
+def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Path, Any, Any, State, NextEvent]]:
+    """Yield what goes into a step with many digits, and take the step."""
+    arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
+    path = Path(start, arithmetic)
+    end = run.last_time(start, doubles)
+    for _ in range(most):
+        rough = rounded(path.state)
+        yield path, path._state, path._end, rough, doubles.paths.advance(rough, *end, doubles.K)
+        path.step()
+        if path.ended:
+            return
+
+
+def assert_alike(near: NextEvent, full: NextEvent) -> None:
+    assert near[:3] == full[:3]
+    for a, b in zip(near.state[:8] + near.state[9:], full.state[:8] + full.state[9:], strict=True):
+        assert abs(Fraction(*a.as_integer_ratio()) - Fraction(*b.as_integer_ratio())) <= FINE * max(1, abs(int(b)))
+
+
+def compared(path: Path, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
+    """Check a step against one that searches with many digits, and return it."""
+    before = path._paths.enter()
+    try:
+        near: NextEvent = path._paths.advance_near(state, rough, found, *end, path.K)
+        assert_alike(near, path._paths.advance(state, *end, path.K))
+    finally:
+        path._paths.leave(before)
+    return near
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_steps_are_those_of_a_search_with_many_digits(seed: int) -> None:
+    for step in pairs_of_steps(random_start(seed)):
+        compared(*step)
+
+
+def test_many_digits_do_not_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where doubles are sure, flights, sticks and flights without an event take no search of their own."""
+    codes = set()
+    for seed in range(60):
+        for path, state, end, rough, found in pairs_of_steps(random_start(seed)):
+            if found.decided and found.code in (CROSS, STICK, SLIP, MOVED) and not path.K.creeps:
+                if found.code == MOVED and (state.mode > 3 or found.state.t - rough.t > 1.01 * path.K.chunk):
+                    continue
+                functions = path._paths.advance_near.__globals__
+                with monkeypatch.context() as patch:
+                    patch.setitem(functions, "advance", lambda *given: pytest.fail("a search with many digits"))
+                    before = path._paths.enter()
+                    codes.add(path._paths.advance_near(state, rough, found, *end, path.K).code)
+                    path._paths.leave(before)
+    assert codes >= {CROSS, STICK, SLIP, MOVED}
+
+
+def shifted_by(found: NextEvent, part: float, rough: State) -> NextEvent:
+    state = found.state
+    return found._replace(state=state._replace(t=state.t + part * (state.t - rough.t)))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_wrong_time_or_belt_is_not_believed(seed: int) -> None:
+    for path, state, end, rough, found in pairs_of_steps(random_start(seed)):
+        if found.code in (CROSS, STICK, SLIP):
+            for part in (-0.3, -1e-6, 1e-6, 0.3):
+                compared(path, state, end, rough, shifted_by(found, part, rough))
+            compared(path, state, end, rough, found._replace(decided=False))
+        if found.code in (CROSS, STICK):
+            compared(path, state, end, rough, found._replace(boundary=3 - found.boundary))
+
+
+def followed(monkeypatch: pytest.MonkeyPatch, start: Start, digits: int | None, searches: bool) -> Any:
+    with monkeypatch.context() as patch:
+        if not searches:
+            patch.setattr(run, "_search_beside_digits", lambda start: None)
+            patch.setattr(run, "MOST_SEARCHES", 0)
+        times = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
+        accuracy = {"accuracy": 1e-15} if digits is None else {"digits": digits}
+        return simulate(start.parameters, max_events=25, **times, **accuracy)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_motions_are_the_same_with_and_without(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    start = random_start(seed)
+    near, alone = (followed(monkeypatch, start, None, searches) for searches in (True, False))
+    assert (near.events, near.status) == (alone.events, alone.status)
+    near, alone = (followed(monkeypatch, start, digits, searches) for digits, searches in ((30, True), (45, False)))
+    assert near.status == alone.status
+    assert len(near.events) == len(alone.events)
+    for a, b in zip(near.events, alone.events, strict=True):
+        assert (a.kind, a.boundary, a.target) == (b.kind, b.boundary, b.target)
+        assert abs(a.t - b.t) <= 1e-29 * max(1, abs(b.t))
+        assert abs(a.x - b.x) <= 1e-29 * max(1, abs(b.x))
+
+
+def test_what_doubles_found_is_used_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search of a motion that doubles follow serves the digits that follow it, too."""
+    calls: list[State] = []
+    monkeypatch.setattr(run, "_search_beside_digits", lambda start: calls.append)
+    assert len(simulate("fig8").events) == 22
+    assert calls == []
+    scene = load_scene("fig8")
+    backup = closer_look.Backup(Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end))
+    with pytest.raises(TypeError):
+        backup.follow(1)  # without it there are searches, here one that finds nothing
+    assert calls
