@@ -50,10 +50,10 @@ def test_noise_is_seen_in_opposite_neighbours() -> None:
     """Made up: defects as noise makes them; too few pairs, or neighbours not opposite in both, are no noise."""
     rng = np.random.default_rng(3)
     for count, kind, found in ((40, "noise", True), (13, "noise", True), (12, "noise", False), (40, "same", False),
-                               (40, "one", False)):  # fmt: skip
+                               (40, "one", False), (2000, "weak", False)):  # fmt: skip
         sizes = np.array([2e-4, 5e-3])
         off = sizes * rng.standard_normal((count + 1, 2))
-        defects = np.diff(off, axis=0)
+        defects = off[1:] - (0.1 if kind == "weak" else 1.0) * off[:-1]
         if kind == "same":
             defects = np.abs(defects)
         if kind == "one":

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import gzip
 import json
+import lzma
 import random
+import zlib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,6 +16,7 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError
+from symosc.crosschecks import files
 from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.files import read_samples
 
@@ -129,3 +134,40 @@ def test_results_of_solvers_have_two_rows() -> None:
     for y in (t, np.array([t, t, t]), np.array([[t, t], [t, t]]), [[0], [1, 2]]):
         with pytest.raises(ParameterError, match="must have two rows"):
             read_samples(SimpleNamespace(t=t, y=y))
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (EOFError(), "it is damaged, or cut off"), (zlib.error("x"), "it is damaged, or cut off"),
+        (gzip.BadGzipFile("x"), "it is damaged, or cut off"), (lzma.LZMAError("x"), "it is damaged, or cut off"),
+        (OSError(5, "no such thing"), "no such thing"), (OSError("odd"), "odd"),
+        (UnicodeDecodeError("utf-8", b"x", 0, 1, "bad"), "it is not text in UTF-8"),
+        (RecursionError(), "its brackets are nested too deeply"), (MemoryError(), "it does not fit into memory"),
+        (ValueError("no number"), "no number"), (csv.Error("no line"), "no line"),
+    ],
+)  # fmt: skip
+def test_whatever_a_reader_raises_is_one_line(
+    error: Exception, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read(*_: object) -> None:
+        raise error
+
+    (tmp_path / "some.csv").write_text("t,x,v")
+    monkeypatch.setattr(files, "_reader", lambda *_: read)
+    with pytest.raises(ParameterError) as caught:
+        files._read_file(tmp_path / "some.csv", {}, "some.csv")
+    assert str(caught.value) == f"file = 'some.csv': cannot be read: {words}"
+
+
+def test_a_readers_own_word_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said = ParameterError("x", 3, "is odd")
+
+    def read(*_: object) -> None:
+        raise said
+
+    (tmp_path / "some.csv").write_text("t,x,v")
+    monkeypatch.setattr(files, "_reader", lambda *_: read)
+    with pytest.raises(ParameterError) as caught:
+        files._read_file(tmp_path / "some.csv", {}, "some.csv")
+    assert caught.value is said

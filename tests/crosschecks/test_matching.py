@@ -379,3 +379,46 @@ def test_events_that_only_the_samples_own_path_has_are_set_aside() -> None:
         own._neighbours()
         assert own.open == ({1} if aside else {0, 1}), change
         assert own.result.unresolved == (own.found[:1] if aside else [])
+
+
+def test_an_event_of_right_steps_is_the_nearest_of_its_kind_within_a_twentieth_of_a_period() -> None:
+    """At its belt; of wrong steps none. What is left is missed, matched by that, or not on the samples' path."""
+    codes = {name: code for code, name in EVENT_KINDS.items()}
+    rows = [(2.75, "cross", 1), (2.9, "stick", 1), (3.2, "cross", 2), (3.25, "cross", 1), (3.4, "cross", 1)]
+    events = SimpleNamespace(
+        t=np.array([t for t, _, _ in rows]), kind=np.array([codes[kind] for _, kind, _ in rows]),
+        boundary=np.array([belt for _, _, belt in rows]), step=np.arange(5),
+    )  # fmt: skip
+    own = Told([], [(3.0, "cross")])
+    for period, wrong, right in ((6.0, (), 3), (4.0, (), None), (4.3, (0,), 3), (6.0, (3,), 0), (9.0, (0, 3), 4),
+                                 (6.0, (0, 3), None), (4.1, (), None)):  # fmt: skip
+        own.steps = SimpleNamespace(events=events, K=SimpleNamespace(period=period))
+        own.wrong = np.isin(np.arange(5), wrong)
+        event: Any = SimpleNamespace(kind="cross", boundary=1)
+        assert own._local(event, 3.04) == right, (period, wrong)
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_an_exact_event_without_a_partner_is_missed_or_inside_a_step_or_open(given: bool) -> None:
+    for kind, wrong, inside, at_end, time in product(
+        ("cross", "graze"), ((), (3,)), (None, 3.2, 3.4), (False, True), (3.1, 9.5)
+    ):
+        own = Told([], [(time, kind)], wrong=wrong)
+        own.given = given
+        own.steps = SimpleNamespace(
+            t=np.arange(10.0), K=SimpleNamespace(period=5.0), at=lambda time, slack: (int(time), int(time))
+        )
+        own._is_at_an_end = lambda i, at_end=at_end: at_end  # type: ignore[method-assign]
+        own._inside = lambda *_, inside=inside: inside  # type: ignore[method-assign]
+        own._leave_exact()
+        near = inside == 3.2
+        said = own.result.missed, [match.event for match in own.result.matched], own.result.unresolved
+        if time > 9:
+            right = 3
+        elif at_end:
+            right = 2
+        elif wrong or (given and near and kind != "graze"):
+            right = 0 if kind != "graze" else 3
+        else:
+            right = 1 if near else 2
+        assert [len(each) for each in said] == [int(right == k) for k in range(3)], (kind, wrong, inside, at_end, time)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from careful_solver import random_parameters
 
-from symosc.crosschecks import steps
+from symosc import load_scene
+from symosc.crosschecks import quiet, steps
 from symosc.crosschecks.quiet import quiet_ends
 from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import constants
 from symosc.engine.start import belt_rows
 
 
@@ -69,3 +71,28 @@ def test_a_stick_that_ends_between_the_ends_of_a_step_is_not_quiet() -> None:
         if len(events.step):
             assert len(quiet_ends(rows, left * ones, K)[0]) == 0
     assert there > 10
+
+
+def test_a_flight_is_clear_if_its_bounds_are() -> None:
+    """Of the domain that it is in, on both sides: lowest and highest velocity, with what the curve may add."""
+    K = constants(load_scene("fig9").parameters)
+    low, high = K.belt1.v, K.belt2.v
+    tau = np.full(1, 1e-9)  # so short that only rounding is added
+    off = quiet.CLEARANCE * 2 * (abs(low) + abs(high))
+    for mode, v, v_end, clear in (
+        (1, low - 2, low - 3, True), (1, low - 3, low - 2 * off, True), (1, low - 2, low, False),
+        (1, low, low - 2, False), (1, low - 2, low + 1, False), (2, low + 1, high - 1, True),
+        (2, high - 1, low + 1, True), (2, low, low + 1, False), (2, low + 1, low, False),
+        (2, high - 1, high, False), (2, high, high - 1, False), (2, low - 1, low + 1, False),
+        (3, high + 1, high + 2, True), (3, high + 2, high + 1, True), (3, high, high + 1, False),
+        (3, high + 1, high, False), (3, low + 1, high + 1, False),
+    ):  # fmt: skip
+        found = quiet._flight_is_clear(tau, np.full(1, float(mode)), np.full(1, v), np.full(1, v_end), np.zeros(1), K)
+        assert found.tolist() == [clear], (mode, v, v_end)
+    # A curve between its ends leaves the chord by no more than tau^2/8 times the bend.
+    tau, a = np.full(1, 0.01), np.full(1, 3.0)
+    most = np.hypot(3.0, K.w0 * (low + 1)) + abs(K.fB) * 0.01
+    bend = 0.125 * 1e-4 * ((K.cm + K.w0) * most + abs(K.fB))
+    for part, clear in ((0.99, False), (1.01, True)):
+        end = np.full(1, low + part * bend)
+        assert quiet._flight_is_clear(tau, np.full(1, 2.0), np.full(1, low + 1), end, a, K).tolist() == [clear]

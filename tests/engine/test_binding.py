@@ -83,6 +83,9 @@ def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
     functions = compiled((importlib.import_module("nested"),), outlined)
     monkeypatch.delitem(sys.modules, "nested")
     assert functions["outer"](1) == 2
+    assert all(
+        functions[name].targetoptions["nogil"] for name in ("inner", "middle", "outer")
+    )  # threads run them at once
     (code,) = functions["inner"].inspect_llvm().values()
     assert ("alwaysinline" in code) == ("inner" not in outlined)
 

@@ -193,3 +193,28 @@ def test_a_gap_that_is_no_larger_than_its_slack_is_not_met() -> None:
     launch = point._replace(tau=0.0)
     assert whole(launch, 0.0, K) is launch
     assert whole(point, 0.0, K)[4:7] == derivatives(point.dv, point.F, point.s, point.c, K)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_wall_that_is_met_once_is_judged_by_the_gap_to_it(side: int) -> None:
+    """The upper wall's gap falls as v rises: slope and bend are those of the gap, at both ends of the step."""
+    rng, seen = random.Random(side), set()
+    for _ in range(300):
+        h, size = rng.uniform(0.1, 1.0), rng.uniform(0.1, 1.0)
+        gaps = rng.choice([0.3, 0.01, -0.2]), rng.choice([-0.3, -0.01, 0.2])
+        slopes, bends = ([rng.uniform(-3, 1) for _ in range(2)] for _ in range(2))
+        M4, slack = rng.choice([0.0, 1.0, 20.0]), 0.02
+        ends = [
+            state_like(tau, -side * (gap - size), -side * slope, -side * bend)
+            for tau, gap, slope, bend in zip((2.0, 2.0 + h), gaps, slopes, bends, strict=True)
+        ]
+        walls = Walls(size, size, True, True, False, False)
+        apart = gaps[0] > slack and gaps[1] < -slack
+        right = apart and crosses_once(slopes[0], bends[0], slopes[1], bends[1], M4, h)
+        assert meets_once(side, *ends, M4, slack, walls) == right
+        seen.add((apart, right))
+    assert seen == {(False, False), (True, False), (True, True)}
+
+
+def state_like(tau: float, dv: float, F: float, G1: float) -> Flown:
+    return Flown(tau, 0.0, dv, F, G1, *[0.0] * (len(Flown._fields) - 5))

@@ -43,6 +43,7 @@ def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
 
 NONE = ["pi**2", "pi pi", "2*", "pi/0", "x", "pi + x", "", None, True, 1j, float("nan"), "__import__('os')*pi"]
 NONE += [sympy.Symbol("x"), sympy.I, sympy.oo, "pi" + "+pi" * 100]
+NONE += [sympy.true, sympy.Interval(0, 1), sympy.EmptySet, sympy.Tuple(1), sympy.Symbol("x", real=True) + sympy.pi]
 
 
 @pytest.mark.parametrize("value", NONE, ids=str)

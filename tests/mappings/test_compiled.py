@@ -205,3 +205,21 @@ def test_each_map_of_a_word_gets_the_points_between_which_it_goes(
     for rows in (4, 6):
         with pytest.raises(ParameterError, match="must have 5 rows"):
             f(np.zeros((rows, 2)), np.zeros((rows, 2)))
+
+
+@pytest.mark.parametrize("slopes", [False, True])
+def test_points_that_need_another_formula_are_mended_one_by_one(slopes: bool) -> None:
+    points, at = tuple(np.arange(8.0) + 10 * k for k in range(4)), np.array([1, 4, 7])
+    results = (np.zeros((2, 8)), np.zeros((2, 4, 8)))[: 1 + slopes]
+
+    def loop(points: Any, A: float, f: np.ndarray, J: np.ndarray | None = None) -> None:
+        f[0], f[1] = A + points[0], points[3]
+        if J is not None:
+            J[:] = np.arange(8.0).reshape(2, 4, 1) + points[1]
+
+    compiled.CompiledResidual._mend(loop, at, points, (0.5,), results)
+    others = np.setdiff1d(np.arange(8), at)
+    assert np.array_equal(results[0][:, at], [0.5 + points[0][at], points[3][at]])
+    assert all((result[..., others] == 0).all() for result in results)
+    if slopes:
+        assert np.array_equal(results[1][..., at], np.arange(8.0).reshape(2, 4, 1) + points[1][at])

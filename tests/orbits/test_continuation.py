@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -357,3 +358,36 @@ def test_progress_tells_the_part_of_the_range_both_ways() -> None:
     assert branch == continue_orbit(p, "P32", "Omega", (3.9, 4.1))
     assert parts == sorted(parts)
     assert 0 < parts[0] < 0.5 < parts[-1] == pytest.approx(1.0)
+
+
+def test_the_end_of_a_branch_is_what_fails_or_what_its_multipliers_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: margins at three points and at the one that failed; those that have become small are the reasons."""
+    made = [Condition(i, f"c{i}", 0.0, 2.0, event, rank, 1.0) for i, (event, rank) in enumerate(
+        (("grazing", 3), ("birth", 2), ("grazing", 4)))]  # fmt: skip
+
+    def at(value: float, trace: float, values: tuple[float, ...], failed: tuple[int, ...] = ()) -> BranchPoint:
+        margins = tuple(each._replace(value=margin) for each, margin in zip(made, values, strict=True))
+        return replace(point(trace, 0.45), value=value, conditions=margins, failures=tuple(margins[i] for i in failed))
+
+    along = SimpleNamespace(
+        distance=lambda a, b: abs(a.value - b.value),
+        equations=lambda value: SimpleNamespace(parameters=FIG9.replace(c=0)),
+    )
+    monkeypatch.setattr(continuation, "_inside", lambda curve, last: last)
+    monkeypatch.setattr(continuation, "_named", lambda curve, last: ())
+    for instead in ("", "the motion stops"):
+        monkeypatch.setattr(continuation, "look_behind", lambda *_, instead=instead: ("P7", instead))
+        path = [at(1.0, 0.5, (1.0, 2.0, 3.0)), at(1.5, 1.3, (0.9, 1.0, 2.0)), at(1.6, 1.4, (0.5, 0.9, 1.0))]
+        for failed, kind, reasons in (
+            (at(1.6001, 1.4, (-1e-9, 0.9, 1.0), (0,)), "grazing", [0]),
+            (at(1.6001, 1.4, (-1e-9, -1e-9, 1.0), (0, 1)), "birth", [1]),
+            (at(1.6001, 1.4, (-1e-9, 0.9, -1e-9), (0, 2)), "grazing", [0, 2]),
+            (at(1.6001, 1.5, (0.5, 0.9, 1.0)), FOLD, []),
+        ):
+            points, end = continuation._ended(along, list(path), failed, 1.0)  # type: ignore[arg-type]
+            assert points[:2] == path[:2]
+            assert (end.kind, end.value, end.beyond) == (kind, 1.6, "P7")
+            assert [each.text for each in end.conditions] == [f"c{i}" for i in reasons]
+            said = "a multiplier is +1" if kind == FOLD else "; ".join(
+                f"c{i} no longer holds at t = 2" for i in reasons)  # fmt: skip
+            assert end.message == said + (f"; beyond it {instead}" if instead else "")
