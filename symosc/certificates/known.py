@@ -27,7 +27,10 @@ class Known(NamedTuple):
 
 
 def known_events(scene: Scene) -> Known:
-    """Return the events of a scene from its certificate, as fractions, or say why it has none."""
+    """Return the events of a scene from its certificate, as fractions, or say why it has none.
+
+    Of a motion that settles on an orbit they are those of its last periods.
+    """
     try:
         from symosc.certificates.certify import certify
     except MissingExtraError as error:
@@ -35,7 +38,7 @@ def known_events(scene: Scene) -> Known:
     certificate = certify(scene)
     if not certificate.proven:
         return Known((), certificate.message)
-    rows = certificate.statement["events"]
+    rows = certificate.statement["last" if certificate.kind == "settled" else "events"]
     return Known(tuple(ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in rows))
 
 
