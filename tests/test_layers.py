@@ -42,7 +42,7 @@ def module_name(path: Path) -> str:
 
 
 #: Programs that are copied out and read alone: their names are their own.
-ALONE = ("certificates.verify", "certificates.verify_orbits", "certificates.verify_branches")
+ALONE = tuple(f"certificates.verify{part}" for part in ("", "_orbits", "_branches", "_settled"))
 MODULES = {module_name(path): path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py"}
 
 

@@ -20,11 +20,13 @@ How the pieces fit, from below:
     family       one root for every value of a parameter, about a curve
     branch, ends a branch of orbits up to its ends
     window       a grazing window, for all phases
+    settled      a motion that settles on an orbit: any number of periods by one of them
     known        the events of a scene as a reference, proven or why not
     certificate  `Certificate` and its JSON
     verify       proves a file again by other means; one file that needs nothing of symosc
     verify_orbits  the same for orbits and windows; needs verify.py only
     verify_branches  the same for branches; needs these two only
+    verify_settled  the same for motions that settle on an orbit; needs the first two only
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
 and returns the proven event and the set after it; `contact_jacobian` has the derivatives of a flight's end, and
@@ -35,7 +37,7 @@ Its file has the same "format" and its own "kind", for which `verify.KINDS` name
 gives the motion after a stated event with the derivatives of all starts (`columns`).
 
 What is not proven, and says so: touches from exact starts with damping or drive (double zeros), forces that are exactly
-0 where they turn, motions of more than MOST_PROVEN_EVENTS events.
+0 where they turn, motions of more than MOST_PROVEN_EVENTS events that settle on no orbit.
 
 The package may import orbits, grazing, simulation and what is below them; plot, bench, paper and cli may import it.
 """

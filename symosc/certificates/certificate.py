@@ -25,13 +25,14 @@ class Certificate(Drawable):
     Attributes
     ----------
     kind : str
-        "trajectory", "orbit", "branch" or "window".
+        "trajectory", "orbit", "branch" or "window"; "settled" for a trajectory that goes on as an orbit.
     proven : bool
         Whether all of it is proven.
     message : str
         What is proven; or what could not be, and where.
     events : tuple
-        The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals.
+        The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals. Of a
+        settled one those of its last periods.
     points, multipliers : tuple
         Of an orbit: enclosures of the switching points, and of the multipliers.
     stable : bool or None

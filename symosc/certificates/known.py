@@ -28,14 +28,17 @@ class Known(NamedTuple):
 
 
 def known_events(scene: Scene) -> Known:
-    """Return the events of a scene from its certificate, as fractions, or say why it has none."""
+    """Return the events of a scene from its certificate, as fractions, or say why it has none.
+
+    Of a motion that settles on an orbit they are those of its last periods.
+    """
     try:
         certificate = certify(scene)
     except MissingExtraError as error:
         return Known((), str(error))
     if not certificate.proven:
         return Known((), certificate.message)
-    rows = certificate.statement["events"]
+    rows = certificate.statement["last" if certificate.kind == "settled" else "events"]
     return Known(tuple(ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in rows))
 
 

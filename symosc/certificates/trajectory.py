@@ -190,10 +190,15 @@ def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
     if since > 0:
         scale = max(1.0, size(event.t))
         digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
+    because = {"because": IDENTITY} if event.kind == "graze" and task.exact else {}
+    row = event_row(event, digits)
+    return {name: row[name] for name in ("kind", "boundary", "source", "target")} | because | row
+
+
+def event_row(event: ProvenEvent, digits: int) -> Record:
+    """Return an event as a file has it, with so many digits at most."""
     numbers = {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
     about = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
-    if event.kind == "graze" and task.exact:
-        about["because"] = IDENTITY
     return about | numbers
 
 

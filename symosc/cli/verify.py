@@ -15,9 +15,10 @@ from symosc.errors import MissingExtraError
 def verify(file: str | None, *, listed: bool) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and windows, and
-    verify_branches.py for branches. They need python-flint and nothing of symosc: copy them, read them, and run them
-    alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and windows,
+    verify_branches.py for branches, and verify_settled.py for motions that settle on an orbit. They need python-flint
+    and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not proven, 2 no
+    certificate.
 
     \b
     Examples:
@@ -27,12 +28,12 @@ def verify(file: str | None, *, listed: bool) -> int:
     if (file is None) != listed:
         raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates.verify_branches import verify as prove
+        from symosc.certificates import verify_branches, verify_settled  # noqa: F401 (it adds a kind)
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
         return _list()
-    code, line = prove(file)
+    code, line = verify_settled.verify(file)
     if code:
         complain(f"{line}")
     else:

@@ -1,4 +1,4 @@
-"""The three checkers, copied out: alone, and with the files that they name beside them; nothing of symosc is there."""
+"""The checkers, copied out: alone, and with the files that they name beside them; nothing of symosc is there."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ CHECKERS = {
     "verify.py": ((), {"trajectory"}),
     "verify_orbits.py": (("verify.py",), {"trajectory", "orbit", "window"}),
     "verify_branches.py": (("verify.py", "verify_orbits.py"), {"trajectory", "orbit", "window", "branch"}),
+    "verify_settled.py": (("verify.py", "verify_orbits.py"), {"trajectory", "orbit", "window", "settled"}),
 }
-KINDS = ("trajectory", "orbit", "window", "branch")
+KINDS = ("trajectory", "orbit", "window", "branch", "settled")
 
 pytestmark = pytest.mark.slow
 
@@ -32,6 +33,7 @@ def document(kind: str) -> str:
         "trajectory": lambda: certify("fig6"),
         "orbit": lambda: certify(find_orbit(p, "P32")),
         "window": lambda: certify(grazing_window(p, "P2")),
+        "settled": lambda: certify("fig9-orbit", t_end=2000),
         "branch": lambda: certify(continue_orbit(p, "P32", "Omega", ("3.9", "4.1"))),
     }[kind]()
     assert made.proven, made.message
@@ -65,7 +67,7 @@ def test_a_copy_proves_its_kinds_and_refuses_the_others(name: str, tmp_path: Pat
             assert err == f"no certificate: {kind!r}: of that kind this checker proves none\n"
 
 
-@pytest.mark.parametrize("name", ["verify_orbits.py", "verify_branches.py"])
+@pytest.mark.parametrize("name", list(CHECKERS)[1:])
 def test_a_copy_says_which_file_has_to_be_beside_it(name: str, tmp_path: Path) -> None:
     needed = CHECKERS[name][0]
     (tmp_path / "it.json").write_text(document("orbit"), encoding="utf-8")

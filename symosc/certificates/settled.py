@@ -1,0 +1,260 @@
+"""A motion that settles on a proven orbit: all its events, of any number of periods, by one period and a contraction.
+
+Let P be the map from an arrival at a belt to the same one some periods later, less the periods, and B = c + [-e, e] a
+box of times and positions about the orbit's arrival. If every motion from B has the events of the word, and P(B) lies
+in B, then by induction every motion that comes into B has these events in every later period, each within the times
+and positions of the first one. Let D contain the derivatives of P over B and q be the largest of (|D| e)_i / e_i. If
+q < 1, P is a contraction in the norm whose ball is B, so there is one fixed point in B, and after n cycles a motion is
+within 2 q^n e of it. So a certificate says as much of 100,000 periods as of one.
+
+A start on a belt to all its digits, where a stick ends, may stick a little at first: every start leaves the belt before
+a time that is stated, with F = 0 or F of the sign of a flight. All these flights are followed as one set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from math import floor
+from typing import NamedTuple
+
+from flint import arb, arb_mat
+
+from symosc.aliases import Record
+from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, around, ball, exact_ends, working_bits
+from symosc.certificates.certificate import Certificate
+from symosc.certificates.closing import ClosingBalls, Values
+from symosc.certificates.motion import ON_A_BELT, Moving, Problem, ProvenEvent, begin, next_event
+from symosc.certificates.orbit import one_digit, switchings
+from symosc.certificates.sets import StateSet
+from symosc.certificates.trajectory import DIGITS, ToProve, event_row
+from symosc.exact import show
+from symosc.model import MODE_NAMES
+from symosc.orbits.closing_equations import pieces_of
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.words import Word
+
+SETTLED_BITS = 320
+#: How many events a motion may take to come near the orbit, and how near that is (of t, and of x).
+MOST_EVENTS_BEFORE, NEAR_ARRIVAL = 2000, 1e-6
+#: A box is this many times larger than the set that comes into it; the least one; the largest factor q.
+BOX_ROOM, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
+
+
+class Cycle(NamedTuple):
+    """A box that is proven to be mapped into itself, and the events of the motions from it.
+
+    Attributes
+    ----------
+    middle, widths : fractions, of t and x
+    turns : how many times the orbit is gone round.
+    events : list of ProvenEvent
+    states : list of StateSet
+    """
+
+    middle: tuple[Fraction, Fraction]
+    widths: tuple[Fraction, Fraction]
+    turns: int
+    events: list[ProvenEvent]
+    states: list[StateSet]
+
+
+def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
+    """Prove all events of a motion until t_end, that come again and again from some event on.
+
+    Parameters
+    ----------
+    task : ToProve
+    orbit : PeriodicOrbit
+        On which the motion settles.
+    """
+    with working_bits(SETTLED_BITS):
+        problem = Problem(task.p)
+        closing = ClosingBalls(problem.oscillator, pieces_of(Word(orbit.labels)), orbit.periods)
+        before: list[ProvenEvent] = []
+        try:
+            points = closing.polished([arb(float(each)) for point in orbit.points for each in point])
+            root = next(closing.boxes(points), None)
+            if root is None:
+                raise Undecided("the orbit on which the motion is to settle")
+            start, until = start_of(problem, task)
+            for event, state in _followed(problem, start, ball(task.t_end), MOST_EVENTS_BEFORE):
+                before.append(event)
+                i = arrival_at(closing, root.points, event)
+                if i is not None:
+                    cycle = invariant_box(problem, closing, root.points, i, state)
+                    if cycle is not None:
+                        return _certificate(task, (closing, root.points, i), before, cycle, (start.mode, until))
+            raise Undecided(f"whether the motion settles on the orbit within {len(before)} events")
+        except Undecided as undecided:
+            return Certificate("settled", False, f"not decided: {undecided.what}")
+
+
+def start_of(problem: Problem, task: ToProve) -> tuple[Moving, Fraction | None]:
+    """Return the states at the start; and until when some may stick, where the start is at the end of a stick."""
+    try:
+        return begin(problem, task.start, task.errors), None
+    except Undecided:
+        p, o, (t0, x0, v0) = task.p, problem.oscillator, task.start
+        if v0 not in (p.v1, p.v2) or task.errors[2]:
+            raise
+    boundary = 1 if v0 == p.v1 else 2
+    t, x = (ball(c) + arb(0, ball(e).upper()) for c, e in zip((t0, x0), task.errors, strict=False))
+    low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
+    slope = -(o.km * o.speed[boundary] + o.drive * (o.Omega * t).sin())
+    domain = boundary if slope < 0 else boundary + 1
+    if not ((slope < 0 and high < 0) or (slope > 0 and low > 0)):
+        raise Undecided("a force on the belt at the start", t)
+    force = low if slope < 0 else high
+    until = t0 + task.errors[0] + ceiling(2 * abs(force).upper() / abs(slope).lower())
+    lasted = until - t0
+    values = [ball(t0) + arb(0, ball(lasted).upper()), x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasted)).upper())]
+    return Moving(domain, boundary, StateSet.of(values)), until
+
+
+def ceiling(value: Ball) -> Fraction:
+    """Return a decimal of few digits that is above a small positive ball."""
+    unit = Fraction(1, 10**60)
+    return (floor(exact_ends(value)[1] / unit) + 2) * unit
+
+
+def _followed(problem: Problem, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
+    for _ in range(most):
+        following = next_event(problem, state, t_end)
+        if following is None:
+            return
+        yield following
+        state = following[1]
+
+
+def arrival_at(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
+    """Return the switching point of the orbit, an arrival, that an event is near, or None."""
+    for i, piece in enumerate(closing.pieces):
+        names = (closing.pieces[i - 1].mode, piece.mode, piece.start)
+        if names[0] > ON_A_BELT or (MODE_NAMES[names[0]], MODE_NAMES[names[1]], names[2]) != event[2:4] + event[1:2]:
+            continue
+        turns = float((event.t - points[2 * i]) / closing.turn)
+        if abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - points[2 * i + 1])) < NEAR_ARRIVAL:
+            return i
+    return None
+
+
+def invariant_box(problem: Problem, closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
+    """Return a box that contains the states and is mapped into itself, and how; None if these are not near enough."""
+    n, turns = len(closing.pieces), 1
+    D = once = _derivative(closing, points, i)
+    while (shape := _shape(D)) is None:
+        turns, D = turns + 1, D * once
+        if turns > MOST_TURNS:
+            raise Undecided("a norm in which the orbit attracts")
+    t, x = state.states.hull()
+    gone = round(float((t - points[2 * i]) / closing.turn))
+    middle = [_rounded(points[2 * i] + gone * closing.turn), _rounded(points[2 * i + 1])]
+    off = [abs(value - ball(c)).upper() for value, c in zip((t, x), middle, strict=True)]
+    size = max(LEAST_BOX, *(BOX_ROOM * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)))
+    widths = [Fraction(one_digit(ball(size * w))) for w in shape]
+    if max(widths) > NEAR_ARRIVAL:
+        return None
+    box = StateSet.of([ball(c) + arb(0, ball(w).upper()) for c, w in zip(middle, widths, strict=True)])
+    states, events = [box], []
+    late = box.hull()[0] + (turns + 1) * closing.turn
+    for event, after in _followed(problem, Moving(state.mode, state.boundary, box), late, n * turns):
+        events.append(event)
+        states.append(after.states)
+    t, x = states[-1].hull()
+    t = t - turns * closing.turn
+    inside = [ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True)]
+    wanted = switchings(closing, points, i)[1:] * turns
+    same = [event[:4] for event in events] == [row[:4] for row in wanted]
+    return (
+        Cycle((middle[0], middle[1]), (widths[0], widths[1]), turns, events, states) if all(inside) and same else None
+    )
+
+
+def _rounded(value: Ball) -> Fraction:
+    return Fraction(round(exact_ends(value)[0] * 10**60), 10**60)
+
+
+def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
+    """Return the derivative of the map from switching point i to itself, nearly."""
+    moved = arb_mat([[1, 0], [0, 1]])
+    for j in range(i, i + len(closing.pieces)):
+        at_start, at_end = closing.blocks(j % len(closing.pieces), points)
+        moved = (-(at_end.solve(at_start)) * moved).mid()
+    return moved
+
+
+def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
+    """Return the sides of a box that D shrinks by MOST_Q at least, the larger one 1, or None."""
+    sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
+    e = [1.0, 1.0]
+    for _ in range(60):  # towards the eigenvector of |D|
+        e = [sum(a * b for a, b in zip(row, e, strict=True)) + 1e-3 * max(e) for row in sizes]
+        e = [each / max(e) for each in e]
+    q = max(sum(a * b for a, b in zip(row, e, strict=True)) / each for row, each in zip(sizes, e, strict=True))
+    return (Fraction(f"{e[0]:.2g}"), Fraction(f"{e[1]:.2g}")) if q < MOST_Q else None
+
+
+def contraction(cycle: Cycle) -> Ball:
+    """Return the factor q of a cycle, proven."""
+    sums = [
+        sum((abs(d) * ball(w) for d, w in zip(row, cycle.widths, strict=True)), arb(0)) / ball(width)
+        for row, width in zip(cycle.states[-1].slopes, cycle.widths, strict=True)
+    ]
+    return max(sums, key=float).union(min(sums, key=float)).upper()
+
+
+def _certificate(
+    task: ToProve,
+    orbit: tuple[ClosingBalls, Values, int],
+    before: Sequence[ProvenEvent],
+    cycle: Cycle,
+    begun: tuple[int, Fraction | None],
+) -> Certificate:
+    closing, points, i = orbit
+    n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
+    first = before[-1]
+    box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
+    rows = [event_row(first, DIGITS) | {"t": box[0], "x": box[1]}]
+    for event in cycle.events:
+        wide = event._replace(t=around(event.t, 2 * event.t.rad()), x=around(event.x, 2 * event.x.rad()))
+        rows.append(event_row(wide, 60))
+    times = [ball(cycle.middle[0]), *(event.t for event in cycle.events)]
+    cycles = max(0, floor(float((t_end - times[0]) / turn)))
+    left = sum(bool(each + cycles * turn < t_end) for each in times[:-1]) - 1
+    if left < 0 or not times[left] + cycles * turn < t_end < times[left + 1] + cycles * turn:
+        raise Undecided("how many events there are until t_end")
+    q, last = contraction(cycle), []
+    if not q < 1:
+        raise Undecided("a norm in which the orbit attracts")
+    total = cycles * n + left
+    for number in range(max(1, total - n // cycle.turns + 1), total + 1):
+        k, j = divmod(number, n)
+        place = (i + j) % len(closing.pieces)
+        about = before[-1] if j == 0 else cycle.events[j - 1]
+        spare = [
+            sum((abs(d) * 2 * ball(w) * q**k for d, w in zip(row, cycle.widths, strict=True)), arb(0))
+            for row in cycle.states[j].slopes
+        ]
+        gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
+        turns = round(float((times[j] - points[2 * place]) / closing.turn)) if gone is None else int(gone)
+        t = around(points[2 * place] + turns * closing.turn + k * turn, spare[0])
+        last.append(event_row(about._replace(t=t, x=around(points[2 * place + 1], spare[1])), task.digits))
+    count = len(before) + total
+    statement: Record = {
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {SETTLED_BITS} bits",
+        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
+        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
+        "start_error": [show(error) for error in task.errors],
+        "t_end": show(task.t_end),
+        "mode": MODE_NAMES[begun[0]],
+        "may_stick_until": None if begun[1] is None else show(begun[1]),
+        "events": [event_row(event, DIGITS) for event in before],
+        "periods": cycle.turns * closing.periods,
+        "cycle": rows,
+        "count": count,
+        "last": last,
+    }
+    events = tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in last)
+    message = f"{count} events until t = {show(task.t_end)}, the last {count - len(before)} of them on a cycle of {n}"
+    return Certificate("settled", True, message, events, statement=statement)
