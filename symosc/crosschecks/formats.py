@@ -11,6 +11,7 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.crosschecks.columns import NO_COLUMNS, USUAL_NAMES, plain
+from symosc.crosschecks.matlab_tags import has_wrong_tags
 from symosc.crosschecks.samples import short
 from symosc.errors import MissingExtraError, ParameterError
 
@@ -104,6 +105,9 @@ def read_mat(file: IO[bytes], asked: Asked, where: str) -> Any:
     file.seek(0)
     if begins.startswith(HDF5_SIGN) or begins.endswith(HDF5_SIGN):
         return read_hdf5(file, asked, where)
+    if has_wrong_tags(file.read()):
+        raise ParameterError("file", where, "is not a MATLAB file, or it is damaged")
+    file.seek(0)
     try:
         from scipy.io import loadmat
 
