@@ -28,6 +28,7 @@ NEED = {
         "reference/test_score.py",
         "reference/test_sets.py",
     ),
+    "pyarrow": ("crosschecks/test_objects.py",),
     "h5netcdf": ("cli/test_sweep.py", "sweeps/test_output.py", "sweeps/test_page.py", "sweeps/test_sweep.py"),
 }
 NEED_CASES = {
@@ -42,6 +43,13 @@ NEED_CASES = {
         "reference/test_case.py::test_words_and_what_is_shown",
         "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
         "[certify]",
+    ),
+    "pyarrow": (
+        "crosschecks/test_formats.py::*.parquet]",
+        "crosschecks/test_formats.py::*.pq]",
+        "crosschecks/test_formats.py::*.feather]",
+        "crosschecks/test_formats.py::*.arrow]",
+        "crosschecks/test_formats.py::test_wrong_columns_and_no_numbers_are_named",
     ),
     "h5netcdf": ("crosschecks/test_formats.py::*[xarray.nc]",),
 }
