@@ -76,12 +76,12 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         return Path(made)
     with alone("site") as folder:
         if not folder.exists():
-            made = tmp_path_factory.mktemp("site")
-            command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(made)]
-            result = subprocess.run([*command, "-d", f"{made}-trees"], capture_output=True, text=True, check=False)
+            built = tmp_path_factory.mktemp("site")
+            command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(built)]
+            result = subprocess.run([*command, "-d", f"{built}-trees"], capture_output=True, text=True, check=False)
             assert result.returncode == 0, result.stderr[-5000:]
-            folder.symlink_to(made, target_is_directory=True)
-    return folder
+            folder.symlink_to(built, target_is_directory=True)
+    return folder.resolve()
 
 
 class Page(HTMLParser):
