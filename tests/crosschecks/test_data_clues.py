@@ -88,3 +88,21 @@ def test_how_many_samples_are_off_and_what_they_explain() -> None:
     assert next(data_clues.outliers(check)).words == "1 sample is off, the first is number 9"
     check.faults = faults[1:2]
     assert list(data_clues.outliers(check)) == []
+
+
+def test_what_a_list_lacks_and_has_too_much_explains_it_wholly() -> None:
+    def events(*pairs: tuple[float, str]) -> list[SimpleNamespace]:
+        return [SimpleNamespace(t=t, kind=kind) for t, kind in pairs]
+
+    for missed, invented, right in (
+        (events(), events(), []),
+        (events((1.0, "cross"), (2.0, "slip")), events((1.25, "cross"), (1.5, "slip")), [("event times", -0.5)]),
+        (events((1.0, "cross")), events((1.5, "slip")), [("missing events", 1.0), ("invented events", 1.0)]),
+        (events((1.0, "cross"), (2.0, "slip")), events(), [("missing events", 2.0)]),
+        (events(), events((3.0, "stick")), [("invented events", 1.0)]),
+    ):
+        found = list(data_clues.listed(SimpleNamespace(missed=missed, invented=invented)))
+        assert [(one.cause, one.value) for one in found] == right
+        assert all(one.share == 1.0 for one in found)
+        for one, first in zip(found, [each[0] for each in (missed, invented) if each], strict=False):
+            assert one.cause == "event times" or f"{first.kind} at t = {first.t:g}" in one.words

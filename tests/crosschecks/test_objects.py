@@ -180,3 +180,21 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
 def test_an_empty_list_is_called_empty(nothing: Any) -> None:
     with pytest.raises(ParameterError, match="is empty"):
         solutions_in(nothing, {}, None)
+
+
+def test_rows_of_several_ids_are_sorted_out() -> None:
+    """Of any number of ids and rows, however mixed; in the order in which they begin."""
+    rng = np.random.default_rng(3)
+    for count in (2, 3, 5):
+        lengths = rng.integers(2, 9, count)
+        ids = rng.permutation(np.repeat(np.arange(count), lengths))
+        t = np.empty(len(ids))
+        for i in range(count):
+            t[ids == i] = np.sort(rng.uniform(0, 9, lengths[i]))
+        columns = {"t": t, "x": rng.uniform(-1, 1, len(t)), "v": rng.uniform(-1, 1, len(t))}
+        found = solutions_in({**columns, "id": [f"run {i}" for i in ids]}, {})
+        order = list(dict.fromkeys(ids.tolist()))
+        assert [samples.name for samples in found] == [f"run {i}" for i in order]
+        for samples, i in zip(found, order, strict=True):
+            for name, column in columns.items():
+                assert getattr(samples, name).tolist() == column[ids == i].tolist()

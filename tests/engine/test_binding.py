@@ -83,9 +83,9 @@ def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
     functions = compiled((importlib.import_module("nested"),), outlined)
     monkeypatch.delitem(sys.modules, "nested")
     assert functions["outer"](1) == 2
-    assert all(
-        functions[name].targetoptions["nogil"] for name in ("inner", "middle", "outer")
-    )  # threads run them at once
+    for function in (functions[name] for name in ("inner", "middle", "outer")):
+        assert function.targetoptions["nogil"]  # threads run it at once
+        assert function.stats.cache_path is not None  # and it is kept on disk
     (code,) = functions["inner"].inspect_llvm().values()
     assert ("alwaysinline" in code) == ("inner" not in outlined)
 

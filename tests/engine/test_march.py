@@ -93,6 +93,7 @@ def test_marching_ends_with_the_bound_there_and_only_where_it_must() -> None:
         elif side != 0:
             ends["wall"] += 1
             assert beyond.tau == found.tau + K.march.step
+            assert side * (start.v + beyond.dv) > distance > side * (start.v + found.dv)
         elif not K.patient:  # seldom: two walls in one step, or a touch
             gap, h = distance - abs(start.v + there.dv), K.march.step
             assert gap < abs(there.F) * h + abs(there.G1) * h**2 / 2 + abs(there.G2) * h**3 / 6 + M4_there * h**4 / 24
@@ -218,3 +219,27 @@ def test_a_wall_that_is_met_once_is_judged_by_the_gap_to_it(side: int) -> None:
 
 def state_like(tau: float, dv: float, F: float, G1: float) -> Flown:
     return Flown(tau, 0.0, dv, F, G1, *[0.0] * (len(Flown._fields) - 5))
+
+
+def test_a_wall_that_is_only_come_near_to_is_not_met() -> None:
+    """The lowest velocity of a flight is just above the wall, or below: only then it is met, at the end of the step."""
+    rng, sides = random.Random(21), {-1: 0, 0: 0}
+    for _ in range(150):
+        K = constants_of(rng)
+        if not K.apart:
+            continue
+        start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
+        tau_max = min(K.chunk, 30 / K.rate)
+        scan = [start.v + state_at(tau, start, K).dv for tau in np.linspace(0, tau_max, 60)]
+        if scan.index(min(scan)) in (0, 59):
+            continue
+        wall = min(scan) + rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
+        if start.v - wall < 0.01:
+            continue
+        walls = Walls(start.v - wall, 1e6, True, True, False, False)
+        found, _, side, beyond = march(tau_max, start.v, now, walls, 0.0, K)
+        if found.tau + K.march.step >= tau_max:
+            continue
+        sides[side] += 1
+        assert (side == 0) or start.v + beyond.dv < wall
+    assert min(sides.values()) > 3

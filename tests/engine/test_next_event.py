@@ -68,7 +68,7 @@ def test_the_tolerance_of_a_gap_is_the_error_of_its_velocity() -> None:
         expected = sqrt(carried_error(S, now, 0.0, 0.0, K).S22)
         assert touches.tolerance(now, 0.0, start, S, K) == pytest.approx(K.sigmas * expected, rel=1e-9)
         rounding = touches.tolerance(now, 3.0, start, Covariance(0.0, 0.0, 0.0), K._replace(fB=0.0))
-        assert rounding == pytest.approx(touches.ROUNDING * touches.EPS * 3.0)
+        assert rounding == pytest.approx(touches.ROUNDING * touches.EPS * 3.0, rel=1e-12, abs=0)
 
 
 # -- how long a quantity may take to pass 0 ---------------------------------------------------------------------------

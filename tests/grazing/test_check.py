@@ -349,4 +349,4 @@ def test_each_way_is_counted_for_itself_at_the_special_phases(monkeypatch: pytes
     assert inside.tolist() == [bool(judge.window.contains(phase)) for phase in phases]
     zeros = [i for i, margin in enumerate(margins) if margin == 0.0]
     assert [abs(float(judge.ways.slope(np.array([float(phases[i])]))[0])) < 1e-15 for i in zeros] == [True, True]
-    assert judge.closest_phase == pytest.approx(1e-14)
+    assert judge.closest_phase == pytest.approx(1e-14, abs=0)

@@ -11,7 +11,8 @@ from grazing_starts import BELT, DOMAIN
 from oracle import flow_oracle
 
 from symosc import ParameterError, grazing_window, load_scene
-from symosc.grazing.backward_flow import CONTACT, REACHED
+from symosc.grazing import origin
+from symosc.grazing.backward_flow import CONTACT, LONG, REACHED, Arrival, BackwardState
 from symosc.grazing.flight import Flights
 from symosc.grazing.origin import Origins
 
@@ -84,3 +85,16 @@ def test_a_contact_just_at_the_end_of_the_search_is_one(monkeypatch: pytest.Monk
     before, _ = origins.exact(theta, 1, lambda each: each.number(exact.tau) * (1 - each.number(1) / 10**18), 20)
     assert (before.kind, before.boundary) == (REACHED, 0)
     assert before.tau < exact.tau
+
+
+def test_a_search_that_has_looked_often_enough_ends_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An end like others, with the bounds of its errors; until then it goes on from the state that was found."""
+    monkeypatch.setattr(origin, "MOST_LOOKS", 2)
+    origins = Origins(FIG9, "P2")
+    state = BackwardState(0.5, -0.25, 1.5, 2.5, 1e-9, 2e-9, 3e-9)
+    monkeypatch.setattr(Flights, "look", lambda *_: (None, state))
+    look = origins._look(Fraction(1), 1, 30, 2)
+    assert look(0.0) == (None, state)
+    arrival, at = look(0.0)
+    assert at == state
+    assert arrival == Arrival(LONG, 0, 0.5, -0.25, 1.5, 2.5, 2e-9, 3e-9)

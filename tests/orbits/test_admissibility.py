@@ -48,10 +48,11 @@ def test_conditions_come_in_the_same_order():
     assert all(c.value > 0 for c in orbit.conditions())
 
 
+@pytest.mark.parametrize("word", ["P32", "P1748"])
 @pytest.mark.parametrize("forces", [(0.3, 4.0, -7.0), (9.0, 0.2, 1.0), (0.1, -8.0, 0.5)])
-def test_sizes_bound_all_terms_of_the_equation(forces: tuple[float, ...]) -> None:
-    """Whatever domain the orbit is in: the sum of the sizes of the terms of its acceleration."""
-    equations = ClosingEquations(FIG9, read_word("P32"), 1)
+def test_sizes_bound_all_terms_of_the_equation(forces: tuple[float, ...], word: str) -> None:
+    """Whatever domain the orbit is in, on one belt or both: the sum of the sizes of the terms of its acceleration."""
+    equations = ClosingEquations(FIG9, read_word(word), 1)
     equations.K = equations.K._replace(A1=forces[0], A2=forces[1], A3=forces[2])
     K, points = equations.K, [(4.0, 1.0), (-4.5, 3.0)]
     found = admissibility.scales(equations, points)

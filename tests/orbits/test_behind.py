@@ -98,3 +98,15 @@ def test_the_motion_behind_an_end_begins_where_the_orbit_does(monkeypatch: pytes
         assert theta == pytest.approx(end.points[0][1] % (2 * np.pi))
         assert size == max(abs(end.points[0][0]), abs(end.points[1][0]))
         asked.clear()
+
+
+@pytest.mark.parametrize("size", [3.0, 0.0])
+def test_guesses_are_measured_by_how_far_the_orbit_moves(size: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """... which may be nowhere: the distance of two points is over a size > 0."""
+    equations = ClosingEquations(FIG9, read_word("P32"), 1)
+    run = follow(equations, 4.0, 1.0, 1, 20)
+    asked: list[float] = []
+    monkeypatch.setattr(behind, "windows", lambda passages, labels, periods, size: asked.append(size) or [])
+    assert behind._orbit_of(equations, run, size) is None
+    assert asked
+    assert set(asked) == {size or 1e-300}

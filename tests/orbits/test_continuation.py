@@ -377,7 +377,7 @@ def test_the_end_of_a_branch_is_what_fails_or_what_its_multipliers_say(monkeypat
     monkeypatch.setattr(continuation, "_named", lambda curve, last: ())
     for instead in ("", "the motion stops"):
         monkeypatch.setattr(continuation, "look_behind", lambda *_, instead=instead: ("P7", instead))
-        path = [at(1.0, 0.5, (1.0, 2.0, 3.0)), at(1.5, 1.3, (0.9, 1.0, 2.0)), at(1.6, 1.4, (0.5, 0.9, 1.0))]
+        path = [at(1.0, 0.5, (1.0, 2.0, 3.0)), at(1.5, 1.6, (0.9, 1.0, 2.0)), at(1.6, 1.4, (0.5, 0.9, 1.0))]
         for failed, kind, reasons in (
             (at(1.6001, 1.4, (-1e-9, 0.9, 1.0), (0,)), "grazing", [0]),
             (at(1.6001, 1.4, (-1e-9, -1e-9, 1.0), (0, 1)), "birth", [1]),
