@@ -10,10 +10,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import pytest
 
 import symosc.certificates.verify_settled as checker
-from symosc import certify
+from symosc import certify, find_orbit, load_scene
+from symosc.certificates.settled import prove_settled
+from symosc.certificates.trajectory import EXACT, ToProve
 from symosc.reference.hard_cases import hard_cases
 
 NAMES = ("fig9-orbit", "fig10-orbit")
@@ -131,7 +134,45 @@ def test_what_is_false_is_refused(change: str, tmp_path: Path) -> None:
         assert (code >= 1, len(line.splitlines())) == (True, 1), (name, line)
 
 
-@pytest.mark.parametrize("until", ["0.44364498555745564947", "0.4436449855574556494720909", "0.4", "1", "1e9", None])
+@pytest.mark.parametrize("name", NAMES)
+def test_the_motion_has_to_come_into_the_box(name: str, tmp_path: Path) -> None:
+    """All that follows is as true of a cycle that begins a period later, with as many events less."""
+    changed = json.loads(document(name))
+    with mpmath.workdps(80):
+        Omega = Fraction(changed["parameters"]["Omega"])
+        turn = Fraction(mpmath.nstr(2 * mpmath.pi * Omega.denominator / Omega.numerator, 75))
+    for row in changed["cycle"]:
+        moved(row, "t", turn)
+    changed["count"] -= len(changed["cycle"]) - 1
+    assert judged(changed, tmp_path) == (1, "not proven: an event is not above the lower end stated")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_box_of_another_shape_is_not_mapped_into_itself(name: str, tmp_path: Path) -> None:
+    for place in (0, 1):
+        changed = json.loads(document(name))
+        for row in (changed["cycle"][0], changed["cycle"][-1]):
+            for at, each in enumerate("tx"):
+                factor = Fraction(1, 100) if at == place else 100
+                moved(row, each, Fraction(0), (factor - 1) * widths(row, each) / 2)
+        assert judged(changed, tmp_path)[0] == 1
+
+
+def test_a_short_run_ends_as_near_to_the_orbit_as_it_has_come(tmp_path: Path) -> None:
+    """From starts within 1e-9 the events of the 7th period are not yet those of the orbit to 20 digits."""
+    scene = load_scene("fig9-orbit").started({"t_end": "11.2"})
+    what = ToProve(
+        scene.parameters, (scene.t0, scene.x0, scene.v0), (Fraction(0), Fraction(1, 10**9), Fraction(0)), scene.t_end
+    )
+    orbit = find_orbit(scene.parameters, "P32")
+    wide, narrow = (prove_settled(each, orbit).as_dict() for each in (what, what._replace(errors=EXACT)))
+    assert judged(wide, tmp_path)[0] == judged(narrow, tmp_path)[0] == 0
+    assert judged(wide | {"last": narrow["last"]}, tmp_path)[0] == 1
+
+
+@pytest.mark.parametrize(
+    "until", ["0.44364498555745564947209096", "0.4436449855574556494720909", "0.4", "1", "1e9", None]
+)
 def test_until_when_the_start_may_stick(until: str | None, tmp_path: Path) -> None:
     """By the time stated all have left the belt; until 1 they would still be held to be there."""
     code, line = judged(json.loads(document("fig10-orbit")) | {"may_stick_until": until}, tmp_path)
