@@ -15,8 +15,9 @@ MOST_SAMPLE_DIGITS = 13
 LEAST_SHOWN = 3
 FEW_VALUES = 1000
 # An even grid that is not decimal is that of a converter: so many of its steps, at most, reach the largest number. So
-# many numbers must be on it, other than 0.
-MOST_GRID_STEPS, LEAST_ON_GRID = 2.0**24, 16
+# many different numbers must be on it, other than 0; with fewer than some, no one alone may make it finer, but for a
+# factor of 2 that the others have by chance.
+MOST_GRID_STEPS, LEAST_ON_GRID, SOME_ON_GRID, LARGEST_FACTOR = 2.0**24, 6, 16, 2
 OFF_GRID = 1e-6
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
@@ -139,18 +140,19 @@ def _single(values: np.ndarray, shown: np.ndarray) -> Digits | None:
 def _grid(values: np.ndarray, shown: np.ndarray) -> Digits | None:
     """Return the step of an even grid that holds all numbers, as a converter makes them.
 
-    Two halves of the numbers must give the same step: a single number beside a grid would make a finer one.
+    Two halves of the numbers must give the same step: a single number beside a grid would make a much finer one.
     """
     levels = np.unique(np.abs(shown))
     if len(levels) < LEAST_ON_GRID:
         return None
     largest = float(levels[-1])
-    counts = {
-        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in (levels[::2], levels[1::2])
-    }
-    if len(counts) > 1 or 0 in counts:
+    few = len(levels) < SOME_ON_GRID
+    parts = [np.delete(levels, i) for i in range(len(levels))] if few else [levels[::2], levels[1::2]]
+    counts = [round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts]
+    most, least = max(counts), min(counts)
+    if not least or most % least or most > (LARGEST_FACTOR if few else 1) * least:
         return None
-    step = largest / counts.pop()
+    step = largest / most
     if np.any(np.abs(values - np.rint(values / step) * step) > OFF_GRID * step):
         return None
     return Digits(f"multiples of {step:.6g}", np.full(len(values), step))

@@ -55,6 +55,20 @@ def test_steps_of_a_converter(step: float) -> None:
     assert digits.units == pytest.approx(step)
 
 
+def test_few_levels_of_a_converter_show_its_steps() -> None:
+    """As samples of an orbit do, a few in each period, or velocities that are the belt's for most of the time."""
+    rng = np.random.default_rng(9)
+    for bits in (8, 12, 16):
+        step = 25.3 / 2**bits
+        levels = np.unique(rng.integers(1, 2**bits, 9)) * step
+        digits = find_digits(np.tile(levels, 8))
+        assert digits is not None
+        assert digits.units == pytest.approx(step)
+    assert find_digits(np.tile(rng.uniform(-9, 9, 6), 8)) is None
+    velocities = np.rint(rng.uniform(1, 256, 8)) / 256  # they have 8 decimals too
+    assert find_digits(velocities).units == pytest.approx(1 / 256)  # type: ignore[union-attr]
+
+
 def test_what_is_not_rounded() -> None:
     rng = np.random.default_rng(0)
     assert find_digits(rng.uniform(-9, 9, 50)) is None
