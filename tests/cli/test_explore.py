@@ -61,7 +61,9 @@ def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPat
 
 
 def test_the_browser_is_opened_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
-    server = pytest.importorskip("symosc.plot.explorer.server")
+    pytest.importorskip("bokeh")
+    from symosc.plot.explorer import server
+
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr(server.ExplorerServer, "serve_forever", lambda self: None)
