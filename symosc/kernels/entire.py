@@ -34,6 +34,13 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 def basis(tau, K):
     """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K` (`engine.flow.Constants`), tau >= 0."""
+    if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
+        # The drive comes last, since it is needed last: a processor goes on with the rest meanwhile.
+        w_tau = K.omega_d * tau
+        decay, s_w, c_w = exp(-K.h * tau), sin(w_tau), cos(w_tau)
+        s, c = sin(K.Om * tau), cos(K.Om * tau)
+        E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+        return E0, E1, E2, R2, I2, s, c
     return basis_at(tau, sin(K.Om * tau), cos(K.Om * tau), K)
 
 
