@@ -53,7 +53,7 @@ from symosc.engine.gap_bounds import (
     quartic_start,
     safe_step,
 )
-from symosc.engine.march import march
+from symosc.engine.march import march, whole
 from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown
 from symosc.engine.touches import ROUNDING, closest_approach, hidden
 from symosc.kernels.entire import EPS, SIXTH
@@ -82,7 +82,8 @@ def first_exit(tau_max, start, walls, S, K):
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, start.v, now, walls, margins[1], K)
         if side != 0:
-            return polish(between(now, there, side, walls, K), now.tau, there.tau, side, start, walls, K)
+            tau = between(now, there, side, start.v, walls, K)
+            return polish(tau, now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     return stepped(tau_max, now, M4, margins, start, walls, S, K)
@@ -246,7 +247,7 @@ def over_wall(side, now, walls):
     return walls.below + now.dv if side < 0 else now.dv - walls.above
 
 
-def between(now, there, side, walls, K):
+def between(now, there, side, v0, walls, K):
     """Return about the time of the only root of a gap between two points.
 
     A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
@@ -260,7 +261,7 @@ def between(now, there, side, walls, K):
     part = better if 0.0 < better < 1.0 else part
     if part < 0.5:
         return now.tau + sharpened(part * h, side, now, walls, K)
-    return there.tau + sharpened((part - 1.0) * h, side, there, walls, K)
+    return there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
 
 
 def sharpened(root, side, now, walls, K):

@@ -36,7 +36,7 @@ class Marched(NamedTuple):
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
     side: int  # of the wall that is met in the next step, there once and for sure; 0: the next step is not decided
-    there: Flown  # the end of that step
+    there: Flown  # the end of that step, without its last two derivatives (`whole`)
 
 
 def march(tau_max, v0, now, walls, margin, K):
@@ -73,7 +73,7 @@ def march(tau_max, v0, now, walls, margin, K):
             if not K.patient:
                 continue
         elif not long and (since == now.tau or not are_wider(0.0, there, walls)):
-            now, there = whole(now, v0, K), whole(there, v0, K)
+            now = whole(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
             side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
             side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
