@@ -272,9 +272,10 @@ def sharpened(root, side, now, walls, K):
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
     over = over_wall(side, now, walls)
-    value = over + (now.F + (half + (third + (fourth + fifth * root) * root) * root) * root) * root
-    slope = now.F + (now.G1 + (3.0 * third + (4.0 * fourth + 5.0 * fifth * root) * root) * root) * root
-    half_bend = half + (3.0 * third + (6.0 * fourth + 10.0 * fifth * root) * root) * root
+    square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
+    value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
+    slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
+    half_bend = (half + 3.0 * third * root) + square * (6.0 * fourth + 10.0 * fifth * root)
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
     return root - shift if abs(shift) < 0.5 * abs(root) else root
@@ -324,7 +325,8 @@ def halved(now, shift, bracket, side, start, walls, K):
 def shifted(now, shift, v0, K):
     """Return a point of a flight moved by so short a time that Taylor's formula has full precision."""
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
-    dx = dx + (v0 + dv + (0.5 * F + SIXTH * (G1 + 0.25 * G2 * shift) * shift) * shift) * shift
+    square = shift * shift
+    dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * (0.25 * SIXTH * G2)))
     fifth = fifth_derivative(G3, G2, c, K)
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)

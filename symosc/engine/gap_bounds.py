@@ -158,7 +158,7 @@ def local_root(over, F, G1, G2, G3, resolution):
         inverse = 1.0 / F
         linear = over * inverse
         B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
-        s = -linear * (1.0 + B + 2.0 * B * B - W)
+        s = -linear * ((1.0 + B) + (2.0 * B * B - W))
         missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
         if abs(linear) * missing <= resolution:
             return s
