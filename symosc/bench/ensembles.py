@@ -30,7 +30,7 @@ PHASES, QUICK_PHASES = 10_000, 2_000
 HEYOKA_PHASES, BATCH_PERIODS = 160, 50
 SCAN_POINTS, SCAN_ACCURACY = 20, 1e-13
 #: What is recorded; the first is what all solvers are asked for.
-RECORDED = {
+COMPARED_RECORDS = {
     "counts": ("events",),
     "rows of events": "events",
     "words": ("events", "word", "multiplicity"),
@@ -56,11 +56,13 @@ def run(quick: bool = False) -> Record:
     columns: Record = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
     columns["Omega"] = rng.uniform(0.9, 1.1, count) * float(p.Omega)
     follow = partial(simulate_many, p, starts, ends, use_numba=True, workers=1)
-    count_events = partial(follow, record=RECORDED["counts"])
+    count_events = partial(follow, record=COMPARED_RECORDS["counts"])
     sets_ends = BATCH_PERIODS * 2 * pi / columns["Omega"]
-    actions: dict[str, Callable[[], Any]] = {name: partial(follow, record=record) for name, record in RECORDED.items()}
+    actions: dict[str, Callable[[], Any]] = {
+        name: partial(follow, record=record) for name, record in COMPARED_RECORDS.items()
+    }
     actions["sets"] = partial(
-        simulate_many, columns, (0, 0, 0), sets_ends, use_numba=True, workers=1, record=RECORDED["counts"]
+        simulate_many, columns, (0, 0, 0), sets_ends, use_numba=True, workers=1, record=COMPARED_RECORDS["counts"]
     )
     scan, few = scan_of_starts(starts, ends - starts[:, 0]), slice(0, HEYOKA_PHASES)
     actions["scan"] = scan
@@ -71,7 +73,7 @@ def run(quick: bool = False) -> Record:
     counts = count_events().events
     events, ours = int(counts.sum()), times["counts"]
     result: Record = {"motions": count, "events": events, "per_s": count / min(ours)}
-    result["ns_per_event"] = {name: min(times[name]) / events * 1e9 for name in RECORDED}
+    result["ns_per_event"] = {name: min(times[name]) / events * 1e9 for name in COMPARED_RECORDS}
     set_events = int(actions["sets"]().events.sum())
     result["sets_over_starts"] = median(
         (a / set_events) / (b / events) for a, b in zip(times["sets"], ours, strict=True)
