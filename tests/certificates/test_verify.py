@@ -106,6 +106,12 @@ def test_a_graze_is_refused_where_no_start_touches(name: str, tmp_path: Path) ->
         assert code >= 1, line
 
 
+@pytest.mark.parametrize("starts", ["", "none", "1_000", 1, None, True, []])
+def test_starts_are_all_or_some(starts: Any, tmp_path: Path) -> None:
+    """Every other text was read as "some"."""
+    assert judged(json.loads(document("fig7-exact")) | {"starts": starts}, tmp_path)[0] == 2
+
+
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
 @pytest.mark.parametrize("shift", [-9, 0, 9])
