@@ -40,3 +40,15 @@ def test_lists_of_events() -> None:
     assert causes(events[:2] + events[3:]) == ["missing events"]
     assert causes(sorted([*events, (8.0, "cross")])) == ["invented events"]
     assert causes([(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]) == ["event times"]
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.01])
+@pytest.mark.parametrize("columns", ["x", "v", "x and v"])
+def test_columns_in_other_units(columns: str, factor: float) -> None:
+    motion = simulate("fig9", t_end=8)
+    t = np.linspace(float(motion.t_start), 8, 300)
+    x, v = motion(t)
+    x, v = (column * factor if name in columns.split(" and ") else column for name, column in (("x", x), ("v", v)))
+    first = crosscheck("fig9", t, x, v).diagnosis[0]
+    assert (first.cause, first.subject, first.value) == ("columns", columns, factor)
+    assert ("too large" if factor > 1 else "too small") in first.words
