@@ -202,6 +202,8 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
         value = value + change[0]
         error = change[1]
         sizes = np.max(np.abs(misses(value)), axis=1)
+        if np.all(np.isnan(sizes)):  # there is no such system
+            return None
         kept = sizes <= max(1.0, TRIM * float(np.nanmedian(sizes)))
         if np.all(np.abs(change[0]) <= 1e-3 * error):
             break

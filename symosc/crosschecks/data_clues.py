@@ -10,6 +10,8 @@ import numpy as np
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues
 
+# Columns in other units: so many times too large or too small.
+UNIT_FACTORS = (1000.0, 100.0, 0.01, 0.001)
 # Noise makes the defects of neighbouring steps opposite: their correlation is about -0.5.
 NOISE_CORRELATION = -0.25
 FEW_NOISY = 12
@@ -42,6 +44,29 @@ def outliers(check: Any) -> Iterator[Diagnosis]:
         sizes = [max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]
         share = len(explained) / len(check.wrong_steps)
         yield Diagnosis("outlier", "", words, off[0].words, float(np.median(sizes)), None, share)
+
+
+def other_units(clues: Clues) -> Iterator[Diagnosis]:
+    """Yield columns in other units: x, v or both are a power of ten too large or too small."""
+    s, step = clues.steps, np.diff(clues.steps.t)
+    way = float(np.sum(np.abs(s.v[1:] + s.v[:-1]) * step) / 2.0)
+    ratio = float(np.sum(np.abs(np.diff(s.x)))) / way if way else 1.0
+    for factor in UNIT_FACTORS:
+        columns = {"x": (factor, (s.x / factor, s.v)), "v": (1.0 / factor, (s.x, s.v / factor))}
+        for name, (expected, (x, v)) in (columns | {"x and v": (1.0, (s.x / factor, s.v / factor))}).items():
+            if 0.5 < ratio / expected < 2.0:  # x must be the way that v makes
+                share = clues.share(clues.followed(clues.parameters, x=x, v=v))
+                size = f"{factor:g} times too large" if factor > 1.0 else f"{1.0 / factor:g} times too small"
+                evidence = f"divided by {factor:g} the steps are right"
+                yield Diagnosis(
+                    "columns",
+                    name,
+                    f"{name} {'are' if name == 'x and v' else 'is'} {size}: other units",
+                    evidence,
+                    factor,
+                    0.0,
+                    share,
+                )
 
 
 def noise(clues: Clues) -> Iterator[Diagnosis]:

@@ -85,6 +85,7 @@ def _simple(clues: Clues, check: Any) -> Iterator[Diagnosis]:
 
 
 def _models(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+    yield from data_clues.other_units(clues)
     yield from event_clues.double_roots(clues)
     yield from other_models.coefficients(clues)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-HEADER = 128
+MAT_HEADER = 128
 #: The kinds of data that the format has; a matrix is made of such, a packed one has a checksum of its own.
-NUMBERS, MATRIX, COMPRESSED, TEXTS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13), 14, 15, (16, 17, 18)
+NUMBER_TAGS, MATRIX_TAG, PACKED_TAG, TEXT_TAGS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13), 14, 15, (16, 17, 18)
 #: Classes of a matrix that holds numbers; a sparse one has two lists of places as well.
 SPARSE, NUMBER_CLASSES = 5, range(5, 16)
 DEEPEST_MATRIX = 50
@@ -26,18 +26,18 @@ def has_wrong_tags(data: bytes) -> bool:
     >>> has_wrong_tags(data), has_wrong_tags(data[:176] + b"\\xff" + data[177:])
     (False, True)
     """
-    order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:MAT_HEADER])
     if order is None:
         return False  # version 4, or no such file: scipy says so
     try:
-        return not all(_is_sound(data, order, *tag, 1) for tag in _tags(data, order, HEADER, len(data), False))
+        return not all(_is_sound(data, order, *tag, 1) for tag in _tags(data, order, MAT_HEADER, len(data), False))
     except (struct.error, ValueError):
         return True
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    if kind != MATRIX:
-        return kind in (*NUMBERS, COMPRESSED, *TEXTS)
+    if kind != MATRIX_TAG:
+        return kind in (*NUMBER_TAGS, PACKED_TAG, *TEXT_TAGS)
     parts = list(_tags(data, order, begin, end, True))
     if depth > DEEPEST_MATRIX or not _has_its_parts(data, order, parts):
         return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import pi, remainder, sqrt
+from math import inf, pi, remainder, sqrt
 
 import numpy as np
 
@@ -88,7 +88,8 @@ def coefficients(clues: Clues) -> Iterator[Diagnosis]:
 
 
 def _middle(sizes: np.ndarray) -> float:
-    return float(np.nanmedian(sizes)) if len(sizes) else 0.0
+    shown = sizes[~np.isnan(sizes)]
+    return float(np.median(shown)) if len(shown) else 0.0 if not len(sizes) else inf
 
 
 def _coefficient(clues: Clues, name: str, fit: Fit, share: float) -> Diagnosis:

@@ -106,3 +106,15 @@ def test_what_a_list_lacks_and_has_too_much_explains_it_wholly() -> None:
         assert all(one.share == 1.0 for one in found)
         for one, first in zip(found, [each[0] for each in (missed, invented) if each], strict=False):
             assert one.cause == "event times" or f"{first.kind} at t = {first.t:g}" in one.words
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.01])
+@pytest.mark.parametrize("columns", ["x", "v", "x and v"])
+def test_columns_in_other_units(columns: str, factor: float) -> None:
+    motion = simulate("fig9", t_end=8)
+    t = np.linspace(float(motion.t_start), 8, 300)
+    x, v = motion(t)
+    x, v = (column * factor if name in columns.split(" and ") else column for name, column in (("x", x), ("v", v)))
+    first = crosscheck("fig9", t, x, v).diagnosis[0]
+    assert (first.cause, first.subject, first.value) == ("columns", columns, factor)
+    assert ("too large" if factor > 1 else "too small") in first.words

@@ -66,7 +66,7 @@ def test_right_solutions_are_right(every: int) -> None:
     "every", [pytest.param(40, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.campaign)]
 )
 def test_scipy_at_fine_tolerances_is_right(every: int) -> None:
-    """... unless it misses a contact, as it does where a stick is shorter than its step: then it is off."""
+    """... unless it misses a contact, as it does where a stick is shorter than its step: then it is off, or told so."""
     chosen = list(product(cases(), ("DOP853", "RK45"), (1e-9, 1e-10, 1e-11, 1e-12)))[1::every]
     wrong = []
     for case, method, rtol in chosen:
@@ -75,6 +75,8 @@ def test_scipy_at_fine_tolerances_is_right(every: int) -> None:
         t = np.minimum(run.t, case.t_end)
         off = np.max(np.abs(case.exact(t) - [run.x, run.v]), axis=1) / np.max(np.abs(case.exact(t)), axis=1)
         check = crosscheck(case.scene, run.t, run.x, run.v, events=run.events, tolerance=tolerance)
-        if not check.ok and np.max(off) < 10.0 * tolerance:
+        there = sum(event.kind != "graze" for event in case.exact.events)
+        told = len(run.events) < there and len(check.missed) == there - len(run.events) and not check.invented
+        if not check.ok and np.max(off) < 10.0 * tolerance and not told:
             wrong.append(f"{case.scene.name}, {method}, {rtol}: {check.summary()}")
     assert wrong == []
