@@ -74,6 +74,8 @@ def certify(
     >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
     ('0.181670397924320463014137', '0.18167039792432046301414')
     """
+    import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
+
     if isinstance(what, str | Path):
         what = load_scene(what)
     if isinstance(what, Scene):
