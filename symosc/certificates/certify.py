@@ -74,8 +74,6 @@ def certify(
     >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
     ('0.181670397924320463014137', '0.18167039792432046301414')
     """
-    import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
-
     if isinstance(what, str | Path):
         what = load_scene(what)
     if isinstance(what, Scene):
@@ -88,6 +86,8 @@ def certify(
 
 def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
     """Prove what is no scene."""
+    import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
+
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import prove_orbit
 
@@ -104,6 +104,7 @@ def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) ->
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
+    import symosc.certificates.balls  # noqa: F401  as above
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 
     if t_end is not None:
