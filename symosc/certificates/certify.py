@@ -90,6 +90,8 @@ def certify(
 
 def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
     """Prove what is no scene."""
+    import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
+
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import prove_orbit
 
@@ -106,6 +108,7 @@ def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) ->
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
+    import symosc.certificates.balls  # noqa: F401  as above
     from symosc.certificates.settled import prove_settled
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 

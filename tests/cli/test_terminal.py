@@ -61,7 +61,6 @@ COUNTED = {
     "simulate": (["simulate", "fig9", "--t-end", "100000", "--max-events", "900000"], "events/s"),
     "digits": (["simulate", "fig9", "--digits", "400", "--t-end", "2000"], "events/s"),
     "check": (["grazing", "fig9", "--map", "P2", "--check", "1000000"], "phases/s"),
-    "branch": (["orbit", "fig10", "--continue", "Omega=1:6"], "orbits/s"),
 }
 
 
