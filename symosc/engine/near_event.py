@@ -91,12 +91,11 @@ def slip_near(tau, doubt, side, hold, belt, K):
     for _ in range(MOST_CORRECTIONS):
         Delta, s, c = gain(tau, hold.s, hold.c, belt, K)
         slope, bend = slopes(s, c, belt, K)
-        third = Om2 * (belt.drift - slope)
-        step = local_root(force + Delta, slope, bend, third, -Om2 * bend, EPS * tau)
+        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
         if not (abs(tau + step - first) <= doubt and side * slope > 0.0):
             break
         if abs(step) * K.Om < NEAR:
-            return slips_at(tau, step, side, -force, slope, bend, third, s, c, K)
+            return slips_at(tau, step, side, -force, s, c, belt, K)
         tau = tau + step
     zero = 0.0 * tau
     return StickEnd(STALLED, side, tau, -force, zero, zero, zero, zero)

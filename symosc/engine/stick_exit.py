@@ -140,7 +140,7 @@ def exit_root(force, side, stretch, hold, belt, K):
             if abs(over * bend) < 0.1 * slope * slope:
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
-                    return slips_at(tau, step, side, -force, slope, bend, third, s, c, K)
+                    return slips_at(tau, step, side, -force, s, c, belt, K)
         square = slope * slope - 2.0 * over * bend
         steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
         step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
@@ -163,8 +163,10 @@ def exit_root(force, side, stretch, hold, belt, K):
     return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
 
 
-def slips_at(tau, step, side, Delta, slope, bend, third, s, c, K):
-    """Return the end of a stick at tau + step, from what Delta, its derivatives, and the sine and cosine are at tau."""
+def slips_at(tau, step, side, Delta, s, c, belt, K):
+    """Return the end of a stick at tau + step, from the sine and cosine of the phase at tau."""
+    slope, bend = slopes(s, c, belt, K)
+    third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step
     s, c = turned(s, c, K.Om * step)
     return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step, s, c)

@@ -214,5 +214,5 @@ def test_an_even_grid_holds_all_numbers() -> None:
         found = _grid(np.append(values, more), values)
         assert (found is not None) == holds
         assert found is None or found.units == pytest.approx(np.full(len(values) + len(more), step))
-    assert _grid(values, values[:15]) is None  # too few to tell
+    assert _grid(values, values[:5]) is None  # too few to tell
     assert _grid(values, values[:16]) is not None

@@ -87,7 +87,7 @@ class Line:
 
 
 def followed(line: Line, direction: float, most: int = 2000) -> tuple[list[BranchPoint], Any]:
-    return continuation._follow(line, direction, most)  # type: ignore[arg-type]
+    return continuation._follow(line, direction, most, lambda value, count: None)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
