@@ -59,7 +59,7 @@ def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:
 #: Commands that take long, and what their bars count.
 COUNTED = {
     "simulate": (["simulate", "fig9", "--t-end", "100000", "--max-events", "900000"], "events/s"),
-    "digits": (["simulate", "fig9", "--digits", "400", "--t-end", "2000"], "events/s"),
+    "digits": (["simulate", "fig9", "--digits", "1500", "--t-end", "20000"], "events/s"),
     "check": (["grazing", "fig9", "--map", "P2", "--check", "1000000"], "phases/s"),
 }
 
