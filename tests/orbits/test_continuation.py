@@ -288,7 +288,7 @@ def test_steps_along_a_branch_grow_to_the_longest_and_no_further():
     """... on a branch that nothing bends: the first step, then half as long again each time, then the longest."""
     orbit = find_orbit(FIG9, "P32")
     curve = Curve(orbit, "Omega", 3.9, 4.4)
-    path, end = continuation._follow(curve, 1.0, 200)
+    path, end = continuation._follow(curve, 1.0, 200, lambda value, count: None)
     assert end.kind == "end of the range"
     lengths = [curve.distance(a, b) for a, b in pairwise(path)]
     steps = [a + b for a, b in zip(lengths[::2], lengths[1::2], strict=True)]  # each step has a point in its middle
