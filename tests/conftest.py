@@ -162,3 +162,9 @@ def report() -> Path:
             result = subprocess.run(command, capture_output=True, text=True, check=False)
             assert (result.returncode, result.stderr) == (0, ""), result.stdout
     return folder
+
+
+@pytest.fixture
+def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let CPython follow single motions, whose functions a test replaces, whatever this process has compiled."""
+    monkeypatch.setattr("symosc.simulation.search.loaded", lambda: None)

@@ -161,7 +161,7 @@ class Ladder:
             events = EventRows(*(column[order] for column in events))
             cuts = np.searchsorted(events.ints[:, 0], np.arange(len(some) + 1)).tolist()
             events.ints[:, 0] = np.array(some)[events.ints[:, 0]]
-            for i, begin, end in zip(some, cuts, cuts[1:], strict=True):
+            for i, begin, end in zip(some, cuts[:-1], cuts[1:], strict=True):
                 self.climbed[i] = EventRows(events.floats[begin:end], events.ints[begin:end])
             for column, values in zip(self.batch, found.batch, strict=True):
                 column[some] = values

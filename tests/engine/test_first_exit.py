@@ -27,6 +27,8 @@ from symosc.engine.state import (
     Walls,
 )
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 
 @pytest.mark.slow
 def test_no_contact_is_passed_over() -> None:

@@ -22,6 +22,8 @@ from symosc.engine.start import Start
 from symosc.engine.state import Covariance, FlightEnd, Launch, Walls
 from symosc.simulation.run import Path
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 COEFFICIENTS = st.floats(-5, 5)
 
 

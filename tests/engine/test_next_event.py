@@ -22,6 +22,8 @@ from symosc.engine.switching import carried_error
 from symosc.simulation import run
 from symosc.simulation.trajectory import Event
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 
 def random_constants(rng: random.Random) -> Constants:
     """Return constants of all dampings, with and without a spring."""

@@ -17,6 +17,8 @@ from symosc.engine.start import Start
 from symosc.engine.state import FlightEnd, Flown, StickEnd
 from symosc.simulation.run import Path
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
     "ordinary": ordinary,
     "wild": wild,

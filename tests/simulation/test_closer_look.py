@@ -23,6 +23,8 @@ from symosc.simulation import simulate as simulate_module
 from symosc.simulation.closer_look import Backup, touch_digits
 from symosc.simulation.run import Path
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 # -- more digits -------------------------------------------------------------------------------------------------------
 
 
