@@ -35,7 +35,7 @@ POSITIVE, NOT_NEGATIVE = ("m", "k", "Omega"), ("c", "mu1", "mu2", "FN")
 # How long is followed, in periods: the event that may be the return can be late.
 FOLLOWED = Fraction(5, 4)
 # What counts as infinitely far from the printed start.
-FAR = 1e9
+OUT_OF_SIGHT = 1e9
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def _least(miss: Any, around: tuple[float, float]) -> tuple[float, np.ndarray]:
     """Minimise the larger component of a miss."""
 
     def size(number: float) -> float:
-        return min(float(np.abs(miss(float(number))).max()), FAR)  # parabolas through infinite values are none
+        return min(float(np.abs(miss(float(number))).max()), OUT_OF_SIGHT)  # parabolas through infinite values are none
 
     found = minimize_scalar(size, bounds=around, method="bounded")
     return float(found.x), np.asarray(miss(float(found.x)))
