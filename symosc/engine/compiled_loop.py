@@ -9,6 +9,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.next_event import advance
+from symosc.engine.pages import room_of
 from symosc.engine.state import (
     DOUBTFUL,
     END,
@@ -60,7 +61,7 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
 
 def room_for(events: int) -> EventRows:
     """Return room for so many events."""
-    return EventRows(np.empty((events, len(FLOAT_COLUMNS))), np.empty((events, len(INT_COLUMNS)), np.int32))
+    return EventRows(room_of((events, len(FLOAT_COLUMNS))), room_of((events, len(INT_COLUMNS)), np.int32))
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:

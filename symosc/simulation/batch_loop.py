@@ -14,11 +14,12 @@ from symosc.engine.arithmetic import compiled
 from symosc.engine.binding import is_compiled
 from symosc.engine.compiled_loop import Batch, EventRows, room_for
 from symosc.engine.constant_table import ConstantRows
+from symosc.engine.pages import in_columns
 from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
 # Events after which a loop gives its rows back, and can be interrupted: a tenth of a second. With room for fewer the
-# allocator returns memory to the system after each call, and pages that are mapped anew cost a fifth of the time.
+# allocator returns memory to the system after each call.
 CAPACITY = 1 << 18
 # Events after which the interpreted loop looks at the clock.
 TURN = 2048
@@ -146,7 +147,7 @@ def followed(follow: Follow, batch: Batch, into: Course) -> Iterator[EventRows]:
     while begin < len(batch.states):
         begin, filled = follow(begin, batch, into.most, into.accuracy, into.room, into.tally, into.table)
         filled = 0 if len(into.tally.floats) else filled
-        yield EventRows(*(column[:filled].copy(order="F") for column in into.room))
+        yield EventRows(*(in_columns(column[:filled]) for column in into.room))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
