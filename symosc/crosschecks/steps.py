@@ -240,8 +240,8 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
     with FEW_STEPS.used() if few else nullcontext():
         numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
-    t, x, theta = numbers[:, [0, 1, 3]].T
-    found = StepEvents(table[:, 0].astype(int), t, x, theta, table[:, 1], table[:, 2], table[:, 4])
+    t, x, theta = numbers[[0, 1, 3]]
+    found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(doubtful):
         singles = [_follow_one(batch, rows, i, K) for i in doubtful.tolist()]

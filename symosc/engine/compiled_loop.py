@@ -46,9 +46,9 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """Room for events, a row each: FLOAT_COLUMNS and INT_COLUMNS."""
+    """Room for events: FLOAT_COLUMNS and INT_COLUMNS, each in one piece, so that they are copied quickly."""
 
-    floats: np.ndarray
+    floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
 
 
@@ -61,7 +61,12 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
 
 def room_for(events: int) -> EventRows:
     """Return room for so many events."""
-    return EventRows(room_of((events, len(FLOAT_COLUMNS))), room_of((events, len(INT_COLUMNS)), np.int32))
+    return EventRows(room_of((len(FLOAT_COLUMNS), events)), room_of((len(INT_COLUMNS), events), np.int32))
+
+
+def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
+    """Return some of the rows; they are not copied."""
+    return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
@@ -139,7 +144,7 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             if counts[i] >= most:
                 code = FULL
                 break
-            if rows >= out.floats.shape[0]:
+            if rows >= out.floats.shape[1]:
                 break
             found = advance(before, t_end, t_end_low, K)
             step, boundary, decided, t_error, state = found
@@ -215,12 +220,12 @@ def next_doubt(state, count, row, most, accuracy, K):
 def write_event(out, row, t, state, t_error, x_error):
     """Write the numbers of an event into a row."""
     floats = out.floats
-    floats[row, 0], floats[row, 1], floats[row, 2], floats[row, 3] = t, state.x, state.v, state.theta
-    floats[row, 4], floats[row, 5] = t_error, x_error
-    out.ints[row, 4] = state.mode
+    floats[0, row], floats[1, row], floats[2, row], floats[3, row] = t, state.x, state.v, state.theta
+    floats[4, row], floats[5, row] = t_error, x_error
+    out.ints[4, row] = state.mode
 
 
 def write_kind(out, row, i, code, boundary, source):
     """Write into a row whose event it is, and what it is."""
     ints = out.ints
-    ints[row, 0], ints[row, 1], ints[row, 2], ints[row, 3] = i, code, boundary, source
+    ints[0, row], ints[1, row], ints[2, row], ints[3, row] = i, code, boundary, source

@@ -106,7 +106,7 @@ def written(i, row, out, found, source, rounded, t0, K):
     """Write an event into a row, if there is room; return whether it is known far better than doubles know it."""
     state = found.state
     t, t_error, x_error = handed_out(state.t, state.t_low, t0, state.x, state.v, found.t_error, state.S.S11, K)
-    if row < out.floats.shape[0]:  # there is none where tallies are kept
+    if row < out.floats.shape[1]:  # there is none where tallies are kept
         errors = rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, state.x.hi)
         write_event(out, row, t.hi, rounded, errors[0], errors[1])
         write_kind(out, row, i, found.code, found.boundary, source)

@@ -12,15 +12,16 @@ import numpy as np
 from symosc.engine import compiled_loop, first_rows, settled
 from symosc.engine.arithmetic import compiled
 from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import Batch, EventRows, room_for
+from symosc.engine.compiled_loop import Batch, EventRows, room_for, rows_between
 from symosc.engine.constant_table import ConstantRows
-from symosc.engine.pages import in_columns
+from symosc.engine.pages import copied
 from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
 # Events after which a loop gives its rows back, and can be interrupted: a tenth of a second. With room for fewer the
 # allocator returns memory to the system after each call.
-CAPACITY = 1 << 18
+# A little more than a power of 2: else all columns would have the same places in the processor's cache.
+CAPACITY = (1 << 18) + 72
 # Events after which the interpreted loop looks at the clock.
 TURN = 2048
 
@@ -103,7 +104,7 @@ class PatientLoop:
         """Do what `symosc.engine.compiled_loop.follow_all` does, perhaps in turns of fewer rows."""
         if DOUBLES.left <= 0 or is_compiled(self._compiled):
             return self._compiled(begin, batch, most, accuracy, out, tally, table)
-        one, some = Batch(*(column[: begin + 1] for column in batch)), EventRows(*(rows[:TURN] for rows in out))
+        one, some = Batch(*(column[: begin + 1] for column in batch)), rows_between(out, 0, TURN)
         with DOUBLES.used():
             return interpreted(begin, one, most, accuracy, some, tally, table)
 
@@ -139,15 +140,12 @@ class Course(NamedTuple):
 
 
 def followed(follow: Follow, batch: Batch, into: Course) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield the rows of its events, copied out of the room that is used again.
-
-    Each column of the copy is in one piece.
-    """
+    """Follow a batch to its end; yield the rows of its events, copied out of the room that is used again."""
     begin = 0
     while begin < len(batch.states):
         begin, filled = follow(begin, batch, into.most, into.accuracy, into.room, into.tally, into.table)
         filled = 0 if len(into.tally.floats) else filled
-        yield EventRows(*(in_columns(column[:filled]) for column in into.room))
+        yield EventRows(*(copied(columns[:, :filled]) for columns in into.room))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
@@ -155,4 +153,4 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
     rows = list(parts)
     if not rows:
         return room_for(0)
-    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each) for each in zip(*rows, strict=True)))
+    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))

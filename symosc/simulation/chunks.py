@@ -62,7 +62,7 @@ def events_part(task: BatchTask, rows: slice, room: EventRows, patrol: Patrol) -
     parts = spliced(steps.rows, again) if again else steps.rows
     if rows.start:
         for part in parts:
-            part.ints[:, 0] += rows.start
+            part.ints[0] += rows.start
     return EventsPart(parts, status)
 
 

@@ -134,7 +134,7 @@ def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     columns, parts = {}, parts or [room_for(0)]
     for names, which in ((FLOAT_COLUMNS, 0), (INT_COLUMNS, 1)):
         for n, name in enumerate(names):
-            columns[name] = joined_in_room([part[which][:, n] for part in parts])
+            columns[name] = joined_in_room([part[which][n] for part in parts])
     return EventTable(**columns, status=status)
 
 
@@ -143,8 +143,8 @@ def rows_of(i: int, events: Sequence[Event]) -> EventRows:
     codes = {name: code for names in (KIND_NAMES, MODE_NAMES) for code, name in names.items()}
     rows = room_for(len(events))
     for n, event in enumerate(events):
-        rows.floats[n] = [getattr(event, name) for name in FLOAT_COLUMNS]
-        rows.ints[n] = i, codes[event.kind], event.boundary, codes[event.source], codes[event.target]
+        rows.floats[:, n] = [getattr(event, name) for name in FLOAT_COLUMNS]
+        rows.ints[:, n] = i, codes[event.kind], event.boundary, codes[event.source], codes[event.target]
     return rows
 
 

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.arithmetic import many_digits
-from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of
+from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of, rows_between
 from symosc.engine.flow import SIGMAS
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING
@@ -157,12 +157,12 @@ class Ladder:
             below = Motions(Batch(*(column[some] for column in self.batch)), some_of(self.tally, some), self.table)
             found = climb(parameters, self._pairs(parameters, some, at[some]), below, self.limits, self._in_doubles)
             events = joined(found.rows)
-            order = np.argsort(events.ints[:, 0], kind="stable")
-            events = EventRows(*(column[order] for column in events))
-            cuts = np.searchsorted(events.ints[:, 0], np.arange(len(some) + 1)).tolist()
-            events.ints[:, 0] = np.array(some)[events.ints[:, 0]]
+            order = np.argsort(events.ints[0], kind="stable")
+            events = EventRows(*(columns[:, order] for columns in events))
+            cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
+            events.ints[0] = np.array(some)[events.ints[0]]
             for i, begin, end in zip(some, cuts[:-1], cuts[1:], strict=True):
-                self.climbed[i] = EventRows(events.floats[begin:end], events.ints[begin:end])
+                self.climbed[i] = rows_between(events, begin, end)
             for column, values in zip(self.batch, found.batch, strict=True):
                 column[some] = values
             put_back(self.tally, some, below.tally)
@@ -193,10 +193,10 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
     """
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
-        begins, ends = (np.searchsorted(part.ints[:, 0], members, side) for side in ("left", "right"))
-        gaps = zip([0, *ends], [*begins, len(part.ints)], strict=True)
-        pieces += [EventRows(part.floats[begin:end], part.ints[begin:end]) for begin, end in gaps]
-    return sorted((piece for piece in pieces if len(piece.ints)), key=lambda piece: int(piece.ints[0, 0]))
+        begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
+        gaps = zip([0, *ends], [*begins, part.ints.shape[1]], strict=True)
+        pieces += [rows_between(part, begin, end) for begin, end in gaps]
+    return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
 
 
 def fits(start: Start) -> bool:
@@ -245,16 +245,16 @@ def climb(
         room = room_for(0 if len(tally.floats) else int((wanted - batch.counts + more)[active].sum()))
         going = Going(limits.most, limits.accuracy, more, *tables)
         filled = follow(active, wanted, pairs, batch, room, K, tally, going)
-        filled = min(filled, len(room.floats))
-        rows.append(EventRows(room.floats[:filled], room.ints[:filled]))
+        filled = min(filled, room.floats.shape[1])
+        rows.append(rows_between(room, 0, filled))
         active = active[batch.codes[active] == RUNNING]
         if len(active):
             further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
             events = joined(go_on(further, counted))
             doubtful = is_doubtful(further.codes)
-            kept = ~doubtful[events.ints[:, 0]]
-            events.ints[:, 0] = active[events.ints[:, 0]]
-            rows.append(EventRows(events.floats[kept], events.ints[kept]))
+            kept = ~doubtful[events.ints[0]]
+            events.ints[0] = active[events.ints[0]]
+            rows.append(EventRows(events.floats[:, kept], events.ints[:, kept]))
             wanted[active] = further.counts + (further.codes == IN_DOUBT)
             done = active[~doubtful]
             for column, own in zip(batch, further, strict=True):

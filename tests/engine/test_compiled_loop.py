@@ -151,12 +151,12 @@ def test_the_loop_writes_every_event_once(
     begin, floats, ints = 0, [], []
     while begin < 30:
         out = room_for(room)
-        assert out.floats.shape == (room, len(FLOAT_COLUMNS))
-        assert out.ints.shape == (room, len(INT_COLUMNS))
+        assert out.floats.shape == (len(FLOAT_COLUMNS), room)
+        assert out.ints.shape == (len(INT_COLUMNS), room)
         begin, rows = follow_all(begin, batch, most, accuracy, out, no_tally(), K)
         assert begin == 30 or (rows == room and batch.codes[begin] == RUNNING)
-        floats += out.floats[:rows].tolist()
-        ints += out.ints[:rows].tolist()
+        floats += out.floats[:, :rows].T.tolist()
+        ints += out.ints[:, :rows].T.tolist()
     right = [told.right(i, most, accuracy) for i in range(30)]
     assert batch.codes.tolist() == [code for code, _ in right]
     assert batch.counts.tolist() == [len(events) for _, events in right]
