@@ -18,8 +18,7 @@ from symosc.engine.pages import copied
 from symosc.engine.tally import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
-# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second. With room for fewer the
-# allocator returns memory to the system after each call.
+# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
 # A little more than a power of 2: else all columns would have the same places in the processor's cache.
 CAPACITY = (1 << 18) + 72
 # Events after which the interpreted loop looks at the clock.
@@ -127,6 +126,38 @@ def chosen_loops(use_numba: Any) -> Loops:
         return ready
     there = {name: function for name, function in ready._asdict().items() if is_compiled(function)}
     return plain._replace(**{"follow": PatientLoop(ready.follow)} | there)
+
+
+class Rooms:
+    """Room for events, kept from one call to the next: memory that is new to a process is slow.
+
+    Parameters
+    ----------
+    most : int
+        Rooms that are kept at most, of 18 MB each.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._kept: list[EventRows] = []
+
+    @contextmanager
+    def lent(self) -> Iterator[Callable[[], EventRows]]:
+        """Lend what makes room that nobody else uses meanwhile."""
+        lent: list[EventRows] = []
+
+        def room() -> EventRows:
+            try:  # another thread may have taken the last one
+                lent.append(self._kept.pop())
+            except IndexError:
+                lent.append(room_for(CAPACITY))
+            return lent[-1]
+
+        yield room
+        self._kept = [*self._kept, *lent][: self._most]
+
+
+ROOMS = Rooms(2)
 
 
 class Course(NamedTuple):

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 from symosc.display.progress import reporting
-from symosc.engine.compiled_loop import room_for
 from symosc.exact import read_start_error, whole_number
-from symosc.simulation.batch_loop import CAPACITY, chosen_loops
+from symosc.simulation.batch_loop import ROOMS, chosen_loops
 from symosc.simulation.chunks import BatchTask, is_events, read_record, table_of_parts
 from symosc.simulation.event_table import EventTable
 from symosc.simulation.ladder import Limits
@@ -78,6 +76,6 @@ def simulate_many(
     task = BatchTask(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
     part = read_record(record, skip, sections, task)
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
-    with reporting(progress or False, 0, len(problems), "simulate_many") as report:
-        parts = in_chunks(len(problems), part, partial(room_for, CAPACITY), threads, report)
+    with reporting(progress or False, 0, len(problems), "simulate_many") as report, ROOMS.lent() as room:
+        parts = in_chunks(len(problems), part, room, threads, report)
     return table_of_parts(parts) if is_events(record) else summary_from(parts)
