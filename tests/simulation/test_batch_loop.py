@@ -20,8 +20,17 @@ def test_room_is_lent_to_one_at_a_time_and_kept() -> None:
     assert any(given[0] is each.floats for each in (first, second))
     assert given[2] is not first.floats
     assert given[2] is not second.floats
-    with pytest.raises(KeyboardInterrupt), rooms.lent() as room:
-        lost = room().floats
-        raise KeyboardInterrupt
+
+
+def test_room_of_a_call_that_failed_is_not_lent_again() -> None:
+    rooms, lost = Rooms(2), list[object]()
+
+    def fail() -> None:
+        with rooms.lent() as room:
+            lost.append(room().floats)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
     with rooms.lent() as room:
-        assert room().floats is not lost
+        assert room().floats is not lost[0]
