@@ -81,6 +81,7 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "derive.literature_pieces": ("derive/test_document.py", "its tables are steps, each with a check"),
     "derive.mathml": ("derive/test_html.py", "no rest of LaTeX is in the pages"),
     "derive.mutations": ("derive/test_document.py", "it breaks the signs there"),
+    "derive.cycle_pieces": ("derive/test_document.py", CHAPTERS),
     "derive.orbit_pieces": ("derive/test_document.py", "what it finds are steps, each with a check"),
     "derive.paper_form": ("derive/test_fragments.py", "it is compared with the motion in each regime"),
     "derive.pdf": ("derive/test_document.py", "the document is compiled there"),
@@ -128,7 +129,6 @@ ELSEWHERE: dict[str, tuple[str, str]] = {
     "crosschecks.given": ("crosschecks/test_objects.py", "what is given there goes through it"),
     "crosschecks.tables": ("crosschecks/test_objects.py", "tables are objects of other packages, made there"),
     "simulation.run": ("simulation/test_simulate.py", "the inner loop of simulate"),
-    "simulation.batch_loop": ("simulation/test_ladder.py", "the first step of the ladder"),
     "simulation.warm": ("cli/test_warm.py", COMMAND),
 }
 

@@ -59,6 +59,12 @@ class Certificate(Drawable):
     stable: bool | None = None
     statement: Record = field(default_factory=dict)
 
+    @property
+    def rows(self) -> list[Record]:
+        """The rows of `statement` that `events` are: its events, or those of its last periods."""
+        rows: list[Record] = self.statement["last" if self.kind == "settled" else "events"]
+        return rows
+
     def as_dict(self) -> Record:
         """Return what `to_json` writes."""
         about = {"format": FORMAT, "kind": self.kind, "proven": self.proven, "message": self.message}

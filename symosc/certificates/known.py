@@ -38,8 +38,8 @@ def known_events(scene: Scene) -> Known:
         return Known((), str(error))
     if not certificate.proven:
         return Known((), certificate.message)
-    rows = certificate.statement["last" if certificate.kind == "settled" else "events"]
-    return Known(tuple(ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in rows))
+    events = (ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in certificate.rows)
+    return Known(tuple(events))
 
 
 def _middle(ends: list[str]) -> Fraction:

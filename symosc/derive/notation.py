@@ -171,10 +171,10 @@ NOTATION = (
         r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
     ),
     Entry(
-        r"$f$, $X$, $J$, $Y$, $E$, $R$, $C$, $q$, $b$, $N$",
-        "in proofs by balls, each defined where it stands: a map, boxes and matrices, a flight's helpers, periods",
+        r"$f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$",
+        "in proofs by balls, each defined where it stands: maps, boxes and matrices, a flight's helpers, points, periods",
         r"Chapter~\ref{sec:certificates}",
-        r"[fg]'{1,3}|[CSq]'{1,2}",
+        r"[fg]'{1,3}|[CSq]'{1,2}|[abcey]_[ij]|D_ij|y\^\*|P\^n|\\\||\\sum_j|\\max_i",
     ),
 )
 

@@ -171,26 +171,20 @@ class ReferenceCase:
 
 @cache
 def _certificate(case: ReferenceCase) -> Certificate:
-    if case.periods:
-        return Certificate("trajectory", False, case.open, statement={"events": []})
     return certify(case.scene, digits=GIVEN_DIGITS)
 
 
 @cache
 def _events(case: ReferenceCase) -> tuple[KnownEvent, ...]:
     if case.proven:
-        rows = case.certificate.statement["events"]
+        rows = case.certificate.rows
         found = [((*row["t"],), (*row["x"],), *(row[name] for name in KnownEvent._fields[2:6])) for row in rows]
     else:
         found = [
             (_rounded(event.t), _rounded(event.x), event.kind, event.boundary, event.source, event.target)
-            for event in _followed(case.scene, COMPUTED_DIGITS, case.periods)
+            for event in simulate(case.scene, digits=COMPUTED_DIGITS).events
         ]
     return tuple(_with_words(case, found))
-
-
-def _followed(scene: Scene, digits: int, periods: int) -> Sequence[Event]:
-    return last_period(scene, digits) if periods else simulate(scene, digits=digits).events
 
 
 def _with_words(case: ReferenceCase, rows: Iterable[Any]) -> Iterable[KnownEvent]:

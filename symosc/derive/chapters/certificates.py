@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.blocks import block, proof
+from symosc.derive.cycle_pieces import settled_motions
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import Exact, Heading, Prose, equation, fact
@@ -28,6 +29,7 @@ def items(scope: Scope) -> Iterator[Any]:
     yield from _motions()
     yield from _orbits()
     yield from _branches()
+    yield from settled_motions()
     yield from _windows()
 
 
