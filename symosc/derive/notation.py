@@ -172,7 +172,7 @@ NOTATION = (
     ),
     Entry(
         r"$f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$",
-        "in proofs by balls, each defined where it stands: maps, boxes and matrices, a flight's helpers, points, periods",
+        "in proofs by balls, each defined where it stands: maps, boxes and matrices, helpers, points, periods",
         r"Chapter~\ref{sec:certificates}",
         r"[fg]'{1,3}|[CSq]'{1,2}|[abcey]_[ij]|D_ij|y\^\*|P\^n|\\\||\\sum_j|\\max_i",
     ),
