@@ -59,12 +59,6 @@ class Certificate(Drawable):
     stable: bool | None = None
     statement: Record = field(default_factory=dict)
 
-    @property
-    def rows(self) -> list[Record]:
-        """The rows of `statement` that `events` are: its events, or those of its last periods."""
-        rows: list[Record] = self.statement["last" if self.kind == "settled" else "events"]
-        return rows
-
     def as_dict(self) -> Record:
         """Return what `to_json` writes."""
         about = {"format": FORMAT, "kind": self.kind, "proven": self.proven, "message": self.message}
@@ -78,6 +72,12 @@ class Certificate(Drawable):
         count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
         article = "an" if self.kind == "orbit" else "a"
         return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
+
+
+def proven_rows(certificate: Certificate) -> list[Record]:
+    """Return the events that a proven trajectory states, as its file has them; of a settled one the last ones."""
+    rows: list[Record] = certificate.statement["last" if certificate.kind == "settled" else "events"]
+    return rows
 
 
 def common_digits(low: str, high: str) -> str:

@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from symosc.aliases import Number
+from symosc.certificates.certificate import proven_rows
 from symosc.certificates.certify import certify
 from symosc.errors import MissingExtraError
 from symosc.scenes import Scene
@@ -38,7 +39,9 @@ def known_events(scene: Scene) -> Known:
         return Known((), str(error))
     if not certificate.proven:
         return Known((), certificate.message)
-    events = (ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in certificate.rows)
+    events = (
+        ProvenMiddle(_middle(r["t"]), _middle(r["x"]), r["kind"], r["boundary"]) for r in proven_rows(certificate)
+    )
     return Known(tuple(events))
 
 

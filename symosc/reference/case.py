@@ -10,7 +10,7 @@ from functools import cache
 from math import inf, pi
 from typing import Any, NamedTuple
 
-from symosc.certificates.certificate import Certificate
+from symosc.certificates.certificate import Certificate, proven_rows
 from symosc.certificates.certify import certify
 from symosc.exact import show
 from symosc.model import Parameters
@@ -177,7 +177,7 @@ def _certificate(case: ReferenceCase) -> Certificate:
 @cache
 def _events(case: ReferenceCase) -> tuple[KnownEvent, ...]:
     if case.proven:
-        rows = case.certificate.rows
+        rows = proven_rows(case.certificate)
         found = [((*row["t"],), (*row["x"],), *(row[name] for name in KnownEvent._fields[2:6])) for row in rows]
     else:
         found = [
