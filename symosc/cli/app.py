@@ -90,7 +90,9 @@ class CommandLine(click.Group):
         try:
             with progress.working("working"):
                 code = super().invoke(ctx)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, RuntimeError) as error:
+            if not _is_interrupt(error):
+                raise
             ctx.exit(INTERRUPTED)
         if progress.level() == progress.VERBOSE:
             about = f"symosc {symosc.__version__}, Python {python_version()}"
@@ -108,6 +110,11 @@ def _tellings() -> list[click.Option]:
     about = {"quiet": "No bars and no notes, results and errors alone.", "verbose": "Tell more on stderr."}
     options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": tell_so}
     return [click.Option([f"--{name}", f"-{name[0]}"], help=text, **options) for name, text in about.items()]
+
+
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Return whether an error is an interrupt; one that comes while a class is made is the cause of a RuntimeError."""
+    return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 
 def _fail(message: str) -> NoReturn:

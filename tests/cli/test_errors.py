@@ -211,6 +211,21 @@ def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("cause", [KeyboardInterrupt(), ZeroDivisionError("a fault"), None], ids=repr)
+def test_an_interrupt_while_a_class_is_made(cause: BaseException | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python wraps it into a RuntimeError there; an error of another cause is not hidden."""
+
+    @click.command()
+    def loading() -> None:
+        raise RuntimeError("Error calling __set_name__") from cause
+
+    monkeypatch.setattr(type(main), "get_command", lambda *_: loading)
+    interrupted = isinstance(cause, KeyboardInterrupt)
+    with pytest.raises(SystemExit if interrupted else RuntimeError) as caught:
+        main(["loading"])
+    assert not interrupted or caught.value.args == (130,)
+
+
 def test_simulate_loads_nothing_heavy() -> None:
     result = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "symosc", "simulate", "fig5"],
