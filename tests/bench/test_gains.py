@@ -15,7 +15,6 @@ def test_marching_saves_evaluations_and_strides_save_looks(scene: str) -> None:
     assert short["flow"] < 1.3 * flights + 0.1
     assert strides["flow"] == pytest.approx(short["flow"], abs=0.1)
     assert strides["looks"] < 0.75 * short["looks"]
-    assert min(way["python_us"] for way in (bound, short, strides)) > 0
 
 
 def test_the_table_has_a_row_for_each_way_and_function() -> None:

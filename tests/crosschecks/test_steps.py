@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -71,6 +72,8 @@ def test_few_steps_again_and_again_are_a_matter_of_the_compiler_too(monkeypatch:
         return choose(False)
 
     monkeypatch.setattr(steps, "chosen_loops", noted)
+    clock = count()
+    monkeypatch.setattr(batch_loop, "process_time", lambda: float(next(clock)))
     monkeypatch.setattr(steps, "FEW_STEPS", batch_loop.Patience(1e-6))
     t = np.linspace(0.0, 7.0, 100)
     crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
