@@ -55,6 +55,7 @@ def test_a_graze_has_no_condition_and_what_follows_it_has(name: str) -> None:
 
 
 def test_a_very_long_run_has_the_events_of_its_last_period() -> None:
+    pytest.importorskip("flint")
     case = CASES["1e5-periods-fig10-orbit"]
     assert (len(case.events), case.count) == (4, 400_000)
     assert case.proven
