@@ -114,6 +114,9 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         one_line(tmp_path / "run.npz", words)
     pandas.DataFrame({"t": T, "x": X, "w": V}).to_parquet(tmp_path / "other.parquet")
     one_line(tmp_path / "other.parquet", "column = 'v': is missing", "there are: t, x, w")
+    (tmp_path / "none.parquet").write_bytes(b"PAR1" * 9)
+    with pytest.raises(ParameterError, match=r"is not a parquet file, or it is damaged: \w.*\w"):
+        read_samples(tmp_path / "none.parquet")
 
 
 def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

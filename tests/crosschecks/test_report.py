@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from symosc import crosscheck, simulate
+from symosc import crosscheck, load_scene, simulate
 
 
 def test_a_right_solution_in_words() -> None:
@@ -69,3 +71,26 @@ def test_the_largest_error_of_a_time_is_named(which: int) -> None:
     assert len(result.matched) > 2
     worst = run.events[which]
     assert f"largest error of an event's time: 3.00e-09 at t = {worst.t:.10g}" in result.summary()
+
+
+def test_what_is_probably_wrong_is_in_the_summary_with_its_evidence() -> None:
+    """... and with what the samples cannot tell from it; that samples are rounded is a note already."""
+    t = np.linspace(0, 7, 300)
+    for k, digits in ((1.1, 15), (1, 5)):
+        x, v = simulate(load_scene("fig5").parameters.replace(k=k), t0=0, x0=0, v0=0, t_end=7)(t)
+        result = crosscheck("fig5", t, np.round(x, digits), np.round(v, digits))
+        assert result.diagnosis
+        told = [each for one in result.diagnosis if one.cause != "precision" for each in (one, *one.alternatives)]
+        expected = [f"{each.words} ({each.evidence})" for each in told]
+        lines = [line.partition(": ")[2] for line in result.summary().splitlines() if line.startswith("diagnosis: ")]
+        assert [line.removeprefix("or: ") for line in lines] == expected
+        assert bool(expected) == (digits == 15)
+
+
+def test_a_start_that_is_rounded_is_the_scenes() -> None:
+    scene = replace(load_scene("fig9"), t0=Fraction(0), x0=Fraction("0.123449"), v0=Fraction("0.654351"))
+    t = np.linspace(0, 7, 300)
+    x, v = simulate(scene, t_end=7)(t)
+    for shift, told in ((0.0, False), (0.01, True)):
+        result = crosscheck(scene, t, np.round(x + shift, 3), np.round(v, 3))
+        assert any("the exact motion starts at the first sample" in note for note in result.notes) == told

@@ -14,6 +14,7 @@ from slow_summary import slow_summary
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
 from symosc.engine import tally
 from symosc.engine.flow import constants
+from symosc.engine.state import Covariance, State
 from symosc.simulation import batch_loop, chunks
 from symosc.simulation.summary import Summary
 
@@ -232,3 +233,18 @@ def test_what_is_left_of_a_time_after_whole_periods() -> None:
         assert 0.0 <= rest <= K.period
         off = (Fraction(tau) - Fraction(rest)) / period
         assert abs(off - round(off)) * period < 1e-15 * K.period
+
+
+@pytest.mark.usefixtures("interpreted")
+def test_a_section_has_the_larger_errors_of_the_two_ends() -> None:
+    """Of a flight or stick over the end of a period: what repeats is judged by them."""
+    p = FIG9
+    K = constants(p)
+    rows = np.zeros((1, 16))
+    for S11, S22, after in ((4e-20, 9e-20, (1e-20, 2e-20)), (1e-20, 2e-20, (4e-20, 9e-20))):
+        kept = tally.begun_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
+        before = State(2, 0, 0, 6.0, 0.5, 0.2, 1.0, 1.0, Covariance(S11, 0.0, S22), 0.0, 0.0, math.sin(6), math.cos(6))
+        tally.tally_sections(0, before, 1, Covariance(after[0], 0.0, after[1]), kept, K)
+        section = kept.sections[0, 0]
+        assert (section[tally.S11_THERE], section[tally.S22_THERE]) == (4e-20, 9e-20)
+        assert section[tally.SINCE] == pytest.approx((2 * math.pi - 6.0) / K.Om, rel=1e-15)
