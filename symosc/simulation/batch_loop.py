@@ -154,7 +154,9 @@ class Rooms:
             return lent[-1]
 
         yield room
-        self._kept = [*self._kept, *lent][: self._most]
+        for each in lent:  # one by one: what another thread has taken meanwhile is not to come back
+            if len(self._kept) < self._most:
+                self._kept.append(each)
 
 
 ROOMS = Rooms(2)
