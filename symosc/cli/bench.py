@@ -35,7 +35,7 @@ def bench(
     misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition * 1e-16).
     Then -o draws the error of symosc's kernels over damping ratio and drive.
 
-    --scores lets all solvers follow the reference cases (`symosc cases`), which takes some ten minutes, and writes what
+    --scores lets all solvers follow the reference cases (`symosc cases`), which takes some minutes, and writes what
     `symosc score` says of them, with a picture beside it.
 
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
