@@ -16,7 +16,7 @@ from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
 from symosc.orbits import find
-from symosc.orbits.admissibility import Condition
+from symosc.orbits.admissibility import STICK_LASTS, Condition
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.guesses import Guess
@@ -326,3 +326,18 @@ def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None
     assert one * other == pytest.approx(float(flow.determinant), rel=1e-9)
     assert abs(one) < 1
     assert abs(other) < 1
+
+
+@pytest.mark.parametrize(("values", "resting"), [((0.0, -0.5), True), ((-0.5, 0.0), True), ((-0.5, -0.1), False)])
+def test_one_stick_without_end_is_enough_to_ask_for_rest(
+    values: tuple[float, float], resting: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever else fails: a stick of length 0 at a root may stand for one that lasts for ever."""
+    asked: list[bool] = []
+    monkeypatch.setattr(find, "_instead", lambda _, zero: asked.append(zero) or "; asked")
+    failed = tuple(Condition(0, "a stick", value, 1.5, "event", STICK_LASTS, 1.0) for value in values)
+    message = find._message(None, None, None, failed, 0.0, 1)  # type: ignore[arg-type]
+    assert asked == [resting]
+    assert message.startswith("a root that is not an orbit (a stick: ")
+    assert message.count("it has no length at t = 1.5") == values.count(0.0)
+    assert message.endswith("; asked")
