@@ -20,14 +20,13 @@ from typing import NamedTuple
 
 from flint import arb, arb_mat
 
-from symosc.aliases import Record
-from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, around, ball, exact_ends, working_bits
+from symosc.certificates.balls import Ball, Undecided, around, ball, exact_ends, working_bits
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.closing import ClosingBalls, Values
 from symosc.certificates.motion import ON_A_BELT, Moving, Problem, ProvenEvent, begin, next_event
 from symosc.certificates.orbit import one_digit, switchings
 from symosc.certificates.sets import StateSet
-from symosc.certificates.trajectory import DIGITS, ToProve, event_row
+from symosc.certificates.trajectory import DIGITS, ToProve, event_row, events_of, question
 from symosc.exact import show
 from symosc.model import MODE_NAMES
 from symosc.orbits.closing_equations import pieces_of
@@ -201,7 +200,7 @@ def contraction(cycle: Cycle) -> Ball:
         sum((abs(d) * ball(w) for d, w in zip(row, cycle.widths, strict=True)), arb(0)) / ball(width)
         for row, width in zip(cycle.states[-1].slopes, cycle.widths, strict=True)
     ]
-    return max(sums, key=float).union(min(sums, key=float)).upper()
+    return sums[0].union(sums[1]).upper()
 
 
 def _certificate(
@@ -219,7 +218,7 @@ def _certificate(
     for event in cycle.events:
         wide = event._replace(t=around(event.t, 2 * event.t.rad()), x=around(event.x, 2 * event.x.rad()))
         rows.append(event_row(wide, 60))
-    times = [ball(cycle.middle[0]), *(event.t for event in cycle.events)]
+    times = [around(ball(cycle.middle[0]), ball(cycle.widths[0])), *(event.t for event in cycle.events)]
     cycles = max(0, floor(float((t_end - times[0]) / turn)))
     left = sum(bool(each + cycles * turn < t_end) for each in times[:-1]) - 1
     if left < 0 or not times[left] + cycles * turn < t_end < times[left + 1] + cycles * turn:
@@ -237,16 +236,12 @@ def _certificate(
             for row in cycle.states[j].slopes
         ]
         gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
-        turns = round(float((times[j] - points[2 * place]) / closing.turn)) if gone is None else int(gone)
-        t = around(points[2 * place] + turns * closing.turn + k * turn, spare[0])
+        if gone is None:
+            raise Undecided("how many periods an event of the cycle is behind that of the orbit")
+        t = around(points[2 * place] + int(gone) * closing.turn + k * turn, spare[0])
         last.append(event_row(about._replace(t=t, x=around(points[2 * place + 1], spare[1])), task.digits))
     count = len(before) + total
-    statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {SETTLED_BITS} bits",
-        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
-        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
-        "start_error": [show(error) for error in task.errors],
-        "t_end": show(task.t_end),
+    statement = question(task, SETTLED_BITS) | {
         "mode": MODE_NAMES[begun[0]],
         "may_stick_until": None if begun[1] is None else show(begun[1]),
         "events": [event_row(event, DIGITS) for event in before],
@@ -255,6 +250,5 @@ def _certificate(
         "count": count,
         "last": last,
     }
-    events = tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in last)
     message = f"{count} events until t = {show(task.t_end)}, the last {count - len(before)} of them on a cycle of {n}"
-    return Certificate("settled", True, message, events, statement=statement)
+    return Certificate("settled", True, message, events_of(last), statement=statement)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
 from math import ceil, log2, log10
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, ball, exact_ends, outward, size, working_bits
@@ -153,12 +153,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     for event in proof.events:
         rows.append(_row(event, before, task))
         before = event.t
-    statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits",
-        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
-        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
-        "start_error": [show(error) for error in task.errors],
-        "t_end": show(task.t_end),
+    statement = question(task, bits) | {
         "starts": "all" if proof.free is None else "some",
         "mode": proof.mode,
         "events": rows,
@@ -166,8 +161,24 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
-    events = tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
-    return Certificate("trajectory", proof.open is None, _message(task, proof, bits), events, statement=statement)
+    message = _message(task, proof, bits)
+    return Certificate("trajectory", proof.open is None, message, events_of(rows), statement=statement)
+
+
+def question(task: ToProve, bits: int) -> Record:
+    """Return what the file of a motion says first: who made it, and the exact input as rational numbers."""
+    return {
+        "made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits",
+        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
+        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
+        "start_error": [show(error) for error in task.errors],
+        "t_end": show(task.t_end),
+    }
+
+
+def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
+    """Return rows of a file as `Certificate.events`."""
+    return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
 
 
 def _message(task: ToProve, proof: Proof, bits: int) -> str:

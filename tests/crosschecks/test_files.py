@@ -150,24 +150,21 @@ def test_results_of_solvers_have_two_rows() -> None:
 def test_whatever_a_reader_raises_is_one_line(
     error: Exception, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def read(*_: object) -> None:
-        raise error
-
-    (tmp_path / "some.csv").write_text("t,x,v")
-    monkeypatch.setattr(files, "_reader", lambda *_: read)
-    with pytest.raises(ParameterError) as caught:
-        files._read_file(tmp_path / "some.csv", {}, "some.csv")
-    assert str(caught.value) == f"file = 'some.csv': cannot be read: {words}"
+    said = said_of_a_reader_that_raises(error, tmp_path, monkeypatch)
+    assert str(said) == f"file = 'some.csv': cannot be read: {words}"
 
 
 def test_a_readers_own_word_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    said = ParameterError("x", 3, "is odd")
+    own = ParameterError("x", 3, "is odd")
+    assert said_of_a_reader_that_raises(own, tmp_path, monkeypatch) is own
 
+
+def said_of_a_reader_that_raises(error: Exception, folder: Path, monkeypatch: pytest.MonkeyPatch) -> ParameterError:
     def read(*_: object) -> None:
-        raise said
+        raise error
 
-    (tmp_path / "some.csv").write_text("t,x,v")
+    (folder / "some.csv").write_text("t,x,v")
     monkeypatch.setattr(files, "_reader", lambda *_: read)
     with pytest.raises(ParameterError) as caught:
-        files._read_file(tmp_path / "some.csv", {}, "some.csv")
-    assert caught.value is said
+        files._read_file(folder / "some.csv", {}, "some.csv")
+    return caught.value

@@ -8,9 +8,9 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.blocks import block, proof
-from symosc.derive.cycle_pieces import settled_motions
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
+from symosc.derive.settled_pieces import settled_motions
 from symosc.derive.steps import Exact, Heading, Prose, equation, fact
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
