@@ -1,0 +1,338 @@
+"""Check the arguments of public functions against their annotations, all in one way.
+
+`public` decorates a function or a method. Its annotations, read as text at the first call, say what each argument may
+be: no package is loaded for that, and a name such as ``Axes`` is that of a class, wherever it was defined. Whether a
+number is in range, or a name is one that exists, is left to the function.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import numbers
+from collections.abc import Callable, Mapping, Sequence, Set
+from decimal import Decimal
+from functools import partial, wraps
+from types import FunctionType
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+from symosc.errors import ParameterError
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
+
+#: So many entries has a list or a range that is read at all, and so deep are lists in lists.
+MOST_ENTRIES, MOST_DEPTH = 10**8, 8
+
+
+class Kind(NamedTuple):
+    """What an argument may be.
+
+    Attributes
+    ----------
+    text : str
+        What a message calls it.
+    of_type : callable
+        Tells for a type whether its values may be meant.
+    of_value : callable, optional
+        Tells for a value of such a type whether it is meant. None: all are.
+    source : str
+        Where to get one, for a message.
+    """
+
+    text: str
+    of_type: Callable[[type], bool]
+    of_value: Callable[[Any], bool] | None = None
+    source: str = ""
+
+    def takes(self, value: object) -> bool:
+        """Tell whether a value is of this kind."""
+        return self.of_type(type(value)) and (self.of_value is None or self.of_value(value))
+
+
+def _inherits(*names: str) -> Callable[[type], bool]:
+    """Return what tells whether a type is, or inherits from, a class of one of some names."""
+    return lambda kind: any(base.__name__ in names for base in kind.__mro__)
+
+
+def _is_truth(kind: type) -> bool:
+    return kind is bool or (kind.__name__ in ("bool", "bool_") and kind.__module__ == "numpy")
+
+
+def _is_real(kind: type) -> bool:
+    """Tell whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
+    if issubclass(kind, numbers.Real | Decimal):
+        return not (_is_truth(kind) or kind.__name__ == "timedelta64")
+    return hasattr(kind, "_mpf_") or _inherits("Expr")(kind)
+
+
+def _is_row(kind: type) -> bool:
+    """Tell whether a type holds entries in order, and is neither text nor bytes."""
+    if issubclass(kind, Sequence):
+        return not issubclass(kind, str | bytes | bytearray | memoryview)
+    return hasattr(kind, "dtype") and hasattr(kind, "__len__")
+
+
+def _is_short(value: Any) -> bool:
+    """Tell whether a row has entries, and not more than can be read."""
+    return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
+
+
+def _takes_arguments(count: int | None, value: Any) -> bool:
+    """Tell whether a value can be called, with so many arguments."""
+    if not callable(value) or count is None:
+        return callable(value)
+    try:
+        inspect.signature(value).bind(*range(count))
+    except TypeError:
+        return False
+    except ValueError:  # a function in C that does not say what it takes
+        pass
+    return True
+
+
+def _may_be_word(kind: type) -> bool:
+    return issubclass(kind, str) or _is_row(kind) or hasattr(kind, "__next__")
+
+
+def _has_letters(value: Any) -> bool:
+    return hasattr(value, "__next__") or (_is_short(value) and _is_shallow(value))
+
+
+def _may_be_solution(kind: type) -> bool:
+    return not issubclass(kind, bytes | bytearray | memoryview | Set | numbers.Number | None)
+
+
+def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
+    """Tell whether lists in lists have an end, and not more entries than can be read."""
+    if not isinstance(value, list | tuple | range):
+        return True
+    if not depth or not _is_short(value):
+        return False
+    inner = [] if isinstance(value, range) else set(map(type, value)) & {list, tuple, range}
+    return not inner or all(_is_shallow(each, depth - 1) for each in value)
+
+
+def _class(name: str, source: str = "") -> Kind:
+    return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
+
+
+NUMBER = Kind("a number (or its text, such as '4/5')", lambda kind: issubclass(kind, str) or _is_real(kind))
+#: What the names in annotations mean; a text is another annotation.
+KINDS: dict[str, Kind | str] = {
+    "None": Kind("None", lambda kind: kind is type(None)),
+    "bool": Kind("True or False", _is_truth),
+    "int": Kind("a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)),
+    "float": Kind("a number", _is_real),
+    "str": Kind("text", lambda kind: issubclass(kind, str)),
+    "slice": Kind("a slice", lambda kind: kind is slice),
+    "Path": Kind("a path", lambda kind: hasattr(kind, "__fspath__")),
+    "NumberLike": NUMBER,
+    "ArrayLike": "NumberLike | Rows",
+    "Rows": Kind("an array or lists of numbers", lambda kind: _is_row(kind) or hasattr(kind, "dtype"), _is_shallow),
+    "SceneName": Kind("the name or file of a scene", lambda t: issubclass(t, str) or hasattr(t, "__fspath__")),
+    "Progress": "bool | Callable[[float, float], object]",
+    "StartError": "NumberLike | tuple[NumberLike, NumberLike, NumberLike]",
+    "WordLike": Kind("a word such as 'P32' or ['P3', 'P2']", _may_be_word, _has_letters),
+    "Number": "float | Scalar",
+    "Scalar": Kind("an array without dimensions", lambda kind: hasattr(kind, "dtype"), lambda value: value.shape == ()),
+    "ndarray": Kind("an array", _inherits("ndarray")),
+    "Order": "Literal['full', 'paper']",
+    "Pair": Kind("a pair (x, theta)", _is_row, lambda value: _is_short(value) and len(value) == 2),
+    "SolutionLike": Kind(
+        "a file, arrays, a table, a function, or what a solver returns", _may_be_solution, _is_shallow
+    ),
+    "Parameters": Kind("Parameters", _inherits("Parameters"), source="a scene has them as scene.parameters"),
+    "Axes": Kind("axes of matplotlib, such as plt.subplots() makes", _inherits("Axes")),
+    "Figure": Kind("a figure, such as plot.figure(...) returns", _inherits("Figure")),
+    "Executor": Kind(
+        "an executor of concurrent.futures, or a Client of dask.distributed", _inherits("Executor", "Client")
+    ),
+}
+KINDS |= {
+    name: _class(name, f"{source} makes one")
+    for name, source in {
+        "Branch": "continue_orbit(...)",
+        "Certificate": "certify(...)",
+        "CrossCheck": "crosscheck(...)",
+        "Dataset": "sweep(...)",
+        "EventTable": "simulate_many(...)",
+        "GrazingCurve": "grazing_curve(...)",
+        "GrazingWindow": "grazing_window(...)",
+        "ParameterRegion": "values_containing(...) for two parameters",
+        "PeriodicOrbit": "find_orbit(...)",
+        "Scene": "load_scene(...)",
+        "Score": "symosc.reference.score.score(...)",
+        "Summary": 'simulate_many(..., record="summary")',
+        "Trajectory": "simulate(...)",
+    }.items()
+}
+
+
+def _kinds(node: ast.expr) -> list[Kind] | None:
+    """Return the kinds that an annotation names; None: anything."""
+    match node:
+        case ast.BinOp(left, ast.BitOr(), right):
+            first, second = _kinds(left), _kinds(right)
+            return None if first is None or second is None else first + second
+        case ast.Constant(None):
+            return _named("None")
+        case ast.Constant(str(text)):
+            return _kinds(_parsed(text))
+        case ast.Name(name) | ast.Attribute(_, name):
+            return _named(name)
+        case ast.Subscript(ast.Name("Callable"), ast.Tuple([taken, _])):
+            count = len(taken.elts) if isinstance(taken, ast.List) else None
+            text = "a function" if count is None else f"a function of {('one number', 'two numbers')[count - 1]}"
+            return [Kind(text, lambda kind: not issubclass(kind, type), partial(_takes_arguments, count))]
+        case ast.Subscript(ast.Name("Literal"), choices):
+            values = ast.literal_eval(choices)
+            values = values if isinstance(values, tuple) else (values,)
+            return [Kind(" or ".join(map(repr, values)), lambda kind: issubclass(kind, str), lambda v: v in values)]
+        case ast.Subscript(ast.Name("tuple"), ast.Tuple(entries)):
+            return [_row([_kinds(entry) for entry in entries])]
+        case ast.Subscript(ast.Name("Sequence" | "Iterable" as name), entry):
+            return [_rows(_kinds(entry), name == "Iterable")]
+        case ast.Subscript(ast.Name("Mapping"), ast.Tuple([key, value])):
+            return [_mapping(_kinds(key), _kinds(value))]
+    raise TypeError(f"no kind of argument: {ast.unparse(node)}")  # a fault of the annotation
+
+
+def _named(name: str) -> list[Kind] | None:
+    if name in ("Any", "object"):
+        return None
+    kind = KINDS.get(name) or _class(name)
+    return _kinds(_parsed(kind)) if isinstance(kind, str) else [kind]
+
+
+def _parsed(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
+
+
+def _fits(kinds: list[Kind] | None, value: object) -> bool:
+    return kinds is None or any(kind.takes(value) for kind in kinds)
+
+
+def _text(kinds: list[Kind]) -> str:
+    *first, last = dict.fromkeys(kind.text for kind in kinds)
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def _each(kinds: list[Kind] | None) -> str:
+    return f", each {_text(kinds)}" if kinds else ""
+
+
+def _row(entries: list[list[Kind] | None]) -> Kind:
+    """Return the kind of rows of so many entries."""
+
+    def fits(value: Any) -> bool:
+        return _is_short(value) and len(value) == len(entries) and all(map(_fits, entries, value))
+
+    count = "a pair" if len(entries) == 2 else f"{len(entries)} entries"
+    return Kind(f"{count}{_each(entries[0])}", _is_row, fits)
+
+
+def _rows(entry: list[Kind] | None, once: bool) -> Kind:
+    """Return the kind of rows of any length; of what is read only `once` the entries are not looked at here."""
+
+    def may(kind: type) -> bool:
+        return _is_row(kind) or (once and hasattr(kind, "__next__"))
+
+    def fits(value: Any) -> bool:
+        return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
+
+    return Kind(f"a sequence{_each(entry)}", may, fits)
+
+
+def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
+    def fits(given: Mapping[Any, Any]) -> bool:
+        return all(_fits(key, name) and _fits(value, each) for name, each in given.items())
+
+    return Kind(f"a mapping of names{_each(value)}", lambda kind: issubclass(kind, Mapping), fits)
+
+
+class Rule:
+    """What one parameter takes.
+
+    Attributes
+    ----------
+    known : set of type
+        Types all of whose values were found to be allowed.
+    """
+
+    __slots__ = ("kinds", "known", "name")
+
+    def __init__(self, name: str, kinds: list[Kind]) -> None:
+        self.name, self.kinds, self.known = name, kinds, set[type]()
+
+    def check(self, value: object) -> None:
+        """Raise ParameterError unless a value is allowed."""
+        for kind in self.kinds:
+            if kind.takes(value):
+                if kind.of_value is None:
+                    self.known.add(type(value))
+                return
+        source = f"; {self.kinds[0].source}" if len(self.kinds) == 1 and self.kinds[0].source else ""
+        raise ParameterError(self.name, value, f"must be {_text(self.kinds)}{source}")
+
+
+class Rules(NamedTuple):
+    """What the parameters of a function take: in order, those that ``*`` collects, by name, and those of ``**``."""
+
+    in_order: list[Rule | None]
+    more: Rule | None
+    by_name: dict[str, Rule]
+    others: list[Kind] | None
+
+
+def _rules(function: FunctionType) -> Rules:
+    in_order, by_name = list[Rule | None](), dict[str, Rule]()
+    more, others = None, None
+    for name, parameter in inspect.signature(function).parameters.items():
+        text = parameter.annotation
+        kinds = None if text is parameter.empty else _kinds(_parsed(text))
+        rule = None if kinds is None else Rule(name, kinds)
+        if parameter.kind is parameter.VAR_KEYWORD:
+            others = kinds
+        elif parameter.kind is parameter.VAR_POSITIONAL:
+            more = rule
+        else:
+            if rule is not None:
+                by_name[name] = rule
+            if parameter.kind is not parameter.KEYWORD_ONLY:
+                in_order.append(rule)
+    return Rules(in_order, more, by_name, others)
+
+
+def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
+    """Check the arguments of each call against the annotations of the function.
+
+    Raises
+    ------
+    ParameterError
+        From the call, if an argument is not what its annotation says; with its name and value, and what is allowed.
+    """
+    read: Rules | None = None
+
+    @wraps(function)
+    def checked(*given: Given.args, **named: Given.kwargs) -> Result:
+        nonlocal read
+        if read is None:
+            read = _rules(function)  # type: ignore[arg-type]
+        in_order, more, by_name, others = read
+        for rule, value in zip(in_order, given):  # noqa: B905  too many or too few: Python says so below
+            if rule is not None and type(value) not in rule.known:
+                rule.check(value)
+        if more is not None:
+            for value in given[len(in_order) :]:
+                more.check(value)
+        for name, value in named.items():
+            rule = by_name.get(name)
+            if rule is not None:
+                if type(value) not in rule.known:
+                    rule.check(value)
+            elif others is not None:
+                Rule(name, others).check(value)
+        return function(*given, **named)
+
+    return checked

@@ -1,0 +1,473 @@
+"""Every public callable with a valid call, hostile values for its parameters, and which of them are valid there."""
+
+from __future__ import annotations
+
+import datetime
+import decimal
+import inspect
+import os
+import random
+import types
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import click
+import mpmath
+import numpy as np
+import pandas as pd
+import sympy
+import xarray as xr
+
+import symosc
+from symosc import load_scene, plot
+from symosc.cli.app import main
+
+P5, P9 = load_scene("fig5").parameters, load_scene("fig9").parameters
+
+
+class Broken:
+    """An object whose every method fails."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise RuntimeError(f"no {name}")
+
+    def _fail(self, *_: object) -> Any:
+        raise RuntimeError("broken")
+
+    __len__ = __iter__ = __getitem__ = __float__ = __index__ = __bool__ = __array__ = __eq__ = __repr__ = _fail
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _circle() -> list[Any]:
+    circle: list[Any] = []
+    circle.append(circle)
+    return circle
+
+
+#: Makers of hostile values by name: an iterator is used up by its first reader.
+VALUES: dict[str, Callable[[], Any]] = {
+    "None": lambda: None,
+    "True": lambda: True,
+    "False": lambda: False,
+    "0": lambda: 0,
+    "-1": lambda: -1,
+    "3": lambda: 3,
+    "10**400": lambda: 10**400,
+    "-10**60": lambda: -(10**60),
+    "1e51": lambda: 1e51,
+    "0.5": lambda: 0.5,
+    "nan": lambda: float("nan"),
+    "inf": lambda: float("inf"),
+    "1j": lambda: 1j,
+    "fraction": lambda: Fraction(1, 3),
+    "decimal_nan": lambda: decimal.Decimal("NaN"),
+    "mpf_nan": lambda: mpmath.nan,
+    "symbol": lambda: sympy.Symbol("x"),
+    "oo": lambda: sympy.oo,
+    "text": lambda: "nonsense",
+    "text_empty": lambda: "",
+    "text_1": lambda: "1",
+    "text_null": lambda: "a\0b",
+    "text_long": lambda: "P" * 100_000,
+    "text_half": lambda: "\ud800",
+    "bytes": lambda: b"P2",
+    "bytearray": lambda: bytearray(b"123"),
+    "memoryview": lambda: memoryview(b"123"),
+    "[]": list,
+    "()": tuple,
+    "{}": dict,
+    "[1,2]": lambda: [1, 2],
+    "[None]": lambda: [None],
+    "[text]": lambda: ["a", "b"],
+    "ragged": lambda: [[1], [1, 2]],
+    "circle": _circle,
+    "unhashable": lambda: [{}, []],
+    "dict": lambda: {"a": 1},
+    "dict_of_int": lambda: {1: 2},
+    "set": lambda: {1, 2},
+    "generator": lambda: (i for i in range(3)),
+    "iterator": lambda: iter([]),
+    "range(10**12)": lambda: range(10**12),
+    "array": lambda: np.array([1.0, 2.0]),
+    "array_0": lambda: np.array(1.0),
+    "array_empty": lambda: np.zeros(0),
+    "array_odd": lambda: np.zeros((2, 3, 4)),
+    "array_nan": lambda: np.array([0.0, np.nan]),
+    "array_object": lambda: np.array([None, {}], dtype=object),
+    "array_text": lambda: np.array(["a", "b"]),
+    "array_bool": lambda: np.array([True, False]),
+    "array_1j": lambda: np.array([1j, 2]),
+    "array_time": lambda: np.array(["2020-01-01"], dtype="datetime64[s]"),
+    "frame": lambda: pd.DataFrame({"a": [1.0, 2.0], "b": [3.0, 4.0]}),
+    "series": lambda: pd.Series([1.0, 2.0]),
+    "dataset": lambda: xr.Dataset({"a": ("b", [1.0, 2.0])}),
+    "datetime": lambda: datetime.datetime(2020, 1, 1),
+    "timedelta": lambda: datetime.timedelta(seconds=3),
+    "timedelta64": lambda: np.timedelta64(3, "s"),
+    "lambda": lambda: lambda *_: None,
+    "type": lambda: int,
+    "module": lambda: types,
+    "object": object,
+    "ellipsis": lambda: ...,
+    "exception": lambda: ValueError("x"),
+    "path": lambda: Path("no/such/folder/at/all.xyz"),
+    "broken": Broken,
+    "Parameters": lambda: P5,
+    "Scene": lambda: load_scene("fig6"),
+    "Trajectory": lambda: made("trajectory"),
+}
+
+FLAG = {"True", "False"}
+NUMBER = {"0", "-1", "3", "0.5", "fraction", "text_1"}
+LARGE = {"3", "10**400"}
+ROWS = {"[]", "()", "[1,2]", "array", "array_0", "array_empty", "array_odd", "series"}
+TEXT = {"text", "text_1", "text_null", "text_long", "text_half"}
+NUMBERS = (
+    "m c k A0 B0 Omega v1 v2 mu1 mu2 FN t0 x0 v0 t_end t_m x theta x_i theta_m tolerance global_tolerance within low "
+    "high skip start_error"
+)
+
+
+def _each(names: str, values: set[str]) -> dict[str, set[str]]:
+    return dict.fromkeys(names.split(), values)
+
+
+#: Which values are valid for parameters of a name, or of one call; None is where it is the default, and no others are.
+VALID: dict[str, set[str]] = {
+    **_each(NUMBERS, NUMBER),
+    **_each("closed grazing jacobian own_start partial resume use_numba", FLAG),
+    **_each("max_events max_points workers", LARGE),
+    **_each("n alpha periods", {"3"}),
+    **_each("seed sections step", {"0", "3"}),
+    **_each("p parameters", {"Parameters"}),
+    **_each("scene what subject windows", {"Scene"}),
+    **_each("first second", {"[1,2]", "array", "series"}),
+    "accuracy": NUMBER | {"inf"},
+    "columns": {"{}"},
+    "end": {"[1,2]", "array", "ragged", "series"},
+    "events": {"[]", "()", "iterator", "array_empty"},
+    "given": {"{}"},
+    "guess": {"[1,2]", "array", "frame", "series"},
+    "i": {"0", "-1", "3"},
+    "path": {"text", "text_1"},
+    "plane": {"lambda"},
+    "progress": {*FLAG, "lambda"},
+    "start": {"[1,2]", "array", "array_odd", "ragged", "series"},
+    "PeriodicOrbit.__call__ t": NUMBER | ROWS | {"-10**60", "1e51"},
+    "ParameterValues.__contains__ value": NUMBER | {"oo"},
+    "plot.check_panels panels": {"None"},
+    "Scene name": TEXT,
+    "Scene notes": {"()"},
+    "Scene source": TEXT | {"text_empty"},
+    "Scene start_error": NUMBER | {"array_0"},
+    "certify progress": {*FLAG, "lambda", "Trajectory"},
+    "crosscheck scene": {"Scene", "Parameters"},
+    "crosscheck t": {"Trajectory", "broken"},  # what an object of a user raises is the user's
+    "crosscheck x": {"Trajectory"},
+    "crosscheck workers": LARGE | {"None"},
+    "CompiledResidual.__call__ x": {"[1,2]", "array", "array_nan", "series"},
+    "EventTable.__getitem__ trajectory": {"0", "-1"},
+    "GrazingWindow.contact theta": NUMBER | ROWS,
+    "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
+    "grazing_start periods": NUMBER,
+    "grazing_windows Omega": NUMBER | ROWS,
+    "simulate scene": {"Scene", "Parameters"},
+    "simulate_many t_end": NUMBER | ROWS,
+    "simulate_many skip": NUMBER | {"array_0"},
+    "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
+    "solve_map x_i": {"1e51"},
+    "Summary.__getitem__ motion": {"0", "-1", "[]", "()", "array_bool"},
+    "theorem7 gamma": NUMBER | {"symbol"},
+    "theorem7 amplitude": NUMBER | {"symbol"},
+    "values_containing theta": NUMBER | {"[1,2]"},
+    "values_containing p": {"Parameters", "None"},
+    "values_empty p": {"Parameters", "None"},
+    "values_everything p": {"Parameters", "None"},
+    **{f"Trajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
+}
+#: What a message may name in place of a parameter: the parts of it.
+CALLED = {
+    "end": ("x_j", "theta_j"),
+    "first": ("Omega",),
+    "given": ("a",),
+    "high": ("Omega",),
+    "low": ("Omega",),
+    "parameters": ("a", "range"),
+    "scene": ("t0",),
+    "second": ("k",),
+    "start": ("x_i", "theta_i"),
+    "t": ("column", "file", "function", "lengths", "list", "ndarray", "path", "solution"),
+    "t0": ("t_end",),
+    "subject": ("t_end",),
+    "t_m": ("theta",),
+    "v": ("t", "lengths"),
+    "v2": ("v1",),
+    "value": ("Omega",),
+    "x": ("columns", "function", "lengths", "points", "t"),
+}
+
+
+def _samples() -> dict[str, Any]:
+    t = np.linspace(0, 3, 40)
+    x, v = made("trajectory")(t)
+    return {"t": t, "x": x, "v": v}
+
+
+def _scores() -> Any:
+    from symosc.reference.score import score
+    from symosc.reference.stored import stored
+
+    return [score("nobody", [stored(symosc.reference_cases()[1])], {})]
+
+
+OVER = {"Omega": "3:5:3", "FN": [5, 10]}
+TWO = [(0, 0, 0), (0, 1, 0)]
+MAKERS: dict[str, Callable[[], Any]] = {
+    "trajectory": lambda: symosc.simulate("fig5", t_end=3),
+    "orbit": lambda: symosc.find_orbit(P9, "P32"),
+    "branch": lambda: symosc.continue_orbit(P9, "P32", "Omega", (3.9, 4.0), max_points=5),
+    "window": lambda: symosc.grazing_window(P9, "P2"),
+    "curve": lambda: symosc.grazing_curve(P9, "P2", n=50),
+    "samples": _samples,
+    "check": lambda: symosc.crosscheck("fig5", **made("samples")),
+    "certificate": lambda: symosc.certify("fig6"),
+    "events": lambda: symosc.simulate_many(P5, TWO, 3, use_numba=False),
+    "summary": lambda: symosc.simulate_many(P5, TWO, 7, use_numba=False, record="summary"),
+    "residual": lambda: symosc.compiled_residual(P9, "P2"),
+    "region": lambda: symosc.values_containing(P9, "P2", ("Omega", "k"), "7*pi/6"),
+    "values": lambda: symosc.values_containing(P9, "P2", "Omega", "7*pi/6"),
+    "dataset": lambda: symosc.sweep("fig9", OVER, t_end="12T", skip="10T"),
+    "basins": lambda: symosc.sweep("fig9", {"v0": "0:2:2", "x0": "-1:1:2"}, t_end="12T", skip="10T"),
+    "line": lambda: symosc.sweep("fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"),
+    "scores": _scores,
+    "drawing": lambda: plot.figure("fig6", panels="a"),
+}
+
+
+@cache
+def made(name: str) -> Any:
+    """Return an answer, made once."""
+    return MAKERS[name]()
+
+
+def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
+    """Return the functions that need no answer of another, each with valid arguments; the rest are defaults."""
+    s = symosc
+    grazes = {"p": P9, "mapping": "P2"}
+    points = {"p": P9, "label": "P2", "start": (4.5, 0.5), "end": (-4, 4)}
+    start = {"t0": 0, "x0": 0, "v0": 0, "t_end": 3}
+    scene = load_scene("fig6")
+    swept = {"scene": "fig9", "over": {"Omega": [4]}, "record": "events", "t_end": "1"}
+    return {
+        "Parameters": (s.Parameters, {name: getattr(P5, name) for name in P5.as_dict()}),
+        "Parameters.replace": (P5.replace, {"m": 1}),
+        "Parameters.A": (P5.A, {"alpha": 1}),
+        "Parameters.belt": (P5.belt, {"boundary": 1}),
+        "Scene": (s.Scene, {"name": "a", "parameters": P5, **start}),
+        "Scene.started": (scene.started, {"given": {"t0": 1}}),
+        "load_scene": (s.load_scene, {"name_or_path": "fig5"}),
+        "scene_names": (s.scene_names, {}),
+        "reference_cases": (s.reference_cases, {}),
+        "read_word": (s.read_word, {"word": "P32"}),
+        "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
+        "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
+        "simulate_many": (
+            s.simulate_many,
+            {"parameters": P5, "starts": (0, 0, 0), "t_end": 3, "record": "summary", "use_numba": False},
+        ),
+        "residual": (s.residual, points),
+        "jacobian": (s.jacobian, points),
+        "parameter_jacobian": (s.parameter_jacobian, points),
+        "solve_map": (s.solve_map, {"p": P9, "label": "P2", "x_i": 4.5, "theta_i": 0.5}),
+        "compiled_residual": (s.compiled_residual, {"p": P9, "label": "P2"}),
+        "find_orbit": (s.find_orbit, {"parameters": P9, "word": "P32"}),
+        "continue_orbit": (
+            s.continue_orbit,
+            {"parameters": P9, "word": "P32", "parameter": "Omega", "range": (3.9, 4.0), "max_points": 3},
+        ),
+        "grazing_window": (s.grazing_window, grazes),
+        "grazing_windows": (s.grazing_windows, grazes | {"Omega": [1, 2]}),
+        "grazing_start": (s.grazing_start, grazes | {"theta": 1}),
+        "grazing_start t_m": (s.grazing_start, grazes | {"t_m": "1/2"}),
+        "grazing_curve": (s.grazing_curve, grazes | {"n": 50}),
+        "check_grazing": (s.check_grazing, grazes | {"n": 20}),
+        "is_grazing": (s.is_grazing, grazes | {"x": 0, "theta": 1}),
+        "solve_grazing": (s.solve_grazing, grazes | {"n": 50, "x_i": 4}),
+        "theorem7": (s.theorem7, {"mapping": "P3", "gamma": 3, "amplitude": 5}),
+        "values_containing": (s.values_containing, grazes | {"name": "Omega", "theta": "7*pi/6"}),
+        "values_empty": (s.values_empty, {"p": P9, "mapping": "P3", "name": "Omega"}),
+        "values_everything": (s.values_everything, grazes | {"name": "Omega", "order": "paper"}),
+        "sweep": (s.sweep, swept),
+        "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
+        "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.check_panels": (plot.check_panels, {"panels": "a"}),
+        "plot.check_suffix": (plot.check_suffix, {"path": "a.png"}),
+        "plot.default_panels": (plot.default_panels, {"scene": scene}),
+        "plot.simulated": (plot.simulated, {"scene": scene, "t_end": 2}),
+        "plot.sweep_figure": (plot.sweep_figure, grazes | {"name": "Omega", "low": "0.1", "high": 4}),
+    }
+
+
+def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
+    """Return the functions and methods that need an answer of another, each with valid arguments."""
+    s, m = symosc, made
+    nowhere = {"path": os.devnull}
+    return {
+        "certify": (s.certify, {"what": "fig6", "t_end": 2}),
+        "crosscheck": (s.crosscheck, {"scene": "fig5", **m("samples")}),
+        "crosscheck table": (s.crosscheck, {"scene": "fig5", "t": pd.DataFrame(m("samples")), "columns": {"t": "t"}}),
+        "CompiledResidual.__call__": (lambda x: m("residual")(x, *[np.array([0.5, 4])] * 3), {"x": np.array([1, 2])}),
+        "Trajectory.__call__": (m("trajectory"), {"t": [1, 2]}),
+        "Trajectory.mode": (m("trajectory").mode, {"t": 1}),
+        "Trajectory.force": (m("trajectory").force, {"alpha": 1, "t": 1}),
+        "Trajectory.to_csv": (m("trajectory").to_csv, nowhere),
+        "Trajectory.to_json": (m("trajectory").to_json, nowhere),
+        "Trajectory.plot": (m("trajectory").plot, {"panels": "a", "boundary": 1, "columns": 1}),
+        "PeriodicOrbit.__call__": (m("orbit"), {"t": [1, 2]}),
+        "PeriodicOrbit.approach": (m("orbit").approach, {"scene": "fig9", "within": 1e-3}),
+        "Branch.orbit": (m("branch").orbit, {"i": 0}),
+        "Branch.parameters": (m("branch").parameters, {"i": 0}),
+        "GrazingWindow.contact": (m("window").contact, {"theta": 1}),
+        "GrazingWindow.contains": (m("window").contains, {"theta": 1}),
+        "GrazingCurve.sample": (m("curve").sample, {"theta_m": 1}),
+        "ParameterRegion.contains": (m("region").contains, {"Omega": "1/5", "k": 1}),
+        "ParameterValues.__contains__": (m("values").__contains__, {"value": "1/2"}),
+        "EventTable.__getitem__": (m("events").__getitem__, {"trajectory": 0}),
+        "EventTable.to_csv": (m("events").to_csv, nowhere),
+        "Summary.__getitem__": (m("summary").__getitem__, {"motion": 0}),
+        "CrossCheck.to_html": (m("check").to_html, nowhere),
+        "Certificate.to_json": (m("certificate").to_json, nowhere),
+        "plot.orbit_figure": (plot.orbit_figure, {"orbit": m("orbit"), "panels": "c"}),
+        "plot.branch_figure": (plot.branch_figure, {"branch": m("branch"), "panels": "a"}),
+        "plot.basin_figure": (plot.basin_figure, {"dataset": m("basins")}),
+        "plot.bifurcation_figure": (plot.bifurcation_figure, {"dataset": m("line")}),
+        "plot.curve_figure": (plot.curve_figure, {"dataset": m("line"), "name": "events"}),
+        "plot.map_figure": (plot.map_figure, {"dataset": m("dataset")}),
+        "plot.swept_figure": (plot.swept_figure, {"dataset": m("dataset")}),
+        "plot.certificate_figure": (plot.certificate_figure, {"certificate": m("certificate")}),
+        "plot.crosscheck_figure": (plot.crosscheck_figure, {"check": m("check"), "panels": "b"}),
+        "plot.step_figure": (plot.step_figure, {"check": m("check"), "step": 0, "panels": "a"}),
+        "plot.events_figure": (plot.events_figure, {"events": m("events")}),
+        "plot.summary_figure": (plot.summary_figure, {"summary": m("summary")}),
+        "plot.figure_grazing_curve": (plot.figure_grazing_curve, {"curve": m("curve"), "panels": "a"}),
+        "plot.region_figure": (plot.region_figure, {"region": m("region")}),
+        "plot.save": (plot.save, {"drawing": m("drawing"), "path": "figure.png"}),
+        "plot.score_figure": (plot.score_figure, {"scores": m("scores")}),
+        "plot.window_figure": (plot.window_figure, {"windows": m("window"), "panels": "a"}),
+    }
+
+
+def full(call: Callable[..., Any], given: dict[str, Any]) -> dict[str, Any]:
+    """Return valid arguments with the defaults of all other parameters, in order."""
+    named = inspect.signature(call).parameters.values()
+    usual = {each.name: each.default for each in named if each.default is not each.empty}
+    order = [each.name for each in named if each.kind not in (each.VAR_KEYWORD, each.VAR_POSITIONAL)]
+    found = usual | given
+    return {name: found[name] for name in [*order, *(set(found) - set(order))]}
+
+
+def is_valid(name: str, parameter: str, value: str, usual: Any) -> bool:
+    """Tell whether a value may be accepted for a parameter of a call, as the documentation has it."""
+    call = name.split()[0]
+    special = f"{call} {parameter}"
+    own = VALID.get(special, VALID.get(parameter, set()))
+    return value in own or (value == "None" and usual is None)
+
+
+# --- command lines ---
+
+#: The start of a valid line of each command, and what makes the long ones fail after all options have been read.
+LINES: dict[str, list[str]] = {
+    "simulate": ["fig6"],
+    "figure": ["fig6", "-o", "a.png", "--panels", "a"],
+    "scenes": [],
+    "new": ["mine.toml"],
+    "orbit": ["fig9"],
+    "grazing": ["fig9", "--map", "P2"],
+    "codegen": ["P2", "-o", "a.c"],
+    "check": ["samples.csv", "--scene", "fig6"],
+    "certify": ["fig6"],
+    "verify": ["broken.json"],
+    "cases": ["--group", "none"],
+    "score": [".", "."],
+    "derive": ["motion", "--format", "html", "--pdf"],
+    "sweep": ["fig9", "--over", "Omega=3:5:2", "--t-end", "1"],
+    "bench": ["-o", "-", "--json"],
+    "warm": ["none"],
+    "explore": ["fig6", "--set", "m=0"],
+    "reproduce": ["--only", "none"],
+}
+TEXTS = [
+    *(
+        "",
+        " ",
+        "-",
+        "--",
+        "nan",
+        "inf",
+        "-1",
+        "0",
+        "1",
+        "1e51",
+        "1e999999999",
+        "1_000",
+        "１",
+        "0x10",
+        "None",
+        "[]",
+        "{}",
+    ),
+    *("9" * 5000, "x" * 5000, "a\nb", "a\udc80b", "\u202e", "%s%n", "$(id)", "`id`", "<b>", "1/0", "2*pi", "P32", "P9"),
+    *("fig5", "FIG5", "k=1", "k=x", "=", "k=", "m=0", "v1=9", "1:2", "1:2:3", "Omega=3:5:2", "Omega=5:3:2", "Omega=::"),
+    *("no/such/folder/a.json", ".", "folder", "a.xyz", "a.pdf", "a.json", "broken.json", "broken.toml", "binary.bin"),
+    *("deep.json", "list.json", "samples.csv", "empty.csv", "x,v,t", "t=a,x=b", "0,0,0", "12T", "-2T", "word,word"),
+    *("section:0", "math:sin", "math", "none:none", "dask:", "latex", "all", "10:20", "@a", "~nobody", "*"),
+]
+#: Never tried: it writes into the package, or removes folders.
+NEVER = {"--regenerate", "--restart", "--help"}
+
+
+def write_hostile_files(folder: Path) -> None:
+    """Write the files that command lines name."""
+    (folder / "folder").mkdir()
+    contents = {
+        "broken.json": "{",
+        "broken.toml": "t_end = ",
+        "deep.json": "[" * 50_000,
+        "list.json": "[1, 2]",
+        "empty.csv": "",
+        "samples.csv": "t,x,v\n0,0,5\n0.1,0.5,5\n",
+    }
+    for name, text in contents.items():
+        (folder / name).write_text(text)
+    (folder / "binary.bin").write_bytes(bytes(range(256)) * 8)
+
+
+def command_lines(rng: random.Random) -> Iterator[list[str]]:
+    """Yield lines: each option and argument of each command with several texts, and then some of them at once."""
+    context = click.Context(main)
+    commands = {name: main.get_command(context, name) for name in main.list_commands(context)}
+    assert commands.keys() == LINES.keys()
+    options = {
+        name: [each for each in command.params if isinstance(each, click.Option) and not NEVER & set(each.opts)]
+        for name, command in commands.items()
+        if command
+    }
+
+    def more(option: click.Option) -> list[str]:
+        return [rng.choice(option.opts), *([] if option.is_flag else [rng.choice(TEXTS)])]
+
+    for name, known in options.items():
+        for option in known:
+            for _ in range(1 if option.is_flag else 5):
+                yield [name, *LINES[name], *more(option)]
+        for place in range(len(LINES[name])):
+            for text in rng.sample(TEXTS, 3):
+                yield [name, *LINES[name][:place], text, *LINES[name][place + 1 :]]
+    while True:
+        name = rng.choice(list(options))
+        line = [*LINES[name], *(text for _ in range(rng.randint(1, 3)) for text in more(rng.choice(options[name])))]
+        yield [name, *line, *rng.choice(([], [], [rng.choice(TEXTS)]))]

@@ -1,0 +1,199 @@
+"""Bad input of anything public: one clear error, and never a raw one; nothing that makes no sense is accepted."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import random
+import signal
+import subprocess
+import sys
+import types
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from bad_values import refused
+from cli_runs import run
+from hostile import CALLED, P9, VALUES, command_lines, full, functions, is_valid, made, of_answers, write_hostile_files
+
+import symosc
+from symosc import ParameterError, SymoscError, load_scene, plot
+from symosc.arguments import public
+
+#: Seconds after which a call is given up; it is then neither right nor wrong.
+GIVEN_UP = 20
+
+
+class GivenUp(BaseException):
+    """A call that takes too long."""
+
+
+@contextlib.contextmanager
+def time_limit() -> Iterator[None]:
+    """Give up what takes too long."""
+
+    def give_up(*_: object) -> None:
+        raise GivenUp
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(GIVEN_UP)
+    try:
+        yield
+    except GivenUp:
+        pass
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def wrong(name: str, call: Callable[..., Any], given: dict[str, Any], parameter: str, value: str) -> str:
+    """Return what is wrong with what a call does with a value, "" if nothing is."""
+    usual = inspect.signature(call).parameters.get(parameter)
+    valid = is_valid(name, parameter, value, usual and usual.default)
+    try:
+        with time_limit():
+            call(**given | {parameter: VALUES[value]()})
+    except ParameterError as error:
+        line = str(error)
+        named = line.startswith((parameter, *CALLED.get(parameter, ())))
+        return "" if named and "\n" not in line and len(line) < 400 else f"says {line!r}"
+    except SymoscError:
+        return ""
+    except Exception as error:
+        index = name.endswith("__getitem__") and isinstance(error, IndexError)  # as of any sequence
+        return "" if index or (valid and value == "broken") else f"raises {error!r:.200}"
+    return "" if valid else "is accepted"
+
+
+def fuzz(calls: dict[str, tuple[Callable[..., Any], dict[str, Any]]], rng: random.Random, share: float) -> int:
+    """Try a share of all values for all parameters of calls; return how many that were."""
+    found, count = [], 0
+    for name, (call, given) in calls.items():
+        given = full(call, given)
+        for parameter in given:
+            for value in VALUES:
+                if rng.random() < share and (parameter, value) != ("use_numba", "True"):  # which compiles for a minute
+                    count += 1
+                    reason = wrong(name, call, given, parameter, value)
+                    found += [f"{name}({parameter} = {value}) {reason}"] if reason else []
+        plt.close("all")
+    assert found == []
+    return count
+
+
+@pytest.fixture
+def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.usefixtures("somewhere")
+def test_some_hostile_values() -> None:
+    assert fuzz(functions(), random.Random(1), 0.02) > 150
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.usefixtures("somewhere")
+def test_every_hostile_value_of_every_parameter() -> None:
+    calls = functions() | of_answers()
+    for call, given in calls.values():
+        call(**given)
+    assert fuzz(calls, random.Random(2), 1.0) > 15_000
+
+
+@pytest.mark.slow
+def test_everything_public_is_tried() -> None:
+    """What takes no argument cannot be given a wrong one; constructors of answers are for symosc alone."""
+    tried = {name.split()[0] for name in functions() | of_answers()}
+    for prefix, module in (("", symosc), ("plot.", plot)):
+        for name in module.__all__:
+            found = getattr(module, name)
+            if isinstance(found, types.FunctionType):
+                assert prefix + name in tried
+            elif isinstance(found, type) and not issubclass(found, Exception):
+                for method, each in vars(found).items():
+                    called = method in ("__call__", "__getitem__", "__contains__") or not method.startswith("_")
+                    if called and isinstance(each, types.FunctionType) and len(inspect.signature(each).parameters) > 1:
+                        assert f"{name}.{method}" in tried
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("given", lambda: load_scene("fig5").started(5)),  # type: ignore[arg-type]
+        ("scene", lambda: plot.default_panels(5)),  # type: ignore[arg-type]
+        ("scene", lambda: made("orbit").approach(1, 1)),  # type: ignore[arg-type]
+        ("scores", lambda: plot.score_figure(5)),  # type: ignore[arg-type]
+        ("plane", lambda: plot.window_figure(symosc.grazing_window(P9, "P2"), "x")),  # type: ignore[arg-type]
+        ("over", lambda: symosc.sweep("fig9", {("a",): [1]})),  # type: ignore[dict-item]
+        ("over", lambda: symosc.sweep("fig9", [{"Omega": {}}])),
+        ("record", lambda: symosc.sweep("fig9", {"Omega": [1]}, record=[{}])),  # type: ignore[list-item]
+        ("t", lambda: symosc.simulate("fig5", t_end=3)(range(10**12))),
+        ("t0", lambda: symosc.simulate_many(P9, [[np.timedelta64(3, "s"), 0, 0]], 3)),
+        ("columns", lambda: symosc.crosscheck("fig5", [0, 1], [0, 1], [0, 1], columns=print)),  # type: ignore[arg-type]
+        ("progress", lambda: symosc.crosscheck("fig5", [0, 1], [0, 1], [0, 1], progress=5)),  # type: ignore[arg-type]
+        ("jacobian", lambda: symosc.compiled_residual(P9, "P2", jacobian=1e51)),  # type: ignore[arg-type]
+        ("t_end", lambda: symosc.simulate_many(P9, (0, 0, 0), bytearray(b"3"))),
+        ("progress", lambda: symosc.simulate("fig5", progress=lambda part: None)),  # type: ignore[arg-type,misc]
+    ],
+)
+def test_cases_of_an_audit(name: str, call: Callable[[], Any]) -> None:
+    refused(call, name)
+
+
+def test_what_the_annotations_say_is_what_is_checked() -> None:
+    @public
+    def f(self: Any, a: int, /, *more: str | None, b: tuple[int, int] = (1, 2), **rest: bool) -> str:
+        return f"{a} {more} {b} {rest}"
+
+    assert f(0, 1, "x", None, b=[3, 4], c=True) == "1 ('x', None) [3, 4] {'c': True}"  # type: ignore[arg-type]
+    refused(lambda: f(0, True), "a")
+    refused(lambda: f(0, 1, 2), "more")  # type: ignore[arg-type]
+    refused(lambda: f(0, 1, b=(1, 2, 3)), "b")  # type: ignore[arg-type]
+    refused(lambda: f(0, 1, c=1), "c")  # type: ignore[arg-type]
+    for arity in (lambda: f(0), lambda: f()):  # type: ignore[call-arg]
+        with pytest.raises(TypeError, match="missing"):
+            arity()
+
+
+def test_no_motions_have_a_summary() -> None:
+    found = symosc.simulate_many(load_scene("fig5").parameters, np.zeros((0, 3)), 3, use_numba=False, record="summary")
+    assert len(found) == 0
+    assert found.word.shape == found.x.shape == (0,)
+
+
+def faulty(line: list[str]) -> str:
+    """Return what is wrong with what the program does on a command line."""
+    result = None
+    with time_limit():
+        result = run(*line)
+    if result is None or (result.exception is None and result.exit_code in (0, 1)):
+        return ""
+    if not isinstance(result.exception, SystemExit):
+        return f"{line!r:.300} raises {result.exception!r:.200}"
+    most = 2 if {"-v", "--verbose"} & set(line) else 1
+    if result.exit_code == 2 and (not 1 <= result.stderr.count("\n") <= most or "Traceback" in result.stderr):
+        return f"{line!r:.300} says {result.stderr!r:.300}"
+    return "" if result.exit_code in (0, 1, 2) else f"{line!r:.300} ends with {result.exit_code}"
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_hostile_command_lines(somewhere: Path) -> None:
+    write_hostile_files(somewhere)
+    lines = list(islice(command_lines(random.Random(3)), 1200))
+    assert [fault for fault in map(faulty, lines) if fault] == []
+
+
+@pytest.mark.slow
+def test_bench_without_numba() -> None:
+    program = "import sys; sys.modules['numba'] = None; from symosc.cli.app import main; main(['bench', '--quick'])"
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1)
+    assert "pip install 'symosc[bench]'" in ended.stderr
