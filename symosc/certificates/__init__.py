@@ -23,18 +23,17 @@ How the pieces fit, from below:
     settled      a motion that settles on an orbit: any number of periods by one of them
     known        the events of a scene as a reference, proven or why not
     certificate  `Certificate` and its JSON
-    verify       proves a file again by other means; one file that needs nothing of symosc
-    verify_orbits  the same for orbits and windows; needs verify.py only
-    verify_branches  the same for branches; needs these two only
-    verify_settled  the same for motions that settle on an orbit; needs the first two only
+    verify       proves motions and windows again by other means; one file that needs nothing of symosc
+    verify_orbits  the same for orbits and branches; needs verify.py only
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
 and returns the proven event and the set after it; `contact_jacobian` has the derivatives of a flight's end, and
 `StateSet` carries them. `Undecided` says what is open, and a `touch` where it may be one. Parameters are exact in
 `flow.Oscillator` and `turns.Turns`: whether a motion is underdamped, resonant or has turns is decided in rationals. A
 family over a parameter may pass through critical damping, where entire functions take over, but not through resonance.
-Its file has the same "format" and its own "kind", for which `verify.KINDS` names what proves it; there `Motion.behind`
-gives the motion after a stated event with the derivatives of all starts (`columns`).
+Its file has the same "format" and its own "kind", for which `verify.KINDS` names what proves it and `verify.SHAPES`
+what it looks like; there `Motion.behind` gives the motion after a stated event with the derivatives of all starts
+(`columns`). `certificate.confirmed` asks the checker before a certificate says that it is proven.
 
 What is not proven, and says so: touches from exact starts with damping or drive (double zeros), forces that are exactly
 0 where they turn, motions of more than MOST_PROVEN_EVENTS events that settle on no orbit.

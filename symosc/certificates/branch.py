@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from symosc.aliases import Record
 from symosc.certificates.balls import FLINT_VERSION, Undecided, ball, outward, working_bits
-from symosc.certificates.certificate import Certificate
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.closing import ClosingBalls, Values
 from symosc.certificates.course import prove_course
 from symosc.certificates.ends import violated
@@ -129,7 +129,7 @@ def _end(
     broken = violated(thin, points)
     if broken is None:
         raise Undecided(f"which inequality fails beyond the {kind} at {task.name} = {float(value):.12g}")
-    return ProvenEnd(kind, inside, outside, broken.text, broken.t.mid().str(BRANCH_DIGITS, radius=False), box)
+    return ProvenEnd(broken.kind, inside, outside, broken.text, broken.t.mid().str(BRANCH_DIGITS, radius=False), box)
 
 
 def _narrow(thin: ClosingBalls, family: Family, value: Fraction) -> Values:
@@ -210,21 +210,10 @@ def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -
         "boxes": rows,
     }
     changes = tuple((row["kind"], row["source"], row["target"]) for row in course)
-    message = _message(task, ends, boxes)
-    return Certificate("branch", True, message, changes, stable=True if stable else None, statement=statement)
+    return confirmed(Certificate("branch", True, "", changes, stable=True if stable else None, statement=statement))
 
 
 def _points(box: Box) -> Record:
     """Return the enclosures of the points as a file has them."""
     events = switchings(box.family.wide, box.family.stated, 0)
     return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}
-
-
-def _message(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> str:
-    low, high = (show(end.inside) for end in ends)
-    text = f"an orbit {Word(task.labels)} for every {task.name} from {low} to {high}, by {len(boxes)} intervals"
-    for end in ends:
-        if end.kind != END_OF_RANGE:
-            first, last = sorted((end.inside, end.outside))
-            text += f"; {end.kind} between {show(first)} and {show(last)}: {end.inequality}"
-    return text

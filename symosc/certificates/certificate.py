@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ class Certificate(Drawable):
     proven : bool
         Whether all of it is proven.
     message : str
-        What is proven; or what could not be, and where.
+        What is proven, as the checker says it; or what could not be, and where.
     events : tuple
         The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals. Of a
         settled one those of its last periods.
@@ -72,6 +72,20 @@ class Certificate(Drawable):
         count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
         article = "an" if self.kind == "orbit" else "a"
         return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
+
+
+def confirmed(certificate: Certificate) -> Certificate:
+    """Return a certificate whose file the checker has proven once more, or one that is not proven.
+
+    Its message is the checker's.
+    """
+    from symosc.certificates.verify_orbits import judge
+
+    about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
+    code, answer = judge(about)
+    if code:
+        return replace(certificate, proven=False, message=f"not confirmed by the checker: {answer}")
+    return replace(certificate, message=answer.splitlines()[0].removeprefix("proven: "))
 
 
 def proven_rows(certificate: Certificate) -> list[Record]:

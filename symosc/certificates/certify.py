@@ -10,6 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from symosc.aliases import NumberLike, SceneName, StartError
+from symosc.arguments import public
 from symosc.certificates.certificate import Certificate
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_start_error
@@ -26,12 +28,13 @@ SETTLES_AFTER = 6000
 MOST_PROVEN_DIGITS = 500
 
 
+@public
 def certify(
-    what: Any,
+    what: Scene | SceneName | PeriodicOrbit | Branch | GrazingWindow,
     *,
-    t_end: Any = None,
-    start_error: Any = None,
-    digits: Any = None,
+    t_end: NumberLike | None = None,
+    start_error: StartError | None = None,
+    digits: int | None = None,
     progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.

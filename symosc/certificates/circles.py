@@ -17,9 +17,6 @@ from symosc.certificates.balls import Ball, ball
 from symosc.certificates.contact import Wall
 from symosc.model import Parameters
 
-#: What a touch rests on, for a file.
-IDENTITY = "v0^2 + (m/k) a0^2 = v_belt^2, in rational numbers"
-
 
 class Circle(NamedTuple):
     """The exact velocity and acceleration at the start of a flight."""

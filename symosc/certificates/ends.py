@@ -22,10 +22,11 @@ MOST_NEAR = 60
 
 
 class Violation(NamedTuple):
-    """An inequality that surely does not hold, in words, and a time at which it does not."""
+    """An inequality that surely does not hold, in words, a time at which it does not, and the kind of the end."""
 
     text: str
     t: Ball
+    kind: str
 
 
 def violated(closing: ClosingBalls, values: Values) -> Violation | None:
@@ -34,15 +35,20 @@ def violated(closing: ClosingBalls, values: Values) -> Violation | None:
     spans = [ends[2 * i] - values[2 * i] for i in range(len(closing.pieces))]
     for i, (piece, span) in enumerate(zip(closing.pieces, spans, strict=True)):
         if span < 0:
-            return Violation(f"{piece.label} lasts", values[2 * i])
-    for i in range(len(closing.pieces)):
+            kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
+            return Violation(f"{piece.label} lasts", values[2 * i], f"vanishing of a {kind}")
+    for i, piece in enumerate(closing.pieces):
         for domain, force, wanted in forces_at(closing, i, values):
             if sure_sign(force) == -wanted:
-                return Violation(passage_text(closing, i, domain, wanted), values[2 * i])
+                far = domain != closing.pieces[i - 1].mode and not closing.oscillator.jump[piece.start].is_zero()
+                kind = "grazing" if not far else "birth of a slip" if piece.sticks else "birth of a stick"
+                return Violation(passage_text(closing, i, domain, wanted), values[2 * i], kind)
         for border in borders(closing, i, values):
             tau = below(border, spans[i]) if spans[i] > 0 else None
             if tau is not None:
-                return Violation(border.what, values[2 * i] + tau)
+                leaves = starts_with(border.curve(arb(0)), border.at_start)
+                kind = "birth of a slip" if piece.sticks else "grazing" if leaves > 0 else "vanishing of a slip"
+                return Violation(border.what, values[2 * i] + tau, kind)
     return None
 
 

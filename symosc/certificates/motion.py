@@ -86,6 +86,8 @@ def begin(problem: Problem, start: tuple[Fraction, ...], errors: tuple[Fraction,
             sign = (exact > 0) - (exact < 0)
             if exact == 0:
                 _, sign = next(problem.turns[boundary].pieces(values[0]))
+            if sign == 0:
+                raise Undecided("a force on the belt that is 0 for ever", values[0])
         elif sign == 0:
             raise Undecided("a force on the belt at the start", values[0])
         signs.append(sign)

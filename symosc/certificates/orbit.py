@@ -10,7 +10,7 @@ from flint import arb, arb_mat
 
 from symosc.aliases import Number, Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, exact_ends, outward, working_bits
-from symosc.certificates.certificate import Certificate
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.closing import ClosingBalls, Root, Values
 from symosc.certificates.course import prove_course
 from symosc.certificates.flow import Oscillator
@@ -174,10 +174,10 @@ def _certificate(task: OrbitToProve, proof: OrbitProof, bits: int) -> Certificat
         "stable": stable,
     }
     rows = statement["events"]
-    return Certificate(
+    certificate = Certificate(
         "orbit",
         True,
-        _message(task, statement, stable, bits),
+        "",
         events=tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows),
         points=tuple(
             (outward(root.points[2 * i], POINT_DIGITS), outward(root.points[2 * i + 1], POINT_DIGITS))
@@ -187,14 +187,7 @@ def _certificate(task: OrbitToProve, proof: OrbitProof, bits: int) -> Certificat
         stable=stable,
         statement=statement,
     )
-
-
-def _message(task: OrbitToProve, statement: Record, stable: bool | None, bits: int) -> str:
-    kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[stable]
-    count = f"{task.periods} forcing period{'' if task.periods == 1 else 's'}"
-    t, x = statement["alone_within"]
-    text = f"{kind} {Word(task.labels)} of {count}, the only one within {t} in t and {x} in x"
-    return text + ("" if stable is not None else f"; it is marginal: a multiplier is 1 in size to {bits} bits")
+    return confirmed(certificate)
 
 
 def _open(task: OrbitToProve, undecided: Undecided, bits: int) -> str:

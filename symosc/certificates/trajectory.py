@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, ball, exact_ends, outward, size, working_bits
-from symosc.certificates.certificate import Certificate
-from symosc.certificates.circles import IDENTITY
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.graze import FREE, prove_touch
 from symosc.certificates.motion import Moving, Problem, ProvenEvent, begin, next_event
 from symosc.exact import show
@@ -161,8 +160,9 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
-    message = _message(task, proof, bits)
-    return Certificate("trajectory", proof.open is None, message, events_of(rows), statement=statement)
+    if proof.open is None:
+        return confirmed(Certificate("trajectory", True, "", events_of(rows), statement=statement))
+    return Certificate("trajectory", False, _open(task, proof, proof.open, bits), events_of(rows), statement=statement)
 
 
 def question(task: ToProve, bits: int) -> Record:
@@ -181,18 +181,13 @@ def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
     return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
 
 
-def _message(task: ToProve, proof: Proof, bits: int) -> str:
+def _open(task: ToProve, proof: Proof, undecided: Undecided, bits: int) -> str:
     count = f"{len(proof.events)} event{'' if len(proof.events) == 1 else 's'}"
-    if proof.open is None:
-        end = show(task.t_end)
-        if proof.free is not None:
-            return f"{count} until t = {end}, for some {proof.free[0]} within the error of the start"
-        return f"{count} until t = {end}" + ("" if task.exact else ", for every start within the error")
-    near = "" if proof.open.near is None else f" near t = {proof.open.near.mid().str(15, radius=False)}"
+    near = "" if undecided.near is None else f" near t = {undecided.near.mid().str(15, radius=False)}"
     hint = ""
-    if proof.open.touch is not None and task.exact:
+    if undecided.touch is not None and task.exact:
         hint = "; with start_error the statement that a start so near touches can be proven"
-    return f"{proof.open.what}{near} is not decided with {bits} bits, after {count}{hint}"
+    return f"{undecided.what}{near} is not decided with {bits} bits, after {count}{hint}"
 
 
 def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
@@ -201,9 +196,7 @@ def _row(event: ProvenEvent, before: Ball, task: ToProve) -> Record:
     if since > 0:
         scale = max(1.0, size(event.t))
         digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
-    because = {"because": IDENTITY} if event.kind == "graze" and task.exact else {}
-    row = event_row(event, digits)
-    return {name: row[name] for name in ("kind", "boundary", "source", "target")} | because | row
+    return event_row(event, digits)
 
 
 def event_row(event: ProvenEvent, digits: int) -> Record:

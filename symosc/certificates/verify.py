@@ -1,38 +1,55 @@
 #!/usr/bin/env python3
-"""Prove a certificate of symosc once more: ``python verify.py FILE``. Needs python-flint and nothing of symosc.
+"""Prove a certificate of a motion or of a grazing window once more: ``python verify.py FILE``.
 
-Exit code 0: the file is proven. 1: it is false, or not proven here. 2: it is no certificate. The equation is m x'' + c
-x' + k x = A + B0 cos(Omega t), A being A0 + (mu1 + mu2) FN where v = x' < v1 (Omega1), A0 - (mu1 - mu2) FN where v1 < v
-< v2 (Omega2), A0 - (mu1 + mu2) FN where v > v2 (Omega3). F is x'' by it. At a belt, v = v1 or v2, the motion sticks if
-F > 0 below and F < 0 above it, until one of them is 0; it passes if both have one sign. A "trajectory" states for a
-start ("all" within start_error; "some": the only one with a free number between low and high that touches) that until
-t_end these are its events, each within its times and positions. Balls (arb) prove it:
+It needs python-flint and nothing of symosc (orbits and branches: verify_orbits.py). The page "The format of
+certificates" has the equation of motion, what each kind of file states, and the exit codes. Balls (arb) prove it:
 
 1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M) z(t). A mode ends when
    a function f = row z reaches 0: the distance of v from a belt, or, on a belt, F below it or -F above it.
-2. f > 0 from a to b = a + h if f > 0 and f + f' h - B h^2/2 > 0 at a, |f''| < B; or if f > 0 > f' at b, and f' < 0 or
-   f'' > 0 all the way. After a start with f = f' = ... = 0, f > 0 while the next derivative is > 0.
-3. In an event one f has different signs at two times, and f' one sign between them; the others are > 0 there.
-4. A graze: for all starts from low to high f > 0 > f' at a time, f > 0 at a later one, and f'' > 0 between them. The
-   least f is > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is not 0: one
-   start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed squared, f = 0 where f' = 0.
+2. f > 0 from a to a + h if f + f' h - B h^2/2 > 0 at a and h, |f''| <= B all the way; and up to b as well if that is so
+   for h = (b - a)/2, both from a onwards and from b backwards. After a start with f = ... = 0, f > 0 while the next
+   derivative is > 0, which is shown in the same way. In flights u = f^(n) solves u'' + (c/m) u' + (k/m) u = r with
+   |r| <= D = |B0| Omega^(n+1)/m. So |u| is at most (u^2 + (m/k) u'^2)^(1/2) + h D (m/k)^(1/2) for a time h, by its
+   energy; and, with l the smaller one of h and m/c, (|u| + h |u'| + h l D)/(1 - h l k/m) if the divisor is > 0. On a
+   belt |F^(n)| <= |B0| Omega^n/m, and it changes by h |B0| Omega^(n+1)/m at most;
+   F without its drive changes by |k v| h/m.
+3. In an event f > 0 at one time, f < 0 at a later one, f' < 0 between them. The other f is a constant less this one, so
+   it grows. F on both sides of the belt says what follows.
+4. A graze: for all starts from low to high f > 0 > f' at one time, f > 0 and f' > 0 at a later one, and f'' > 0 between
+   them. The least f is > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is
+   not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed squared, f = 0 at a
+   least f, as v is not beyond that speed.
 5. With a start_error the states behind an event are f(centre) + D (start - centre), D the derivatives of all starts.
+6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the motion from B to
+   the last event of `cycle`, less the periods. If all motions from B have these events, and P(B) lies in B, each motion
+   that comes into B has them again and again. If D contains the derivatives of P over B and |D| e <= q e, q < 1, P is a
+   contraction: it has one fixed point c + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e
+   of it. `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
+7. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
+   above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
+   |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.
 """
 
+import argparse
 import json
 import re
 import sys
 from fractions import Fraction
 from functools import cache
-from math import frexp
+from itertools import pairwise
+from threading import RLock
 
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 
+FORMAT = "symosc certificate 1"
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
-NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
-START = ("t0", "x0", "v0")
+NAMES, START = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN"), ("t0", "x0", "v0")
 MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
-MOST_STEPS, ORDERS, NEAR, TINY, (OPEN, FALSE, BAD) = 50_000, 7, 2.0**-20, fmpq(1, 10**100), range(3)
+LIMITS = {"bytes": 10**7, "events": 50_000, "steps": 2_000_000}
+ORDERS, TINY, TOO_NEAR, WIDENINGS = 12, fmpq(1, 10**100), 2.0**-20, 40
+OPEN, FALSE, BAD = range(3)
+#: Held while the precision of flint, which all threads share, is not that of the caller.
+LOCK = RLock()
 
 
 class Stop(Exception):
@@ -50,251 +67,671 @@ def require(value, what):
     check(value > 0, what, FALSE if value < 0 else OPEN)
 
 
-def sharper(f, found, slope, rounds):
-    """Return a sharper enclosure of the zero of f in `found`, where f' is in `slope`, if known (interval Newton)."""
-    for _ in range(rounds):
-        step = found.mid() - f(found.mid())[0] / (f(found)[1] if slope is None else slope)
-        check(step.overlaps(found), "where an event is", OPEN)
-        found = step.intersection(found)
+def inside(value, ends):
+    """Prove that a number is between two that are stated; both 0 state that it is 0."""
+    if not (ends[0] == ends[1] == 0 and value.is_zero()):
+        require(value - arb(ends[0]), "a number is not above the lower end stated")
+        require(arb(ends[1]) - value, "a number is not below the upper end stated")
+
+
+# -- the shape of a file -----------------------------------------------------------------------------------------------
+
+
+def number(value, where):
+    """Read a number, which is text."""
+    found = fmpq(*Fraction(value).as_integer_ratio()) if type(value) is str and NUMBER.fullmatch(value) else None
+    right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
+    check(right, f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100", BAD)
     return found
+
+
+def interval(value, where):
+    """Read a lower and an upper end."""
+    low, high = read(value, (number, number), where)
+    check(low < high or low == high == 0, f"{where}: the lower end is not below the upper one", BAD)
+    return low, high
+
+
+def read(value, shape, where):
+    """Read a part of a file that must have a shape: exactly these keys, one of some values, a list, or a number."""
+    if isinstance(shape, dict):
+        check(type(value) is dict, f"{where} is no object", BAD)
+        wrong = sorted(value.keys() ^ shape.keys(), key=str)
+        check(not wrong, f"{where}: a missing or an unknown key, {str(*wrong[:1])[:40]!r}", BAD)
+        return {key: read(value[key], shape[key], f"{where}.{key}") for key in shape}
+    if isinstance(shape, type):
+        check(type(value) is shape, f"{where}: {str(value)[:40]!r} is no {shape.__name__}", BAD)
+        return value
+    if isinstance(shape, set):
+        check(any(type(value) is type(one) and value == one for one in shape), f"{where}: {str(value)[:40]!r}", BAD)
+        return value
+    if isinstance(shape, list | tuple):
+        right = type(value) is list and (isinstance(shape, list) or len(value) == len(shape))
+        check(right, f"{where} is no list, or not as long as it must be", BAD)
+        parts = shape * len(value) if isinstance(shape, list) else shape
+        return [read(each, part, f"{where}[{i}]") for i, (each, part) in enumerate(zip(value, parts, strict=True))]
+    return shape(value, where)
+
+
+def mode_number(value, where):
+    """Read a mode."""
+    return MODES.index(read(value, set(MODES[1:]), where))
+
+
+WHAT = {"kind": {"cross", "stick", "slip", "graze"}, "boundary": {1, 2}, "source": mode_number, "target": mode_number}
+EVENTS = [WHAT | {"t": interval, "x": interval}]
+MOTION = {"parameters": dict.fromkeys(NAMES, number), "start": dict.fromkeys(START, number), "t_end": number}
+MOTION |= {"start_error": (number,) * 3, "mode": mode_number, "events": EVENTS}
+SHAPES = {
+    "trajectory": MOTION | {"starts": {"all"}},
+    "some": MOTION | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
+    "settled": MOTION
+    | {"may_stick_until": lambda value, where: None if value is None else number(value, where)}
+    | {"cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
+    "window": {"parameters": MOTION["parameters"], "map": {"P2", "P3", "P5", "P6"}, "order": {"full", "paper"}}
+    | {"grazes": {"nowhere", "everywhere", "everywhere but at one phase", "on an arc"}}
+    | {"ends": [{"phase": interval, "sine": number, "cosine": {-1, 0, 1}}]},
+}
+
+
+def in_range(p):
+    """Refuse parameters out of the range of the model."""
+    right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
+    check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
+    return p
+
+
+# -- motions -----------------------------------------------------------------------------------------------------------
+
+
+class Problem:
+    """An oscillator: its parameters, its modes, and the limits of the work."""
+
+    def __init__(self, p, limits):
+        self.p, self.limits, self.mode = in_range(p), limits, cache(lambda i: Mode(p, i))
+
+    def step(self, count=1):
+        """Count a step, or the work of so many."""
+        self.limits["left"] -= max(1, count) * max(1, ctx.prec // 256)
+        check(self.limits["left"] > 0, f"more than {self.limits['steps']} steps (--steps)")
 
 
 class Mode:
     """One mode of an oscillator: z' = M z, and for each f that ends it rows with f = rows[0] z, f' = rows[1] z, ..."""
 
-    def __init__(self, p, mode):
+    steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
+
+    def __init__(self, p, number):
         m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
         friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
-        F = {i: [q / m for q in (-k, -c, A0 + friction[i] * FN, B0, fmpq(0))] for i in friction}
-        self.p, self.number, self.flies = p, mode, mode < 4
+        F = {i: [-k / m, -c / m, (A0 + friction[i] * FN) / m, B0 / m, fmpq(0)] for i in friction}
+        self.number, self.flies = number, number < 4
         if self.flies:  # the distance from each belt around the domain
-            self.ends = {i: [0, s, -s * p[f"v{i}"], 0, 0] for i, s in ((mode - 1, 1), (mode, -1)) if i in (1, 2)}
+            sides = ((number - 1, 1), (number, -1))
+            rows = {belt: [0, side, -side * p[f"v{belt}"], 0, 0] for belt, side in sides if belt in (1, 2)}
         else:  # F below the belt, and -F above it
-            self.ends = {mode - 3: F[mode - 3], mode - 2: [-q for q in F[mode - 2]]}
-        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F.get(mode, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
-        self.M, self.row = arb_mat(self.exact), fmpq_mat(list(self.ends.values()))
+            rows = {number - 3: F[number - 3], number - 2: [-each for each in F[number - 2]]}
+        self.ends, self.row = list(rows), fmpq_mat(list(rows.values()))
+        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
+        self.M = arb_mat(self.exact)
         self.rows = [arb_mat(self.row * self.exact**order) for order in range(ORDERS)]
-        # |f''| after a time is at most `swing` + the sum of |calm z| there: a steady motion, and one that decays.
-        q, a, b = (c / m / 2) ** 2 - k / m, k - m * Om * Om, c * Om
-        rate = arb(Om + c / m) + arb(k / m).sqrt() if self.flies else arb(Om)
-        self.calm, self.swing = arb_mat(1, 5), arb.pos_inf() if self.flies else arb(abs(B0) * Om * Om / m)
-        if self.flies and q != 0 and (a != 0 or b != 0):
-            gain, h, w = B0 * Om / (a * a + b * b), arb(c / m / 2), arb(abs(q)).sqrt()
-            y = arb_mat(fmpq_mat([[0, 1, 0, -gain * b, gain * a]]))  # v less the steady one
-            pair = [y * (k / m), (y * self.M + y * h) * (k / m / w)]
-            if q > 0:
-                pair = [(y * self.M + y * (h + s)) * ((s - h) * (s - h) / w / 2) for s in (w, -w)]
-            self.calm = arb_mat([[row[0, i] for i in range(5)] for row in pair])
-            self.swing = arb(abs(gain) * Om * Om) * arb(a * a + b * b).sqrt()
-        self.least = frexp(float(rate))[1]  # steps of 2^-least are so short that M times them is not large
-        self.jump = cache(lambda n: (self.M * arb(fmpq(2) ** -n)).exp())
-        self.way = cache(lambda n: (self.M * (arb(fmpq(2) ** -n) * arb(0.5, 0.5))).exp())  # for all of it
+        self.km, self.lag = arb(k / m), arb(m / c) if c else arb.pos_inf()
+        self.drive = [arb(abs(B0) * Om**order / m) for order in range(ORDERS + 1)]
+        pull, drag = k - m * Om * Om, c * Om
+        square = pull * pull + drag * drag
+        if self.flies and k > 0 and square > 0:
+            self.steady = arb(abs(B0) * Om) / arb(square).sqrt()
+            self.free = arb_mat(fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]]))
 
-    def bends(self, z):
-        """Return bounds > 0 of |f''| of each end after a state z; if `swing` is not known, for a time of 2^-least."""
-        bound, spare = self.swing + sum(abs(each) for each in (self.calm * z).entries()), arb(TINY)
-        near = [bound] * len(self.ends) if bound.is_finite() else (self.rows[2] * (self.way(self.least) * z)).entries()
-        return [abs(each) + spare for each in near]
+    def bound(self, z, n, h):
+        """Return a bound of |f^(n)| of each end for a time h after a state z, where n > 1 (2 above)."""
+        u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
+        D, lag = self.drive[n + 1], h.min(self.lag)
+        if not self.flies:
+            return self.drive[n].min(u + h * D)
+        near, energy = 1 - h * lag * self.km, arb.pos_inf()
+        if self.km > 0:
+            energy = (u * u + w * w / self.km).sqrt() + h * D / self.km.sqrt()
+        return energy.min((u + h * w + h * lag * D) / near) if near > 0 else energy
+
+    def settles(self, z):
+        """Say if surely all f of a flight are > 0 for ever after a state z (2 above)."""
+        if self.steady is None:
+            return False
+        w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
+        most = self.steady + (w * w + rate * rate / self.km).sqrt()
+        return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
+
+    def stays(self, z, h, orders, after=None):
+        """Say if surely all f > 0 for a time h after a state z (2 above); `after` is the state at its end, if known."""
+        half = h if after is None else h / 2
+        for i, end in enumerate(self.ends):
+            n = orders.get(end, 0)  # f, or its first derivative that is not 0
+            f, slope, bend = (self.rows[n] * z)[i, 0], (self.rows[n + 1] * z)[i, 0], self.bound(z, n + 2, h)
+            sure = f > 0 and f + slope * half - bend * half * half / 2 > 0
+            if not (self.flies or n):  # F at its least: the drive against it, and x from now on
+                row = self.rows[0]
+                least = f - row[i, 3] * z[3, 0] - self.drive[0] - abs(row[i, 0] * z[1, 0]) * h
+                if least > 0:
+                    continue
+            if sure and after is not None:
+                f, slope = (self.rows[n] * after)[i, 0], (self.rows[n + 1] * after)[i, 0]
+                sure = f > 0 and f - slope * half - bend * half * half / 2 > 0
+            if not sure:
+                return not orders and self.settles(z)
+        return True
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v on, a centre + D [-1, 1]; f that are 0 there have `leaves`: orders."""
+    """A motion in one mode from starts t, x, v on, a centre + columns [-1, 1] + rest [-1, 1].
 
-    def __init__(self, modes, mode, belt, centre, columns=(), leaves=None, size=None, near=None):
-        self.modes, self.mode, self.belt, self.centre, self.columns = modes, modes(mode), belt, centre, columns
-        self.t, x, v = (c + sum((column[i] * arb(0, 1) for column in columns), arb(0)) for i, c in enumerate(centre))
-        self.first = arb_mat([[x], [v], [1], *([u] for u in (arb(self.mode.p["Omega"]) * self.t).sin_cos()[::-1])])
-        self.leaves, self.origin, p = leaves or {}, near[0] if near else self.t.lower(), self.mode.p
-        self.beside = near[1] if near else (arb.pos_inf(), self.first)
-        self.size = p[f"v{belt}"] ** 2 if max(self.leaves.values(), default=0) > 1 and p["c"] == p["B0"] == 0 else size
-        self.z0 = (self.mode.M * (self.origin - self.t)).exp() * self.first
+    `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
+    them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the ends
+    whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k, where
+    that is constant and known.
+    """
 
-    def step(self, t):
-        """Return exp of M times the time from `origin` to t, by way of a time beside it where that is known."""
-        if not abs(t - self.beside[0]) < NEAR:
-            self.beside = t.mid(), (self.mode.M * (t.mid() - self.origin)).exp()
-        return (self.mode.M * (t - self.beside[0])).exp() * self.beside[1]
+    def __init__(self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None):
+        self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre
+        self.columns, self.rest, sides = columns, rest, [*columns, *(rest or ())]
+        self.t, x, v = (c + sum((side[i] * arb(0, 1) for side in sides), arb(0)) for i, c in enumerate(centre))
+        self.x, self.leaves, self.origin, p = x, leaves or {}, self.t.lower(), problem.p
+        cosine, sine = (arb(p["Omega"]) * self.t).sin_cos()[::-1]
+        self.first = arb_mat([[x], [v], [1], [cosine], [sine]])
+        back, rate = (self.origin - self.t).union(arb(0)), self.mode.M * self.first
+        bend = self.mode.M * (self.mode.M * back).exp() * rate
+        self.z0 = self.first + rate * back + bend * (back * back / 2)  # Taylor: where F is small, so is its error
+        circles = p["c"] == p["B0"] == 0 < p["k"]
+        self.amplitude = p[f"v{belt}"] ** 2 if circles and max(self.leaves.values(), default=0) > 1 else amplitude
+
+    def at(self, t):
+        """Return z at a time; for a ball of times the same with all of them."""
+        self.problem.step()
+        z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
+        return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' at a time."""
-        z, i = self.step(t) * self.z0, list(self.mode.ends).index(end)
-        return [(row * z)[i, 0] for row in self.mode.rows[:3]]
+        """Return f, f' and f'' of an end at a time; at all times of a ball by Taylor's theorem about its middle."""
+        i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
+        f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
+        if t.is_exact():
+            return f[:3]
+        flow, z, bend = (self.mode.M * change).exp(), self.mode.M * z, []
+        for _ in range(3):
+            z = self.mode.M * z  # derivatives of z, so that what cancels in them does so before the times differ
+            bend.append((self.mode.rows[0] * (flow * z))[i, 0] * change * change / 2)
+        return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
-    def holds(self, state, n, h, falls=None):
-        """Say if surely all f > 0 for a time h of at most 2^-n after a state (2 above)."""
-        (z, orders, *values), mode, near, sure = state, self.mode, n >= self.mode.least, True
-        inside = [(row * (mode.way(n) * z)).entries() for row in mode.rows] if near else []
-        for i, (end, f, slope, bend) in enumerate(zip(mode.ends, *values, strict=True)):
-            if end in orders:
-                sure = sure and near and inside[orders[end]][i] > 0
-            elif not (near and end == falls and f > 0 and (inside[1][i] < 0 or inside[2][i] > 0)):
-                sure = sure and f > 0 and (near or mode.swing.is_finite()) and f + slope * h - bend * h * h / 2 > 0
-        return sure
-
-    def positive(self, until, falls=None):
-        """Prove that all f are > 0 after the start, up to a time (2 above); there f > 0 > f' for the end `falls`."""
-        mode, a, P, n = self.mode, self.origin, None, self.mode.least
-        require(until - self.t, "an event at a time after the one before it")
-        for count in range(MOST_STEPS):
-            P = P * mode.jump(n) if count % 16 else (mode.M * (a - self.origin)).exp()  # rounding does not add up
-            z, left, orders = P * self.z0, until - a, {} if count else self.leaves
-            state = z, orders, *((row * z).entries() for row in mode.rows[:2]), mode.bends(z)
-            whole = -frexp(float(left.upper()))[1]  # 2^-whole is not less than what is left
-            if self.holds(state, whole, left, falls):
+    def positive(self, until):
+        """Prove that all f are > 0 after the start, up to a time (2 above)."""
+        require(until - self.t, "an event or the end is not after the event before it")
+        a, orders, last, h = self.origin, self.leaves, self.at(until), until - self.origin
+        while True:
+            z, h = self.at(a), 4 * h
+            while True:
+                ends = not a + h < until
+                b = until if ends else (a + h).mid()
+                if self.mode.stays(z, b - a, orders, last if ends and not orders else None):
+                    break
+                h = ((b - a) / 2).mid()
+                if h < TOO_NEAR:
+                    beyond = self.mode.rows[0] * self.at((a + 4 * h).min(until).mid())
+                    check(not any(f < 0 for f in beyond.entries()), "the mode ends before the next event or t_end")
+                check(a + h > a and h > arb(2) ** (-ctx.prec // 2), "a touch or a near miss", OPEN)
+            if ends and not orders:
                 return
-            n, sure = max(whole, n - 3), False
-            while not sure:
-                n, h = n + 1, arb(fmpq(2) ** (-n - 1))
-                sure = self.holds(state, n, h) and (not orders or a + h > self.t)
-                over = not sure and any(f < 0 for f in (mode.rows[0] * (mode.jump(n) * z)).entries())
-                check(not over, "the mode ends before the next event stated, or before t_end")
-                check(sure or n < max(whole, 0) + 2 * ctx.prec, "a touch or a near miss", OPEN)
-            a += h
-        raise Stop(BAD, f"an event or t_end is more than {MOST_STEPS} steps away")
+            a, h, orders = b, b - a, {}
+
+    def zero(self, end, order, found):
+        """Return a sharper enclosure of the zero of f, or of a derivative, that lies in `found` (interval Newton)."""
+        while True:
+            step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
+            check(step.overlaps(found), "where an event is", OPEN)
+            before, found = found, step.intersection(found)
+            if not found.rad() < before.rad() / 2:
+                return found
+
+    def moved(self, t, sides):
+        """Return the derivatives of z at a fixed time by the start, times the sides of a set of starts (5 above)."""
+        e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
+        # A later start is one at the same time with another x and v.
+        return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is that of a row, or a touch between two limits; return the motion behind it."""
-        mode, p, (kind, belt, source, target, ((first, last), _)) = self.mode, self.mode.p, row
-        end, touches, speed = belt if mode.flies else target, kind == "graze", p[f"v{belt}"]
-        exact, meets = touches and not limits, mode.flies and (limits or self.size == speed**2)
-        right = end in mode.ends and (mode.flies or belt == self.belt)
-        check(right and (meets or not touches), "an event at a belt that it is not at, or a graze of no start")
-        turn, low, high = 1 if touches else -1, arb(first).lower(), arb(last).upper()
-        f, g = self.f(end, low), self.f(end, high)
-        while self.columns and not (f[0] > 0 and turn * g[0] > 0):  # the signs are rough
-            first, last = 3 * first - 2 * last, 3 * last - 2 * first
-            low, high = arb(first).lower(), arb(last).upper()
-            f, g, _ = self.f(end, low), self.f(end, high), require(low - self.t, "the signs around an event")
-        times = low.union(high)
-        inside = {each: self.f(each, times) for each in mode.ends}
-        slope, others = inside[end][1 + touches], [inside[each][0] for each in mode.ends if each != end]
-        between = (-f[1], *((g[1], abs(arb(speed)) - inside[end][0]) if exact else ())) if touches else ()
-        for value in (f[0], turn * g[0], turn * slope, *others, *between):
-            require(value, "the signs around an event, and no other one")
-        self.positive(low, end)
-        least, v, rounds = [], arb(speed), 1 if self.columns and not touches else ctx.prec // 100
-        for each in limits if touches else ():  # f'' > 0, so the least f is near f at the zero of f'
-            f, rest, _ = each.f(end, sharper(lambda t, each=each: each.f(end, t)[1:], times, slope, rounds).mid())
-            least.append(f if f < 0 else f - abs(rest) * (high - low))
-        require(-least[0] * least[1] if least else arb(1), "one start that touches, and one that does not")
-        when = sharper(lambda t: self.f(end, t)[touches:], times, slope, rounds)
-        z, after, leaves = self.step(when) * self.z0, mode.number if touches else end, {belt: 2}
-        if mode.flies and not touches:
-            F, jump = (mode.M * z)[1, 0], 2 * p[f"mu{end}"] * p["FN"] / p["m"]
-            both = F * (F + arb(jump if mode.number > end else -jump))
-            require(abs(both), "F at a belt, and behind it")
-            after, leaves = (2 * end + 1 - mode.number, {end: 1}) if both > 0 else (3 + end, {})
-        made = "slip" if not mode.flies else "stick" if after > 3 else "graze" if touches else "cross"
-        check((kind, source, target) == (made, mode.number, after), f"{made}: {MODES[mode.number]} to {MODES[after]}")
-        e, rate, columns = self.step(when) * (mode.M * (self.origin - self.t)).exp(), mode.M * self.first, []
-        slope, i = self.f(end, when)[1], list(mode.ends).index(end)
-        for dt, dx, dv in self.columns:  # a later start is one at the same time with another x and v
-            dz = e * arb_mat([[dx - rate[0, 0] * dt], [dv - rate[1, 0] * dt], [0], [0], [0]])
-            df = (mode.rows[0] * dz)[i, 0]
-            require(abs(df) if touches else arb(1), "that only one start touches")
-            columns.append((-df / slope, dz[0, 0] - v * df / slope, arb(0)))
-        if not columns or touches:
-            return type(self)(self.modes, after, belt, [when, z[0, 0], v], (), leaves)
-        centre = Motion(self.modes, mode.number, self.belt, self.centre, near=(self.origin, self.beside))
-        then = sharper(lambda t: centre.f(end, t), when, None, 2)
-        return type(self)(self.modes, after, belt, [then, (centre.step(then) * centre.z0)[0, 0], v], columns, leaves)
+        """Prove that the next event is that of a row; return the motion behind it."""
+        if row["kind"] == "graze":
+            return self.graze(row, limits)
+        return self.contact(row) if self.mode.flies else self.slip(row)
+
+    def around(self, end, row, turn):
+        """Return times around an event, f > 0 at the first and turn * f > 0 at the last; f there and between them."""
+        low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
+        for _ in range(WIDENINGS):
+            first, last = self.f(end, low), self.f(end, high)
+            if not self.columns or (first[0] > 0 and turn * last[0] > 0):
+                break  # else the signs are rough, as the starts are a box
+            low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
+        require(first[0], "the sign of f before an event")
+        require(turn * last[0], "the sign of f behind an event")
+        self.positive(low)
+        return low.union(high), first, last, self.f(end, low.union(high))
+
+    def arrive(self, end, belt, when):
+        """Return centre, columns and rest of the states behind the zero of f at a time (5 above)."""
+        v, sides = arb(self.problem.p[f"v{belt}"]), []
+        slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
+        for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
+            dt = -(self.mode.rows[0] * dz)[i, 0] / slope
+            sides.append((dt, dz[0, 0] + v * dt, arb(0)))
+        thin = Motion(self.problem, self.mode.number, self.belt, self.centre)
+        t = thin.zero(end, 0, when)
+        centre = t, thin.at(t)[0, 0], v
+        if self.rest is None:
+            return centre, sides, None
+        unknown = [sum((each[i].rad() for each in (centre, *sides[:count])), arb(0)).upper() for i in (0, 1)]
+        rest = [*sides[count:], (unknown[0], arb(0), arb(0)), (arb(0), unknown[1], arb(0))]
+        return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
+
+    def contact(self, row):
+        """Prove that a flight meets a belt next, and passes or sticks (3 above)."""
+        end, p, mode = row["boundary"], self.problem.p, self.mode
+        check(end in mode.ends, "an event at a belt that is not beside the domain")
+        times, *_, (_, slope, _) = self.around(end, row, -1)
+        require(-slope, "that v meets a belt once at an event")
+        when = self.zero(end, 0, times)
+        centre, columns, rest = self.arrive(end, end, when)
+        there = Motion(self.problem, mode.number, end, centre, columns, rest=rest).first
+        F, jump = (mode.M * there)[1, 0], arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
+        both = F * (F - jump if mode.number == end else F + jump)
+        require(abs(both), "F at a belt, and behind it")
+        kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
+        self.made(row, kind, then)
+        return type(self)(self.problem, then, end, centre, columns, leaves, None, rest)
+
+    def slip(self, row):
+        """Prove that a stick ends next, into a domain (3 above)."""
+        end = row["target"]
+        check(end in self.mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
+        times, *_, (_, slope, _) = self.around(end, row, -1)
+        require(-slope, "that F meets 0 once at the end of a stick")
+        self.made(row, "slip", end)
+        centre, columns, rest = self.arrive(end, self.belt, self.zero(end, 0, times))
+        return type(self)(self.problem, end, self.belt, centre, columns, {self.belt: 2}, None, rest)
+
+    def graze(self, row, limits):
+        """Prove that a flight touches a belt next, for one start between two limits, or exactly (4 above)."""
+        end, mode = row["boundary"], self.mode
+        check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
+        speed = self.problem.p[f"v{end}"]
+        check(limits or self.amplitude == speed**2, "a graze of no start")
+        times, (_, falls, _), (_, rises, _), (_, _, bend) = self.around(end, row, 1)
+        require(-falls, "that v comes nearer to a belt before a graze")
+        require(rises, "that v goes away from a belt after a graze")
+        require(bend, "that v turns once at a graze")
+        when = self.zero(end, 1, times)
+        self.made(row, "graze", mode.number)
+        x = self.at(when)[0, 0]
+        if limits:
+            low, high = (each.least(end, times) for each in limits)
+            require(-low * high, "that one start goes beyond the belt, and one does not reach it")
+            (dz,) = self.moved(when, self.columns)
+            require(abs((mode.rows[0] * dz)[mode.ends.index(end), 0]), "that only one start touches")
+        else:
+            x = arb(-mode.exact[1, 2] / mode.exact[1, 0])  # where F = 0
+        place, columns = [when, x, arb(speed)], []
+        if self.columns or limits:
+            place = [each.mid() for each in place[:2]] + place[2:]
+            columns = [(arb(when.rad()), arb(0), arb(0)), (arb(0), arb(x.rad()), arb(0))]
+        return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
+
+    def least(self, end, times):
+        """Return the least f at times where f' falls through 0 (mean value theorem)."""
+        found = self.zero(end, 1, times)
+        return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
+
+    def made(self, row, kind, then):
+        """Refuse an event that is not of its kind, or another mode before or behind it."""
+        found = row["kind"], row["source"], row["target"]
+        check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
+
+    def within(self, row):
+        """Prove that the start is within the times and positions of a row."""
+        inside(self.t, row["t"])
+        inside(self.x, row["x"])
+        return self
+
+    def from_centre(self, parts):
+        """Return t and x of the start that has these parts of the columns."""
+        return [
+            c + sum((part * column[i] for part, column in zip(parts, self.columns, strict=True)), arb(0))
+            for i, c in enumerate(self.centre[:2])
+        ]
 
 
-def begin(modes, start, errors):
+def frame(sides):
+    """Return the sides of a rectangle in the plane of t and x that contains the sum of all sides, along the longest."""
+    p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
+    if p == q == 0:
+        p = arb(1)
+    square = p * p + q * q
+    along = sum((abs((t * p + x * q) / square).upper() for t, x, _ in sides), arb(0)).upper()
+    across = sum((abs((x * p - t * q) / square).upper() for t, x, _ in sides), arb(0)).upper()
+    return [((along * p), (along * q), arb(0)), (-across * q, across * p, arb(0))]
+
+
+def begin(problem, start, errors, rest=None):
     """Return the motion from a start. Where F is rational and 0, its first derivative that is not 0 decides."""
-    (t0, x0, v0), p, centre = start, modes(1).p, [arb(value) for value in start]
+    (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
+    z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
     if v0 not in (p["v1"], p["v2"]):
-        mode, round_ = 1 + (v0 > p["v1"]) + (v0 > p["v2"]), not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
-        a = (modes(mode).exact * fmpq_mat([[x0], [v0], [1], [1], [0]]))[1, 0]
-        return Motion(modes, mode, 0, centre, columns, {}, v0**2 + a**2 * p["m"] / p["k"] if round_ else None)
-    check(errors[2] == 0, "a start on a belt whose velocity is known exactly", OPEN)
+        mode = problem.mode(1 + (v0 > p["v1"]) + (v0 > p["v2"]))
+        circles = not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
+        amplitude = v0**2 + (mode.exact * z)[1, 0] ** 2 * p["m"] / p["k"] if circles else None
+        return Motion(problem, mode.number, 0, centre, columns, {}, amplitude, rest)
+    check(errors[2] == 0, "a start on a belt whose velocity is known exactly")
     at, found = 1 if v0 == p["v1"] else 2, []
-    first = modes(3 + at).rows[0] * Motion(modes, 3 + at, at, centre, columns).first
+    hold = problem.mode(3 + at)
     for i in (0, 1):
-        order, value, z = 0, first[i, 0], fmpq_mat([[x0], [v0], [1], [1], [0]])
-        while not any(errors) and (t0 == 0 or p["B0"] == 0) and order < ORDERS and value.contains(0):
-            value, z = arb((modes(3 + at).row * z)[i, 0]), modes(3 + at).exact * z
+        order, value = 0, (hold.rows[0] * Motion(problem, 3 + at, at, centre, columns).first)[i, 0]
+        exact = not any(errors) and (t0 == 0 or p["B0"] == 0)
+        while exact and value.contains(0) and order < ORDERS - 5:
+            value = arb((hold.row * hold.exact**order * z)[i, 0])
             order += value == 0
         require(abs(value), "F on the belt at the start")
-        found.append((1 if value > 0 else -1, order))
-    if min(found)[0] > 0:
-        return Motion(modes, 3 + at, at, centre, columns, {at + i: n for i, (_, n) in enumerate(found) if n})
-    return Motion(modes, at + (found[0][0] > 0), at, centre, columns, {at: found[found[0][0] > 0][1] + 1})
+        found.append((value > 0, order))
+    (below, first), (above, second) = found
+    if below and above:  # F > 0 below, -F > 0 above: it sticks
+        leaves = {at + i: n for i, (_, n) in enumerate(found) if n}
+        return Motion(problem, 3 + at, at, centre, columns, leaves, None, rest)
+    domain, order = (at, first) if not below else (at + 1, second)
+    return Motion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
 
 
-def read_row(row):
-    """Return kind, boundary, source, target of an event, and the ends of its t and x."""
-    t, x = (number(row[name]) for name in "tx")
-    right = row["boundary"] in (1, 2) and all(len(ends) == 2 and ends[0] < ends[1] for ends in (t, x))
-    check(right, "an event has a boundary 1 or 2, and a lower and an upper end of t and x", BAD)
-    return row["kind"], row["boundary"], *(MODES.index(row[name], 1) for name in ("source", "target")), (t, x)
+def leave(problem, start, errors, until):
+    """Return the flights from a belt of starts that may stick until a time (6 above)."""
+    (t0, _, v0), p = start, problem.p
+    at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
+    check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
+
+    def motion(mode, t, x, leaves=None):
+        """Return motions from starts around the given one."""
+        columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
+        return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
+
+    wide = until - t0, errors[1] + abs(v0) * (until - t0 + errors[0])
+    now, then, rows = motion(3 + at, *errors[:2]).first, motion(3 + at, *wide).first, problem.mode(3 + at).rows
+    F, F_then, slope = rows[0] * now, rows[0] * then, rows[1] * then
+    i = 0 if slope[0, 0] < 0 else 1  # F of this side ends the stick
+    require(-slope[i, 0], "F on the belt that falls")
+    require(F_then[1 - i, 0], "F on the other side of the belt")
+    require(-F[i, 0] - slope[i, 0] * arb(after), "the end of a stick before the time stated")
+    return motion(at + i, *wide, {at: 2})
 
 
-def trajectory(data):
+# -- what the files state ----------------------------------------------------------------------------------------------
+
+
+def about(p, *more):
+    """Return what a statement is about, in words."""
+    return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
+
+
+def table(rows):
+    """Return events in words."""
+    names = ("kind", "boundary", "source", "target")
+    for i, row in enumerate(rows, 1):
+        ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
+        yield "; ".join([f"{i}: {{}} at belt {{}}, {{}} to {{}}".format(*(row[name] for name in names)), *ends])
+
+
+def question(data, source):
+    """Return start and errors of a motion, and the question in words."""
+    start, errors = [data["start"][name] for name in START], data["start_error"]
+    check(min(errors) >= 0, "start_error: a negative number", BAD)
+    check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
+    shown = [f"{name} = {source['start'][name]} +- {e}" for name, e in zip(START, source["start_error"], strict=True)]
+    return start, errors, about(source["parameters"], *shown) + f"; it begins in {source['mode']}"
+
+
+def trajectory(data, source, limits):
     """Prove that a motion has the events that are stated, and no others until t_end."""
-    p = {name: number(data["parameters"][name]) for name in NAMES}
-    start, errors = [number(data["start"][name]) for name in START], number(data["start_error"])
-    t_end, starts, rows = number(data["t_end"]), [(start, errors)], [read_row(row) for row in data["events"]]
-    positive, others = (p["m"], p["Omega"], p["v2"] - p["v1"], t_end - start[0]), ("c", "k", "mu1", "mu2", "FN")
-    right = min(positive) > 0 <= min(*(p[name] for name in others), *errors) and len(errors) == 3
-    check(right, "parameters, start_error or t_end out of range", BAD)
-    if {"all": False, "some": True}[data["starts"]]:
-        i, low, high = START.index(data["free"]["name"]), number(data["free"]["low"]), number(data["free"]["high"])
+    problem = Problem(data["parameters"], limits)
+    start, errors, shown = question(data, source)
+    starts, suffix = [(start, errors)], ", for every start within the error" if any(errors) else ""
+    if data["starts"] == "some":
+        name, low, high = (data["free"][each] for each in ("name", "low", "high"))
+        i = START.index(name)
         check(start[i] - errors[i] <= low < high <= start[i] + errors[i], "a free number within the start's error")
         near = ((low + high) / 2, (high - low) / 2), (low, fmpq(0)), (high, fmpq(0))
         starts = [([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near]
-    modes = cache(lambda i: Mode(p, i))
-    motions = [begin(modes, *each) for each in starts]
-    check(data["mode"] == MODES[motions[0].mode.number], f"the motion starts in {MODES[motions[0].mode.number]}")
-    for row in rows:
-        motions = [m.behind(row, motions[1:] * (not i)) for i, m in enumerate(motions) if not i or row[0] != "graze"]
-        for value, (low, high) in zip((motions[0].t, motions[0].first[0, 0]), row[-1], strict=True):
-            require(value - arb(low), "an event is not above the lower end stated")
-            require(arb(high) - value, "an event is not below the upper end stated")
-    motions[0].positive(arb(t_end).upper())
-    return f"{len(rows)} events until t = {data['t_end']}, for {'all' if len(starts) == 1 else 'some'} starts"
+        suffix = f", for some {name} within the error of the start"
+        shown += "; {name} is between {low} and {high}, and one value between them touches".format(**source["free"])
+    motion, *others = [begin(problem, *each, None if i == 0 < len(starts) - 1 else []) for i, each in enumerate(starts)]
+    check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
+    for row in data["events"]:
+        motion = motion.behind(row, others).within(row)
+        others = [] if row["kind"] == "graze" else [each.behind(row) for each in others]
+    check(not others, "a graze that only one start has, and no graze is stated")
+    motion.positive(arb(data["t_end"]).upper())
+    count = len(data["events"])
+    first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
+    return [first, shown, *table(source["events"])]
 
 
-def number(value):
-    """Return a number of the file, which is text, as a fraction; and of a list of them all."""
-    if isinstance(value, list):
-        return [number(each) for each in value]
-    found = fmpq(*Fraction(value).as_integer_ratio()) if type(value) is str and NUMBER.fullmatch(value) else None
-    right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
-    check(right, f"{str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100", BAD)
-    return found
+def follow(problem, rows, box, kind=Motion):
+    """Return the motions from a box (middles and half-widths of t and x) at the first event, behind every event."""
+    (t, x), (dt, dx) = box
+    belt, mode = rows[0]["boundary"], rows[0]["target"]
+    columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
+    motions = [kind(problem, mode, belt, [t, x, arb(problem.p[f"v{belt}"])], columns, leaves)]
+    for row in rows[1:]:
+        motions.append(motions[-1].behind(row))
+    return motions
 
 
-KINDS = {"trajectory": trajectory}
+def fixed_point(motions, box, turn):
+    """Return where the only fixed point may be, less the middle (6 above), and the matrix D."""
+    (centre, widths), last = box, motions[-1]
+    D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
+    moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
+    try:
+        u = (arb_mat([[1, 0], [0, 1]]) - D).solve(moved)
+    except ZeroDivisionError:
+        raise Stop(OPEN, "1 - D, which may be singular") from None
+    return [u[0, 0], u[1, 0]], D
 
 
-def verify(path):
-    """Return an exit code and one line about a file."""
-    before, ctx.prec = ctx.prec, 256
+def settled(data, source, limits):
+    """Prove what a motion does first, that it goes on for ever in a box, and its last events."""
+    problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
+    start, errors, shown = question(data, source)
+    events, cycle, last = data["events"], data["cycle"], data["last"]
+    right = events and len(cycle) > 2 and 0 < len(last) <= 1000 and 0 < data["periods"] < 10_000
+    check(right, "events, cycle, last or periods out of range", BAD)
+    motion = begin(problem, start, errors, []) if until is None else leave(problem, start, errors, until)
+    check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
+    for row in events:
+        motion = motion.behind(row).within(row)
+    names = ("kind", "boundary", "source", "target")
+    ends = [[row[name] for name in names] for row in (events[-1], cycle[0], cycle[-1])]
+    check(ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"), "a cycle from the last event on")
+    motion.within(cycle[0])
+
+    box = [[arb((row[1] + sign * row[0]) / 2) for row in (cycle[0]["t"], cycle[0]["x"])] for sign in (1, -1)]
+    motions, turn = follow(problem, cycle, box), 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
+    for motion, row in zip(motions[1:], cycle[1:], strict=True):
+        motion.within(row)
+    motion = motions[-1]
+    inside(motion.t - turn, cycle[0]["t"])  # P(B) lies in B
+    inside(motion.x, cycle[0]["x"])
+
+    n, k, t_end = len(cycle) - 1, data["count"] - len(events), arb(data["t_end"])
+    check(k >= len(last), "a count of events that is not less than those stated")
+    for gone, sign in ((k, 1), (k + 1, -1)):
+        low, high = cycle[gone % n]["t"]
+        require(sign * (t_end - arb(low).union(arb(high)) - gone // n * turn), "so many events until t_end")
+
+    (u, D), widths = fixed_point(motions, box, turn), box[1]
+    sums = [sum((abs(D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)]
+    q = sums[0].max(sums[1]).upper()
+    require(1 - q, "a contraction in the norm of the box")
+    for back, row in enumerate(reversed(last)):
+        gone, j = divmod(k - back, n)
+        parts = [each / width + 2 * q**gone * arb(0, 1) for each, width in zip(u, widths, strict=True)]
+        check([row[name] for name in names] == [cycle[j][name] for name in names], "the kinds of the last events")
+        t, x = motions[j].from_centre(parts)
+        inside(t + gone * turn, row["t"])
+        inside(x, row["x"])
+    first = f"{data['count']} events until t = {source['t_end']}, the last {k} of them on a cycle of {n}"
+    lines = [line for name in ("events", "cycle", "last") for line in [f"{name}:", *table(source[name])]]
+    stuck = [] if until is None else [f"all have left the belt at t = {source['may_stick_until']}"]
+    return [first, shown, *stuck, f"a cycle takes {data['periods']} forcing periods", *lines]
+
+
+def keeps(bias, swing, low, high, problem):
+    """Prove that bias + swing sin theta > 0 for all theta from low to high, in parts that are halved."""
+    parts = [(low, high)]
+    while parts:
+        problem.step()
+        a, b = parts.pop()
+        s = arb(bias) + arb(swing) * a.union(b).sin()
+        check(not s < 0, "a window with phases on the wrong side of its ends")
+        check(s > 0 or b - a > arb(2) ** -ctx.prec, "the sign of s near an end of the window", OPEN)
+        middle = ((a + b) / 2).mid()
+        parts += [] if s > 0 else [(a, middle), (middle, b)]
+
+
+def window(data, source, limits):
+    """Prove at which phases a contact with F = 0 grazes (7 above)."""
+    problem, where, ends, full = (
+        Problem(data["parameters"], limits),
+        data["grazes"],
+        data["ends"],
+        data["order"] == "full",
+    )
+    p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
+    bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
+    check(
+        len(ends) == {"on an arc": 2, "everywhere but at one phase": 1}.get(where, 0), "two ends of an arc, or one", BAD
+    )
+    one = swing != 0 and abs(bias) == abs(swing)  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
+    if where == "on an arc":
+        (a, b), (c, d) = ([arb(each) for each in end["phase"]] for end in ends)
+        for x, y in pairwise((a, b, c, d, a + 2 * arb.pi())):
+            require(y - x, "ends in another order")
+        keeps(bias, swing, b, c, problem)
+        keeps(-bias, -swing, d, a + 2 * arb.pi(), problem)
+    elif one:
+        right = "nowhere" if bias < 0 else "everywhere" if full else "everywhere but at one phase"
+        check(where == right, "a window that is not so at the phase where s is 0, or elsewhere")
+    elif where == "nowhere" and not bias == swing == 0:
+        keeps(-bias, -swing, *circle, problem)
+    elif where != "nowhere":
+        check(where == "everywhere", "a window that leaves out a phase at which nothing is special")
+        keeps(bias, swing, *circle, problem)
+    for end in ends:
+        (low, high), sine, cosine = [arb(each) for each in end["phase"]], end["sine"], end["cosine"]
+        check(bias + swing * sine == 0, "an end where s is not 0")
+        require(1 - (high - low), "an enclosure of many phases")
+        if where == "on an arc":
+            check(cosine in (-1, 1), "an end where the derivative of s is 0")
+            require(cosine * low.union(high).cos(), "the cosine at an end")
+            require(cosine * (high.sin() - arb(sine)), "an end below its enclosure")
+            require(cosine * (arb(sine) - low.sin()), "an end above its enclosure")
+        else:
+            check(cosine == 0, "a phase where the derivative of s is 0")
+            inside((2 - arb(sine)) * arb.pi() / 2, end["phase"])
+    first, shown = f"{data['map']} grazes {where}, order {data['order']}", source["ends"]
+    if where == "on an arc":
+        balls = [arb(end["phase"][0]).union(arb(end["phase"][1])) for end in ends]
+        first += " from {} to {}".format(*(phase.str(12, radius=phase.rad() > 1e-12) for phase in balls))
+    first += f", the sine being {shown[0]['sine']} there" if ends else ""
+    phases = [f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)]
+    return [f"{first}, for all phases", about(source["parameters"]), *phases]
+
+
+KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
+BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py"}
+
+
+# -- the answer --------------------------------------------------------------------------------------------------------
+
+
+def unique(pairs):
+    """Return an object of a file whose keys are not twice there."""
+    check(len(dict(pairs)) == len(pairs), "a key that is twice in an object", BAD)
+    return dict(pairs)
+
+
+def prove(data, limits):
+    """Return the statement of a certificate that is proven, as lines."""
+    check(type(data) is dict and data.get("format") == FORMAT, "an unknown format", BAD)
+    kind, proven, author = data.get("kind"), data.get("proven"), data.get("made_by", "")
+    check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
+    check(type(proven) is bool and type(kind) is str, "no kind, or proven is neither true nor false", BAD)
+    check(proven, "the file itself says that it is not proven")
+    more = f" {BESIDE[kind]} proves it" if kind in BESIDE else ""
+    check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
+    source = {key: each for key, each in data.items() if key not in ("format", "kind", "proven", "message", "made_by")}
+    shape = SHAPES["some" if kind == "trajectory" and data.get("starts") == "some" else kind]
+    counted = sum(len(each) for each in source.values() if type(each) is list)
+    check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
+    content, limits["left"] = read(source, shape, kind), limits["steps"]
+    exact = kind == "trajectory" and not any(content["start_error"])
+    while True:
+        try:
+            lines = KINDS[kind](content, source, limits)
+            break
+        except Stop as stop:
+            if stop.args[0] != OPEN or ctx.prec >= (4096 if exact else 2048):
+                raise
+            ctx.prec *= 2
+    check(data.get("message", lines[0]) == lines[0], f"a message that says something else than {lines[0]}")
+    return lines
+
+
+def judge(data, **limits):
+    """Return an exit code and the answer about what a file says; the answer is one line if the code is not 0."""
+    with LOCK:
+        before, ctx.prec = (ctx.prec, ctx.cap), 256
+        try:
+            return 0, "proven: " + "\n  ".join(prove(data, LIMITS | limits))
+        except Stop as stop:
+            code = stop.args[0] or FALSE
+            return code, " ".join(f"{'no certificate' if code == BAD else 'not proven'}: {stop.args[1]}".split())
+        except (ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
+            return BAD, f"no certificate: {type(error).__name__}, {' '.join(str(error).split())[:100]}"
+        finally:
+            ctx.prec, ctx.cap = before
+
+
+def verify(path, **limits):
+    """Return the same about a file."""
+    most = (LIMITS | limits)["bytes"]
     try:
         with open(path, "rb") as file:
-            data = json.loads(file.read(3 * 10**7))
-        check(data["format"] == "symosc certificate 1" and type(data["proven"]) is bool, "an unknown format", BAD)
-        check(data["kind"] in KINDS, f"{str(data['kind'])[:20]!r}: of that kind this checker proves none", BAD)
-        most = 4096 if all(error == "0" for error in data.get("start_error", "-")) else 512  # it is not exact then
-        while data["proven"]:
-            try:
-                return 0, f"proven: {KINDS[data['kind']](data)}"
-            except Stop as stop:
-                if stop.args[0] != OPEN or ctx.prec >= most:
-                    raise
-            ctx.prec *= 2
-        return FALSE, "not proven: the file does not say so"
+            content = file.read(most + 1)
+        check(len(content) <= most, f"more than {most} bytes (--bytes)", BAD)
+        data = json.loads(content, object_pairs_hook=unique)
     except Stop as stop:
-        return stop.args[0] or FALSE, ("no certificate: " if stop.args[0] == BAD else "not proven: ") + stop.args[1]
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
-        return BAD, f"no certificate: {type(error).__name__}, {str(error)[:100]}"
-    finally:
-        ctx.prec = before
+        return BAD, f"no certificate: {stop.args[1]}"
+    except (OSError, ValueError, RecursionError) as error:
+        return BAD, f"no certificate: {' '.join(str(error).split())[:200]}"
+    return judge(data, **limits)
+
+
+def main():
+    """Answer on the command line."""
+    parser = argparse.ArgumentParser(description="Prove a certificate once more.")
+    parser.add_argument("file")
+    for name, most in LIMITS.items():
+        parser.add_argument(f"--{name}", type=int, default=most, help=f"at most so many (default: {most})")
+    arguments = vars(parser.parse_args())
+    code, answer = verify(arguments.pop("file"), **arguments)
+    print(answer, file=sys.stderr if code else sys.stdout)
+    sys.exit(code)
 
 
 if __name__ == "__main__":
-    code, line = verify(sys.argv[1]) if len(sys.argv) == 2 else (BAD, "usage: python verify.py FILE")
-    print(" ".join(line.split()), file=sys.stderr if code else sys.stdout)
-    sys.exit(code)
+    main()

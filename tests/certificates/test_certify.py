@@ -24,7 +24,7 @@ def test_names_paths_and_scenes_are_one(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("what", [None, 1, b"fig5", ["fig5"], load_scene("fig5").parameters])
 def test_what_is_no_scene(what: Any) -> None:
-    with pytest.raises(ParameterError, match=r"^what = .*give a Scene"):
+    with pytest.raises(ParameterError, match=r"^what = .*must be a Scene"):
         certify(what)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import mpmath
 import pytest
 
-import symosc.certificates.verify_settled as checker
+import symosc.certificates.verify as checker
 from symosc import certify, find_orbit, load_scene
 from symosc.certificates.settled import prove_settled
 from symosc.certificates.trajectory import EXACT, ToProve
@@ -32,7 +32,9 @@ def document(name: str) -> str:
 
 def judged(content: Any, tmp_path: Path) -> tuple[int, str]:
     path = tmp_path / "certificate.json"
-    path.write_text(json.dumps(content), encoding="utf-8")
+    if isinstance(content, dict):  # the message is checked last of all: see test_format.py
+        content = {name: value for name, value in content.items() if name != "message"}
+    path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
     return checker.verify(str(path))
 
 
@@ -144,7 +146,7 @@ def test_the_motion_has_to_come_into_the_box(name: str, tmp_path: Path) -> None:
     for row in changed["cycle"]:
         moved(row, "t", turn)
     changed["count"] -= len(changed["cycle"]) - 1
-    assert judged(changed, tmp_path) == (1, "not proven: an event is not above the lower end stated")
+    assert judged(changed, tmp_path) == (1, "not proven: a number is not above the lower end stated")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,0 +1,57 @@
+"""The second checker (second_checker.cpp): certificates of trajectories and orbits, proven by other mathematics.
+
+It reads numbers as words, so that no code of this project reads them for it but the few lines below.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from programs import built
+
+NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
+MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
+STARTS = ("t0", "x0", "v0")
+UNDECIDED = 3  # the exit code that asks for more bits
+
+
+def program() -> Path | None:
+    """Return the compiled checker, or None where there is no compiler or no GMP."""
+    return built(Path(__file__).with_suffix(".cpp"), "-std=c++20", "-lgmpxx", "-lgmp")
+
+
+def words(data: dict[str, Any]) -> str:
+    """Return what the checker reads of a certificate."""
+    found = [data["kind"], *(data["parameters"][name] for name in NAMES)]
+    if data["kind"] == "trajectory":
+        found += [*(data["start"][name] for name in STARTS), *data["start_error"], data["t_end"]]
+        free = data["free"] if data["starts"] == "some" else {"name": None, "low": 0, "high": 0}
+        found += [
+            STARTS.index(free["name"]) if free["name"] else -1,
+            free["low"],
+            free["high"],
+            MODES.index(data["mode"]),
+        ]
+    else:
+        found += [data["periods"], *data["alone_within"]]
+        found += [end for each in data["multipliers"] for end in (*each["re"], *each["im"])]
+        found.append({True: 1, False: 0, None: -1}[data["stable"]])
+    found.append(len(data["events"]))
+    for row in data["events"]:
+        found += [row["kind"], row["boundary"], MODES.index(row["source"]), MODES.index(row["target"])]
+        found += [*row["t"], *row["x"], row.get("reach", 0)]
+    kinds = {"trajectory", "orbit", "stick", "slip", "cross", "graze"}
+    return " ".join(str(word if word in kinds else Fraction(word)) for word in found)
+
+
+def second_opinion(data: dict[str, Any], most_bits: int = 512) -> str:
+    """Return "proven", or why the second checker does not confirm a certificate."""
+    text, bits = words(data), 256
+    while True:
+        done = subprocess.run([str(program())], input=f"{bits} {text}", capture_output=True, text=True)
+        if done.returncode != UNDECIDED or bits >= most_bits:
+            return done.stdout.strip() or f"exit code {done.returncode}"
+        bits *= 2
