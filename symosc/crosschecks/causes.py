@@ -1,8 +1,14 @@
-"""Causes that a diagnosis names, and what it says about one."""
+"""Causes that a diagnosis names, what it says about one, and the change that tests it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from symosc.model import Parameters
 
 #: Causes by name, in words.
 CAUSES = {
@@ -17,6 +23,8 @@ CAUSES = {
     "chatter": "chatter about a belt's speed",
     "drift": "drift off a belt in a stick",
     "late events": "events are not located, but happen late",
+    "event interpolation": "events are located by linear interpolation",
+    "resampling": "the samples are interpolated between others",
     "double root": "missed double roots",
     "stick left early": "sticks are left too early",
     "stick left late": "sticks are left too late",
@@ -72,3 +80,20 @@ class Diagnosis:
     error: float | None = None
     share: float = 1.0
     alternatives: tuple[Diagnosis, ...] = ()
+
+
+class Change(NamedTuple):
+    """What to change before a check is repeated: the system, or the columns t, x, v (v None: positions alone)."""
+
+    words: str
+    parameters: Parameters | None = None
+    columns: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray | None]] | None = (
+        None
+    )
+
+
+class Candidate(NamedTuple):
+    """A diagnosis, and the change with which the steps should be right, if it can be made."""
+
+    diagnosis: Diagnosis
+    change: Change | None = None

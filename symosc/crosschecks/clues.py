@@ -16,9 +16,13 @@ from symosc.model import Parameters
 
 # So many steps are looked at, from shortly before the first wrong one.
 MOST_CLUES, CLUES_BEFORE = 3_000, 300
-# A fitted model is worth a closer look if it leaves this part of the defects.
-LEFT_OVER = 0.1
+# A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named if it leaves
+# this.
+LEFT_OVER, FITS = 0.1, 1e-3
 FIT_ROUNDS = 8
+# Others that explain nearly as much as the best one cannot be told from it. What makes all steps right is preferred.
+AS_GOOD = 0.02
+SURE = 1.0 + AS_GOOD
 # Steps that miss by this many times the median are left out of the next round.
 TRIM = 5.0
 
@@ -51,6 +55,8 @@ class Clues:
     scales : (2,) array
     near : (n,) array
         Distances from a belt that count as on it.
+    motion_sticks : bool
+        Whether the exact motion from the start sticks anywhere.
     """
 
     steps: ExactSteps
@@ -58,6 +64,7 @@ class Clues:
     allowed: np.ndarray
     scales: np.ndarray
     near: np.ndarray
+    motion_sticks: bool = True
 
     @classmethod
     def of(cls, check: Any) -> Clues:
@@ -67,7 +74,8 @@ class Clues:
         allowed, scales = check.allowed[low : low + MOST_CLUES], np.array(check.scales)
         near = np.append(allowed[:1, 1], allowed[:, 1])
         steps = follow_steps(check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales)
-        return cls(steps, low, allowed, scales, near)
+        held = any(part.mode.startswith("belt") and part.t_end > part.t_start for part in check.trajectory.segments)
+        return cls(steps, low, allowed, scales, near, held)
 
     @property
     def parameters(self) -> Parameters:
@@ -99,6 +107,18 @@ class Clues:
         inside[np.unique(self.steps.events.step)] = False
         return np.flatnonzero(inside & (np.diff(self.steps.t) > 0.0) & np.isfinite(self.sizes))
 
+    @cached_property
+    def stays(self) -> np.ndarray:
+        """Steps over which the samples stay on a belt."""
+        s, on = self.steps, self.label == 0
+        same = np.abs(np.diff(s.v)) <= self.near[1:] + self.near[:-1]
+        return np.flatnonzero(on[1:] & on[:-1] & same & (np.diff(s.t) > 0.0))
+
+    @property
+    def sticks(self) -> bool:
+        """Whether there is any stick to be wrong about: of the exact motion, or of the samples."""
+        return self.motion_sticks or bool(np.any(np.diff(self.stays) == 1))
+
     @property
     def flights_wrong(self) -> float:
         """Part of the steps inside a domain that are wrong; 0 if there is none."""
@@ -108,7 +128,7 @@ class Clues:
         """Return how large the defects may be, in units of what is allowed, if a model explains the steps."""
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
-    def share(self, sizes: np.ndarray, of: np.ndarray | None = None) -> float:
+    def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
         """Return which part of the wrong steps another model explains, less the right ones that it makes wrong.
 
         Parameters
@@ -117,10 +137,12 @@ class Clues:
             Defects that it leaves, in units of what is allowed.
         of : int array, optional
             The steps that these are of. Default: all.
+        part : float
+            A step is explained if this part of its defect is left.
         """
         chosen = slice(None) if of is None else of
         wrong = self.wrong[chosen]
-        fits = sizes <= self.limits()[chosen]
+        fits = sizes <= self.limits(part)[chosen]
         return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
 
     def followed(
@@ -130,6 +152,14 @@ class Clues:
         x, v = self.steps.x if x is None else x, self.steps.v if v is None else v
         found = follow_steps(p, self.steps.t + ahead, x, v, self.near, self.scales)
         return np.asarray(np.max(np.abs(found.defects) / self.allowed, axis=1))
+
+    def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+        """Return which part of the wrong steps other columns explain; they may have fewer rows."""
+        near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
+        found = follow_steps(self.parameters, t, x, v, near, self.scales)
+        left, wrong = np.max(np.abs(found.defects) / allowed, axis=1), self.sizes[self.wrong]
+        limit = max(1.0, EXPLAINS * float(np.median(wrong[np.isfinite(wrong)]))) if np.isfinite(wrong).any() else 1.0
+        return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
 
     def some(self, chosen: np.ndarray, most: int) -> np.ndarray:
         """Return at most so many of the chosen steps, evenly spread."""

@@ -10,6 +10,9 @@ from itertools import accumulate, islice
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, short, shown
 from symosc.errors import ParameterError
 
+#: Columns that are asked for by name: of t, x, v and id; None: there is no such column.
+Asked = Mapping[str, str | None]
+
 #: Column that says which of several trajectories a row belongs to.
 ID_COLUMN = "id"
 #: What the columns are called where nothing else is said; in any case, units in brackets left out.
@@ -21,22 +24,18 @@ USUAL_NAMES = {
 }
 #: Entries of a file or a mapping that are no columns of samples.
 NO_COLUMNS = {"events"}
+#: Names of arrays that hold x and v together.
+BOTH_IN_ONE = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 # Column names that a message lists.
 COLUMNS_LISTED, LONGEST_LIST = 12, 150
 NONE = "none"
-# Of a longer name only the beginning is looked at.
+# Of a longer name only the beginning is read.
 LONGEST_NAME = 200
 IN_BRACKETS = re.compile(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}")
 
 
 def asked_columns(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
-    """Return what was asked for by name: of t, x, v and id; "none" or None: there is no such column.
-
-    Raises
-    ------
-    ParameterError
-        If `columns` is no mapping of them to names, or two of them have one name.
-    """
+    """Return what was asked for by name: of t, x, v and id; "none" or None: there is no such column."""
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
     asked: dict[str, str | None] = {}
@@ -62,61 +61,51 @@ def plain(name: str) -> str:
     return "".join(letter for letter in text if letter.isalnum())
 
 
-def find_columns(there: Sequence[str], asked: Mapping[str, str | None], where: str) -> dict[str, str]:
-    """Return the names of the columns t and x, and of v and id if they are there.
+def is_wanted(name: str, asked: Asked | None) -> bool:
+    """Tell whether a column may be one that is read; others need not be numbers. All are where `asked` is None."""
+    if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
+        return True
+    return name.lower() in {column.lower() for column in asked.values() if column} | NO_COLUMNS | set(BOTH_IN_ONE)
 
-    Parameters
-    ----------
-    there : sequence of str
-        The table's own names.
-    asked : mapping
-        See `asked_columns`.
-    where : str
-        What a message calls the table.
 
-    Raises
-    ------
-    ParameterError
-        If a column is missing, or several may be meant.
+def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
+    """Raise ParameterError if a column that is read is there twice."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen and is_wanted(name, asked):
+            raise ParameterError("file", where, f"has {short(name)!r} twice")
+        seen.add(name)
+
+
+def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
+    """Return the names of the columns t and x, and of v and id if they are there, of all that there are.
+
+    ParameterError if one is missing, or several may be meant; `where` is what the message calls the table.
     """
+    missing = f"is missing in {where}; there are: {listed(there)}"
     found: dict[str, str] = {}
     taken = {column for column in asked.values() if column is not None}
-    for name in USUAL_NAMES:
-        if name in asked:
-            column = asked[name] if asked[name] is None else _asked(there, str(asked[name]), where)
-        else:
-            column = _usual(there, name, taken, where)
+    for name, usual in USUAL_NAMES.items():
+        column = asked.get(name)
         if column is not None:
-            found[name] = column
+            same = [each for each in there if each == column] or [e for e in there if e.lower() == column.lower()]
+            if len(set(same)) != 1:
+                raise ParameterError("column", column, missing)
+            found[name] = same[0]
+        elif name not in asked:
+            free = [each for each in there if each not in taken]
+            fitting = [each for each in free if each == name][:1] or [each for each in free if plain(each) in usual]
+            if len(fitting) > 1 and name in SAMPLE_COLUMNS:
+                what = f"may be any of {listed(fitting)} in {where}; say which, such as {name}={fitting[0]}"
+                raise ParameterError("column", name, what)
+            if fitting:
+                found[name] = fitting[0]
     for name in ("t", "x"):
         if name not in found:
-            raise ParameterError("column", name, _missing(there, where))
-    others = [name for name in there if name not in {*found.values(), *NO_COLUMNS}]
-    if "v" not in found and "v" not in asked and others:
-        more = "without velocities, which are then computed: v=none"
-        raise ParameterError("column", "v", f"{_missing(there, where)}; {more}")
+            raise ParameterError("column", name, missing)
+    if "v" not in found and "v" not in asked and set(there) - {*found.values(), *NO_COLUMNS}:
+        raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
     return found
-
-
-def _asked(there: Sequence[str], column: str, where: str) -> str:
-    same = [name for name in there if name == column] or [name for name in there if name.lower() == column.lower()]
-    if len(set(same)) != 1:
-        raise ParameterError("column", column, _missing(there, where))
-    return same[0]
-
-
-def _usual(there: Sequence[str], name: str, taken: set[str], where: str) -> str | None:
-    if name in there and name not in taken:
-        return name
-    fitting = [column for column in there if plain(column) in USUAL_NAMES[name] and column not in taken]
-    if len(fitting) > 1 and name in SAMPLE_COLUMNS:
-        what = f"may be any of {listed(fitting)} in {where}; say which, such as {name}={fitting[0]}"
-        raise ParameterError("column", name, what)
-    return fitting[0] if fitting else None
-
-
-def _missing(there: Iterable[str], where: str) -> str:
-    return f"is missing in {where}; there are: {listed(there)}"
 
 
 def listed(names: Iterable[str]) -> str:

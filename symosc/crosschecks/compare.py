@@ -4,42 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Record
-from symosc.crosschecks.allowed import carried, looseness, rounding_of_steps
+from symosc.aliases import NumberLike, Progress, Record, SolutionLike
+from symosc.arguments import public
+from symosc.crosschecks.allowed import double_rounding, looseness, propagated
 from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
 from symosc.crosschecks.faults import Fault, explain
+from symosc.crosschecks.files import given_solutions
 from symosc.crosschecks.functions import dense_note
-from symosc.crosschecks.given import given_solutions
 from symosc.crosschecks.many import CrossChecks, check_all
 from symosc.crosschecks.matching import Match, Matcher, Matching
-from symosc.crosschecks.other_models import own_start
+from symosc.crosschecks.other_models import own_start as start_of
 from symosc.crosschecks.reach import Reach
 from symosc.crosschecks.report import CrossCheck
 from symosc.crosschecks.rounding import Rounding, find_rounding
 from symosc.crosschecks.samples import Samples, check_joints
 from symosc.crosschecks.solver_times import with_times
 from symosc.crosschecks.steps import ExactSteps, follow_steps
-from symosc.crosschecks.velocities import with_velocities
+from symosc.crosschecks.velocities import fastest_rate, with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
-from symosc.simulation.workers import Progress, read_workers
+from symosc.simulation.workers import read_workers
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 
 STEP_TOLERANCE = 1e-8
-# Errors of many right steps may add up to this many tolerances.
-GLOBAL_FACTOR = 1000.0
+# Errors of many right steps may add up to this many tolerances, and to this part of the largest |x| and |v|.
+GLOBAL_FACTOR, MOST_GLOBAL = 1000.0, 0.01
+# ... of rounded samples to so many last places, or to this many tolerances where these are more.
+LAST_PLACES, ROUNDED_FACTOR = 5.0, 100.0
+# Rounded samples are compared over steps and over spans of 4, 16, 64, ... steps.
+SPAN_FACTOR, FEW_SPANS = 4, 6
+# Numbers whose last digits are cut off, not rounded, are off by less than this many times what rounding allows.
+CUT_EXCESS = 4.0
+# The first velocity of positions alone may be another one by so many of their roundings, per unit of time.
+UNKNOWN_SPEED = 20.0
+# A solution may end one of its steps before the motion, if that is at most this part of the whole.
+LAST_STEP = 0.05
 # While the exact motion sticks, samples this near to the belt (in units of velocity) are meant to be on it.
 DRIFT = 1e-4
 # Two samples of one time may differ by this part of the largest |x| and |v|: pieces joined at an event.
@@ -51,25 +61,29 @@ FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
 ADDED_UP = "every step is right, but their errors add up, or the start is another one"
 
 
+@public
 def crosscheck(
     scene: Scene | Parameters | str,
-    t: object,
+    t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None = None,
     v: ArrayLike | None = None,
     *,
     events: Iterable[tuple[float, str]] | None = None,
-    tolerance: float = STEP_TOLERANCE,
-    global_tolerance: float | None = None,
+    tolerance: NumberLike = STEP_TOLERANCE,
+    global_tolerance: NumberLike | None = None,
+    own_start: bool = False,
+    partial: bool = False,
     columns: Mapping[str, str | None] | None = None,
     workers: int | None = 1,
-    progress: Progress | bool | None = None,
+    progress: Progress | None = None,
 ) -> Any:
     """Compare somebody's solution, or several, with the exact motion.
 
     Parameters
     ----------
     scene : Scene, str or Parameters
-        With a scene the exact motion starts where the scene does, if the first sample is there; else at the sample.
+        With a scene the solution has to start where the scene does, or on its motion later, and to go on to its
+        `t_end`. With Parameters it starts at the first sample and may end anywhere.
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without `v` it is computed
         from `x`, and a note says so. `x` may be a function t -> (x, v). Or give `t` alone: whatever
@@ -82,9 +96,15 @@ def crosscheck(
     tolerance : float
         Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample whose v differs
         from a belt's speed by less is on the belt. Samples with few digits (3 decimals, single precision) that fail
-        are judged once more at that precision; `rounded` and a note say so.
+        are judged once more at that precision; `rounded` and a note say so. Then half a unit of the last place of
+        each sample is allowed beside the tolerance, and what the exact motion makes of that of the sample before; and
+        the same over spans of 4, 16, 64, ... steps.
     global_tolerance : float, optional
-        Allowed global error, relative to the same values. Default: 1000 times `tolerance`.
+        Allowed global error, relative to the same values. Default: 1000 times `tolerance`, at most 0.01; of rounded
+        samples at most 5 last places, or 100 times `tolerance` where that is more. The rounding of the sample is
+        allowed beside it, and what the exact motion makes of that of the first sample.
+    own_start, partial : bool
+        Allow a solution of a scene that starts elsewhere, and one that ends before the scene's `t_end`.
     columns : mapping, optional
         What the columns t, x, v and id of a file or a table are called.
     workers, progress : int, callable or True, optional
@@ -102,92 +122,168 @@ def crosscheck(
     Examples
     --------
     >>> from symosc import crosscheck, simulate
-    >>> crosscheck("fig5", simulate("fig5", t_end=7)).ok
+    >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    judge = partial(judged, *_limits(scene, tolerance, global_tolerance))
-    found = given_solutions(judge.args[0], (t, x, v), events, columns)
+    scene = load_scene(scene) if isinstance(scene, str) else scene
+    if not isinstance(scene, (Scene, Parameters)):
+        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+    allowed = _positive("tolerance", tolerance)
+    limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
+    judge = Judge(scene, allowed, limit, own_start, partial)
+    found = given_solutions(scene, (t, x, v), events, columns)
     read_workers(workers)
     return judge(found[0]) if len(found) == 1 else check_all(judge, found, workers, progress)
 
 
-def _limits(
-    scene: object, tolerance: object, global_tolerance: object | None
-) -> tuple[Scene | Parameters, float, float]:
-    """Return the problem and the tolerances as numbers."""
-    allowed = _positive("tolerance", tolerance)
-    limit = GLOBAL_FACTOR * allowed if global_tolerance is None else _positive("global_tolerance", global_tolerance)
-    scene = load_scene(scene) if isinstance(scene, str) else scene
-    if not isinstance(scene, (Scene, Parameters)):
-        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
-    return scene, allowed, limit
+@dataclass(frozen=True)
+class Judge:
+    """What samples are held against, and how strictly; see `crosscheck`. Called with samples, it returns a verdict."""
 
+    scene: Scene | Parameters
+    tolerance: float
+    given_limit: float | None
+    own_start: bool
+    partial: bool
 
-def judged(scene: Scene | Parameters, allowed: float, limit: float, samples: Samples) -> CrossCheck:
-    """Return the verdict on one solution; velocities that were not given are computed."""
-    p = scene if isinstance(scene, Parameters) else scene.parameters
-    if samples.lacks_v:
-        samples = with_velocities(samples, scene, allowed)
-    return Task(scene, p, samples, allowed, limit, find_rounding(samples, (float(p.v1), float(p.v2)))).verdict()
+    @property
+    def parameters(self) -> Parameters:
+        """Parameters of the exact motion."""
+        return self.scene if isinstance(self.scene, Parameters) else self.scene.parameters
+
+    @property
+    def limit(self) -> float:
+        """Allowed global error, relative."""
+        usual = max(self.tolerance, min(GLOBAL_FACTOR * self.tolerance, MOST_GLOBAL))
+        return usual if self.given_limit is None else self.given_limit
+
+    def global_part(self, scales: np.ndarray, loose: np.ndarray, rounded: bool) -> np.ndarray:
+        """Return the allowed global errors of x and v beside what rounding makes."""
+        part = self.limit * scales
+        if self.given_limit is not None or not rounded:
+            return part
+        places = LAST_PLACES * 2.0 * np.max(loose, axis=0)
+        few = np.maximum(places, ROUNDED_FACTOR * self.tolerance * scales)
+        return np.where(places > 0.0, np.minimum(part, few), part)
+
+    def __call__(self, samples: Samples) -> CrossCheck:
+        """Return the verdict on one solution; velocities that were not given are computed."""
+        p, scene = self.parameters, self.scene
+        if samples.lacks_v:
+            samples = with_velocities(samples, scene, self.tolerance)
+        t0 = None if isinstance(scene, Parameters) else float(scene.t0)
+        return Task(self, p, samples, find_rounding(samples, (float(p.v1), float(p.v2)), t0)).verdict()
 
 
 @dataclass(frozen=True)
 class Task:
-    """Samples to be judged: what, against what, and how strictly; see `crosscheck`."""
+    """Samples to be judged, and by whom."""
 
-    scene: Scene | Parameters
+    by: Judge
     parameters: Parameters
     samples: Samples
-    tolerance: float
-    limit: float
     rounding: Rounding
 
     def verdict(self) -> CrossCheck:
+        """Judge the samples, and whether they go on to the end of the motion."""
+        result = self._judged()
+        early = self._early_end(result.trajectory)
+        if not early:
+            return result
+        if self.by.partial:
+            return replace(result, notes=(*result.notes, early))
+        return replace(result, ok=False, early_end=early)
+
+    def _judged(self) -> CrossCheck:
         """Judge the samples as numbers with all digits; if they fail and have few, once more at their precision."""
         samples, rounding = self.samples, self.rounding
         units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
-        check_joints(samples, max(SAMPLE_JUMP, self.tolerance), *looseness(self.parameters, samples, units).T)
+        jump = max(SAMPLE_JUMP, self.by.tolerance)
+        check_joints(samples, jump, *looseness(self.parameters, samples, units).T)
         result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
-        return result if result.ok or not rounding.texts else self.judge(units, listed)
+        if result.ok or not rounding.texts:
+            return result
+        half = units * (0.5 + 1e-9)
+        result = self.judge(half, listed)
+        if result.ok:
+            return result
+        return self._cut(half, listed, result) or self._coarser(half, listed, result)
 
-    def judge(self, units: np.ndarray, listed: np.ndarray) -> CrossCheck:
+    def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
+        """Return the verdict on samples that are right if their last digits are cut off in place of rounded."""
+        samples = self.samples
+        if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > CUT_EXCESS:
+            return None
+        numbers = np.stack([samples.t, samples.x, samples.v])
+        for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
+            # Each sample is put into the middle of the numbers that it may be.
+            t, x, v = numbers + half * sign
+            middle = replace(self, samples=replace(samples, t=t, x=x, v=v))
+            other = middle.judge(half * (2.0 - np.abs(sign)), listed)
+            if other.ok:
+                note = f"the last digits are {way}: half a unit of the last place is added to each sample"
+                return replace(other, notes=(*other.notes, note))
+        return None
+
+    def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
+        """Add the verdict on every n-th sample where the rounding hides in each step what is wrong over n steps."""
+        spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
+        # A few spans tell no cause, and where most steps are wrong these show it themselves.
+        if len(spans) < FEW_SPANS or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
+            return result
+        kept = np.unique([*range(0, count, int(np.max(spans[:, 1] - spans[:, 0]))), count - 1])
+        columns = {name: getattr(samples, name)[kept] for name in ("t", "x", "v")}
+        off = None if samples.v_off is None else samples.v_off[kept]
+        few = replace(self, samples=replace(samples, **columns, v_off=off, dense=None))
+        return replace(result, coarser=few.judge(half[:, kept], listed))
+
+    def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion.
 
         Parameters
         ----------
-        units : (3, n) array
-            How far t, x and v of the samples are rounded.
+        rounding : (3, n) array
+            How far t, x and v of the samples may be off as numbers.
         listed : array
             How far the times of the list of events are rounded.
         """
-        samples, p, notes = self.samples, self.parameters, self._notes(units, listed)
-        loose = looseness(p, samples, units)
-        start = _start(self.scene, samples, self.limit, units[:, 0], notes)
+        samples, p, tolerance = self.samples, self.parameters, self.by.tolerance
+        notes = self._notes(rounding, listed)
+        loose = looseness(p, samples, rounding)
+        start, other_start = self._start(loose[0], rounding[:, 0])
         trajectory = self._simulate(float(samples.t[-1]), start)
-        errors, scales = _global_errors(trajectory, samples, notes)
-        limits = self.limit * scales + GLOBAL_FACTOR * np.max(loose, axis=0)
-        near = self.tolerance * scales[1] + loose[:, 1]
-        steps = follow_steps(p, samples.t, samples.x, samples.v, near, scales)
-        allowed = rounding_of_steps(steps, scales) + self.tolerance * scales
-        allowed += carried(steps, loose, near, scales)
+        errors, scales = _global_errors(trajectory, samples)
+        limits = self.by.global_part(scales, loose, bool(np.any(rounding))) + loose
+        limits = limits + propagated(p, loose[0], samples.t - samples.t[0])
+        notes += self._about(trajectory)
+        notes += [other_start] if other_start and self.by.own_start else []
+        near = tolerance * scales[1] + loose[:, 1]
+        allowed = double_rounding(p, samples.t, scales) + tolerance * scales
+        allowed = allowed + loose[1:] + propagated(p, loose[:-1], np.diff(samples.t))
+        steps = follow_steps(p, samples.t, samples.x, samples.v, near, allowed)
         sizes = np.maximum(*(np.abs(steps.defects[:, i]) / allowed[:, i] for i in (0, 1)))
         wrong = ~(sizes <= 1.0)
+        spans = self._wrong_spans(loose, near, scales)
         label = labels(steps, near, np.maximum(near, DRIFT * scales[1]))
         found, modes = find_events(steps, label, wrong)
-        reach = Reach(steps, _within(errors, limits) + loose, self.tolerance * float(scales[1]), self.tolerance, listed)
+        reach = Reach(steps, _within(errors, limits) + loose, tolerance * float(scales[1]), tolerance, listed)
         matching = self._match(trajectory, start, found, reach, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
         disorder = _disorder(samples.events or (), notes)
         greatest = [float(np.nanmax(np.abs(column))) for column in errors.T]
-        within = bool(np.all(greatest <= limits))
-        notes += [ADDED_UP] if not within and not wrong.any() else []
+        within = not np.any(np.abs(errors) > limits)
+        refused = "" if self.by.own_start else other_start
+        notes += [ADDED_UP] if not within and not wrong.any() and not len(spans) and not other_start else []
         return CrossCheck(
-            ok=within and not (wrong.any() or matching.missed or matching.invented or disorder),
+            ok=within
+            and not (wrong.any() or len(spans) or matching.missed or matching.invented or disorder or refused),
             max_error_x=greatest[0],
             max_error_v=greatest[1],
             errors=errors,
+            limits=limits,
             defects=steps.defects,
             wrong_steps=np.flatnonzero(wrong),
+            wrong_spans=spans,
             allowed=allowed,
             matched=tuple(matching.matched),
             missed=tuple(matching.missed),
@@ -198,8 +294,8 @@ class Task:
             first_wrong=faults[0] if faults else None,
             first_switching=next((fault for fault in faults if fault.reason not in ("local error", "outlier")), None),
             compared_until=min(float(trajectory.t_end), float(samples.t[-1])),
-            tolerance=self.tolerance,
-            global_tolerance=self.limit,
+            tolerance=tolerance,
+            global_tolerance=self.by.limit,
             scales=(float(scales[0]), float(scales[1])),
             rounded=self.rounding.texts,
             notes=(*notes, *matching.notes),
@@ -208,8 +304,83 @@ class Task:
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
-            own_start=own_start(self.scene),
+            own_start=start_of(self.by.scene),
+            _task=replace(self, samples=replace(self.samples, dense=None)),
+            wrong_start=refused,
         )
+
+    def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
+        """Return from where the exact motion starts, and what is to be said if that is not the scene's start.
+
+        That is {} for the scene's own start, which may have more digits than the sample, or the first sample.
+        """
+        scene, samples, limit = self.by.scene, self.samples, self.by.limit
+        start = {"t0": float(samples.t[0]), "x0": float(samples.x[0]), "v0": float(samples.v[0])}
+        if isinstance(scene, Parameters):
+            return start, ""
+        own = {name: float(getattr(scene, name)) for name in start}
+        slack = {name: limit * max(1.0, abs(own[name])) for name in start}
+        slack["t0"] = max(limit / fastest_rate(self.parameters), 4.0 * float(np.spacing(abs(own["t0"]))))
+        off = dict(zip(start, rounding, strict=True))
+        off["v0"] = max(off["v0"], 0.0 if samples.v_off is None else float(samples.v_off[0]))
+        if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
+            return {}, ""
+        if samples.v_off is not None:  # positions tell the first velocity less well
+            slack["v0"] += UNKNOWN_SPEED * max(1.0, fastest_rate(self.parameters)) * off["v0"]
+            if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
+                return start, ""
+        if start["t0"] > own["t0"]:
+            before = self._simulate(start["t0"], {})
+            there = before(min(start["t0"], float(before.t_end)))
+            allowed = limit * _scales(self.parameters, there[:, None]) + loose
+            if before.t_end >= start["t0"] and np.all(np.abs(there - [start["x0"], start["v0"]]) <= allowed):
+                return start, ""
+        first, its = (", ".join(f"{name} = {value:.10g}" for name, value in each.items()) for each in (start, own))
+        return start, f"the solution starts at {first}; {scene.name} starts at {its}"
+
+    def _early_end(self, trajectory: Trajectory) -> str:
+        """Return what is to be said if the solution ends before the motion does."""
+        scene, t = self.by.scene, self.samples.t
+        if isinstance(scene, Parameters) or trajectory.status == "equilibrium":
+            return ""
+        last, t_end = float(t[-1]), float(scene.t_end)
+        steps = np.diff(t)
+        step = min(float(np.median(steps[steps > 0.0])), LAST_STEP * (t_end - float(scene.t0)))
+        if last + (1.0 + 1e-9) * step >= t_end:
+            return ""
+        return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
+
+    def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
+        """Return spans of rounded samples over which the exact motion leads elsewhere, as pairs of samples.
+
+        Dense samples with few digits hide a wrong model in each step, and not over many. The tolerances of the steps
+        add up. Of all lengths that is chosen of which many spans are wrong, and a great part.
+        """
+        p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
+        count, length, most = len(samples.t), SPAN_FACTOR, 0.0
+        while length < count and np.any(loose):
+            ends = np.unique([*range(0, count, length), count - 1])
+            t = samples.t[ends]
+            of_steps = np.minimum(np.diff(ends)[:, None] * self.by.tolerance, self.by.limit) * scales
+            allowed = double_rounding(p, t, scales) + loose[ends[1:]]
+            allowed = allowed + propagated(p, loose[ends[:-1]] + of_steps, np.diff(t))
+            defects = follow_steps(p, t, samples.x[ends], samples.v[ends], near[ends], allowed).defects
+            wrong = np.flatnonzero(np.max(np.abs(defects) / allowed, axis=1) > 1.0)
+            if len(wrong) ** 2 > most * len(t):
+                most, best = len(wrong) ** 2 / len(t), np.column_stack([ends[wrong], ends[wrong + 1]])
+            length *= SPAN_FACTOR
+        return best
+
+    def _about(self, trajectory: Trajectory) -> list[str]:
+        """Return notes on the end of the exact motion, and on the solver's function between the samples."""
+        until, notes = float(trajectory.t_end), list[str]()
+        if until < self.samples.t[-1]:
+            notes.append(
+                f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared"
+            )
+        if self.samples.dense is not None:
+            notes.append(dense_note(trajectory, self.samples.dense, until))
+        return notes
 
     def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
         columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
@@ -249,7 +420,7 @@ class Task:
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         # So many more events than samples cannot be meant.
         most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
-        return simulate(self.scene, t_end=t_end, max_events=most, **start)
+        return simulate(self.by.scene, t_end=t_end, max_events=most, **start)
 
 
 def _positive(name: str, value: object) -> float:
@@ -259,37 +430,14 @@ def _positive(name: str, value: object) -> float:
     return number
 
 
-def _start(scene: Scene | Parameters, samples: Samples, limit: float, units: np.ndarray, notes: list[str]) -> Record:
-    """Return where the exact motion starts: at the first sample; {} for the scene's own start, if the sample is there.
-
-    The scene's may have more digits than the sample.
-    """
-    start = {"t0": float(samples.t[0]), "x0": float(samples.x[0]), "v0": float(samples.v[0])}
-    if isinstance(scene, Parameters):
-        return start
-    own = {name: float(getattr(scene, name)) for name in start}
-    slack = {name: limit * max(1.0, abs(own[name])) for name in start}
-    slack["t0"] = min(slack["t0"], 4.0 * float(np.spacing(abs(own["t0"]))))
-    rounded = dict(zip(start, 2.0 * units, strict=True))
-    if all(abs(start[name] - own[name]) <= slack[name] + rounded[name] for name in start):
-        return {}
-    shown = ", ".join(f"{name} = {value:.10g}" for name, value in start.items())
-    notes.append(f"the exact motion starts at the first sample ({shown}), which is not {scene.name}'s start")
-    return start
-
-
-def _global_errors(trajectory: Trajectory, samples: Samples, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
+def _global_errors(trajectory: Trajectory, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples minus the exact motion, shape (n, 2), NaN after its end; and the units of x and v."""
     times, until = samples.t, float(trajectory.t_end)
     inside = times <= until
-    if not inside.all():
-        notes.append(f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared")
     exact = trajectory(np.clip(times[inside], float(trajectory.t_start), until))
     scales, errors = _scales(trajectory.parameters, exact), np.full((2, len(times)), np.nan)
     for row, values, given in zip(errors, exact, (samples.x, samples.v), strict=True):
         row[inside] = given[inside] - values
-    if samples.dense is not None:
-        notes.append(dense_note(trajectory, samples.dense, until))
     return errors.T, scales
 
 
@@ -319,8 +467,7 @@ def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
     """Return units of x and v: the largest of the exact motion, and nothing less than the belts give."""
     reach = np.array([np.max(np.abs(row)) for row in exact])
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
-    rate = max(float(p.Omega), float(p.k / p.m) ** 0.5)
-    return np.array([max(float(reach[0]), speed / rate), speed])
+    return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])
 
 
 def _within(errors: np.ndarray, limits: np.ndarray) -> np.ndarray:

@@ -8,35 +8,57 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks import data_clues, event_clues, friction_clues, method_clues, other_models, stick_clues
-from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import Clues, clue_samples
-from symosc.crosschecks.faults import REASONS
-from symosc.crosschecks.other_models import AS_GOOD, ENOUGH
+from symosc.crosschecks import (
+    alternatives,
+    column_clues,
+    data_clues,
+    event_clues,
+    friction_clues,
+    method_clues,
+    other_models,
+    stick_clues,
+)
+from symosc.crosschecks.causes import Candidate, Change, Diagnosis
+from symosc.crosschecks.clues import AS_GOOD, SURE, Clues, clue_samples
+from symosc.crosschecks.faults import EXPLAINS, REASONS
+from symosc.crosschecks.other_models import ENOUGH
+from symosc.crosschecks.rounding import find_rounding
 from symosc.crosschecks.smoothed_flights import smoothed_flights
+from symosc.crosschecks.velocities import with_velocities
 from symosc.engine.next_event import TWO_PI
+from symosc.errors import ParameterError
 
 # A cause that explains less of the wrong steps is not named.
 NAMED = 0.3
 # Forcing periods of which no sample is needed. Longer steps hold so many events that they tell nothing of a cause, and
 # each cause would take long to try.
 UNSEEN_PERIODS = 200.0
+# Of causes that explain the samples alike, so many are tested by a check with the change, and named.
+MOST_NAMED = 6
+# Of positions alone so many must have a velocity.
+MOST_KEPT = 0.9
+# Causes that speak of a stick: there must be one.
+OF_STICKS = {"stick left early", "stick left late", "drift", "chatter"}
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     """Return what is probably wrong in the samples of a `CrossCheck`, the likeliest first.
 
-    Each cause is put to the test: another model is followed over all steps, and has to make the wrong ones right.
-    Where several explain the samples as well, the others are the `alternatives` of the first.
+    Each cause is put to the test: another model is followed over all steps, and has to make the wrong ones right. For
+    those that are named the whole check is repeated with the change, and its result is their evidence. Where several
+    explain the samples as well, the others are the `alternatives` of the first.
     """
     few_digits = tuple(data_clues.digits(check))
     if check.ok:
         return few_digits
+    if check.coarser is not None:
+        return diagnose(check.coarser)
     if not len(check.wrong_steps):
-        found = tuple(data_clues.listed(check)) or (_start(check),)
+        found = tuple(data_clues.listed(check)) or tuple(_start(check))
         return (*found, *few_digits)
-    if _too_long(check):
-        return (_unknown(check), *few_digits)
+    constant = column_clues.no_motion(check.t, check.x, check.v)
+    if constant or _too_long(check):
+        return (constant or _other_times(check) or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
         found = _best(Clues.of(check), check)
     return (*found, *few_digits)
@@ -49,71 +71,162 @@ def _too_long(check: Any) -> bool:
     return bool(periods > max(UNSEEN_PERIODS, len(t)))
 
 
+def _other_times(check: Any) -> Diagnosis | None:
+    """Return the unit of times in which the steps are right, if there is one."""
+    for one in alternatives.changed_columns(check.trajectory.parameters, check.t, check.x, check.v):
+        found = with_evidence(one, check) if one.diagnosis.subject == "t" else None
+        if found is not None and found.share >= ENOUGH:
+            return found
+    return None
+
+
 def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
     """Return what explains the wrong steps; causes that cost more are tried only if the cheaper ones do not."""
-    tried: list[Diagnosis] = []
-    for stage in (_simple, _models, _methods, _sticks, _delays, _rest):
-        tried += stage(clues, check)
-        tried.sort(key=lambda one: -one.share)
-        if tried and tried[0].share >= ENOUGH:
-            break
-    good = [one for one in tried if one.share >= max(NAMED, tried[0].share - AS_GOOD)] if tried else []
-    if not good:
+    tried: list[Candidate] = []
+    named: list[Diagnosis] = []
+    for stage in (_numbers, _systems, _columns, _fits, _far_fits, _methods, _sticks, _delays, _rest):
+        found = [one if isinstance(one, Candidate) else Candidate(one) for one in stage(clues, check)]
+        tried += [one for one in found if clues.sticks or one.diagnosis.cause not in OF_STICKS]
+        tried.sort(key=lambda one: -one.diagnosis.share)
+        if tried and tried[0].diagnosis.share >= ENOUGH:
+            named = _tested(tried, check)
+            if named and named[0].share >= (SURE if stage in (_numbers, _systems, _columns) else ENOUGH):
+                break
+    named = named or _tested(tried, check)
+    if not named:
         return (_unknown(check),)
-    return (replace(good[0], alternatives=(*good[0].alternatives, *_others(good))),)
+    first, *others = (replace(one, share=min(one.share, 1.0)) for one in named)
+    return (replace(first, alternatives=(*first.alternatives, *others)),)
 
 
-def _others(good: list[Diagnosis]) -> Iterator[Diagnosis]:
-    """Yield the diagnoses after the first, each once; of several that name a method, one is enough."""
-    seen = {_name(good[0])}
-    for one in good[1:]:
-        if _name(one) not in seen:
-            seen.add(_name(one))
-            yield one
+def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
+    """Return the best candidates as diagnoses, each tested by a check with its change; what fails that is not named."""
+    waiting = list(tried)
+    while waiting:
+        best = waiting[0].diagnosis.share
+        if best < NAMED:
+            return []
+        good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
+        waiting = waiting[len(good) :]
+        seen: dict[tuple[str, str], Diagnosis] = {}
+        for one in good:
+            if len(seen) < MOST_NAMED and _name(one.diagnosis) not in seen:
+                diagnosis = with_evidence(one, check)
+                if diagnosis is not None and diagnosis.share >= NAMED:
+                    seen[_name(one.diagnosis)] = diagnosis
+        if seen:
+            found = sorted(seen.values(), key=lambda one: -one.share)
+            return [one for one in found if one.share >= found[0].share - 1.001 * AS_GOOD]
+    return []
 
 
 def _name(one: Diagnosis) -> tuple[str, str]:
     return one.cause, one.subject if one.cause in ("coefficient", "sign", "columns") else ""
 
 
-def _simple(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
+    """Return a diagnosis with what the check says if it is repeated with the change; None if that cannot be done."""
+    diagnosis, change = candidate
+    if change is None:
+        return diagnosis
+    again = repeated_check(check, change)
+    if again is None or (again._task.samples.v_off is not None and len(again.t) < MOST_KEPT * len(check.t)):
+        return None
+    wrong, steps = len(again.wrong_steps), len(again.defects)
+    if not wrong and not len(again.wrong_spans):
+        words, share = f"{change.words} all {steps} steps are right", SURE
+    else:
+        words, share = f"{change.words} {wrong} of {steps} steps are wrong", _explained(check, again)
+    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
+
+
+def repeated_check(check: Any, change: Change) -> Any:
+    """Return the check of the same samples with another system or other columns; None if there is none."""
+    task = check._task
+    p, samples = change.parameters or task.parameters, task.samples
+    if change.columns is not None:
+        t, x, v = change.columns(samples.t, samples.x, samples.v)
+        samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v, v_off=None)
+    elif samples.v_off is not None:  # the velocities were those of the system
+        samples = replace(samples, v=np.full(len(samples.t), np.nan), v_off=None)
+    samples = replace(samples, events=None, dense=None)
+    try:
+        if samples.lacks_v:
+            samples = with_velocities(samples, p, task.by.tolerance)
+        rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
+        return replace(task, by=replace(task.by, scene=p), parameters=p, samples=samples, rounding=rounding).verdict()
+    except ParameterError:
+        return None
+
+
+def _explained(check: Any, again: Any) -> float:
+    """Return which part of the wrong steps a change explains: their defects all but vanish."""
+    before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
+    wrong = ~(before <= 1.0)
+    if len(before) == len(after):
+        fits = after <= np.maximum(1.0, EXPLAINS * np.nan_to_num(before, nan=0.0, posinf=0.0))
+        return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / np.sum(wrong))
+    return float(1.0 - np.mean(~(after <= max(1.0, EXPLAINS * np.nanmedian(before[wrong])))) / np.mean(wrong))
+
+
+Stage = Iterator[Candidate | Diagnosis]
+
+
+def _numbers(clues: Clues, check: Any) -> Stage:
     yield from data_clues.outliers(check)
     yield from data_clues.noise(clues)
-    yield from other_models.other_signs(clues)
+    yield from alternatives.other_columns(clues)
+    yield from column_clues.other_times(clues)
+
+
+def _systems(clues: Clues, check: Any) -> Stage:
+    yield from alternatives.other_systems(clues)
     yield from other_models.phases_of_drive(clues, check.own_start)
-    yield from other_models.sign_of_friction(clues)
 
 
-def _models(clues: Clues, check: Any) -> Iterator[Diagnosis]:
-    yield from data_clues.other_units(clues)
+def _columns(clues: Clues, check: Any) -> Stage:
+    yield from column_clues.column_faults(clues)
+
+
+def _fits(clues: Clues, check: Any) -> Stage:
     yield from event_clues.double_roots(clues)
     yield from other_models.coefficients(clues)
 
 
-def _methods(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+def _far_fits(clues: Clues, check: Any) -> Stage:
+    yield from other_models.far_coefficients(clues)
+
+
+def _methods(clues: Clues, check: Any) -> Stage:
     yield from method_clues.repeated(clues)
+    yield from event_clues.interpolated(clues)
 
 
-def _sticks(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+def _sticks(clues: Clues, check: Any) -> Stage:
     yield from smoothed_flights(clues)
     yield from friction_clues.at_belts(clues)
     yield from stick_clues.stick_ends(clues)
     yield from stick_clues.drift_within_steps(clues)
 
 
-def _delays(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+def _delays(clues: Clues, check: Any) -> Stage:
     yield from event_clues.delays(clues)
     yield from friction_clues.smoothed_passages(clues)
 
 
-def _rest(clues: Clues, check: Any) -> Iterator[Diagnosis]:
+def _rest(clues: Clues, check: Any) -> Stage:
+    yield from column_clues.other_velocities(clues)
     yield from method_clues.truncation(clues)
     yield from other_models.forces(clues)
 
 
-def _start(check: Any) -> Diagnosis:
+def _start(check: Any) -> Iterator[Diagnosis]:
+    """Yield another start, which is said, or one that the global error shows; an early end is no fault of the steps."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
-    return Diagnosis("start", "", words, f"off by {check.max_error_x:.2g} in x and {check.max_error_v:.2g} in v")
+    if check.wrong_start:
+        yield Diagnosis("start", "", check.wrong_start, "every step is right")
+    elif np.any(np.abs(check.errors) > check.limits):
+        yield Diagnosis("start", "", words, f"off by {check.max_error_x:.2g} in x and {check.max_error_v:.2g} in v")
 
 
 def _unknown(check: Any) -> Diagnosis:

@@ -153,7 +153,10 @@ def _guess(
         what = f"the motion meets belt {boundaries[0]} at t = {times[0]:.10g} and is back at t = {times[-1]:.10g}"
         return "double root", f"{what}; signs at the ends of the step do not show it"
     if not len(times) and i + 2 < len(steps.t) and first <= 3 and misfits[1, first - 1] <= limit:
-        return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} is right"
+        part = (
+            "is right" if misfits[1, first - 1] <= 1.0 else f"is off by {misfits[1, first - 1] / sizes[i]:.0e} of that"
+        )
+        return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
     if len(times):
         force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
         what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(targets[0])]} at t = {times[0]:.10g}"

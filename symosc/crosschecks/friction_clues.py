@@ -31,6 +31,8 @@ CURVES: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
 }
 # Widths are told apart to this part of themselves, or friction is not smoothed by that curve.
 SAME_WIDTH = 0.2
+# A curve that is wider than so many times the distance of the belts is no smoothed sign.
+WIDEST = 3.0
 # Steps that are looked at, and pieces of each.
 MOST_SMOOTHED, PIECES = 40, 48
 # Needed friction beyond this tells nothing: the curve is flat.
@@ -61,14 +63,14 @@ def at_belts(clues: Clues) -> Iterator[Diagnosis]:
     gap = s.v[steps + 1] - np.array([s.K.belt1.v, s.K.belt2.v])[boundary - 1]
     curves = _smoothed_sticks(clues, steps, boundary, gap)
     name, width, error, spread = min(curves, key=lambda curve: curve[3])
-    if spread <= SAME_WIDTH:
+    rate, same, count = _rates(clues, steps, boundary, gap)
+    if spread <= SAME_WIDTH and spread < same and width <= WIDEST * (s.K.belt2.v - s.K.belt1.v):
         evidence = f"in sticks v creeps off the belt by the {name} of the needed friction, {len(steps)} samples"
         yield smoothed(name, width, error, evidence, 1.0)
         return
     runs = np.diff(steps) == 1
     turned = float(np.mean(gap[1:][runs] * gap[:-1][runs] < 0.0)) if np.any(runs) else 0.0
     largest = float(np.max(np.abs(gap)))
-    rate, same, count = _rates(clues, steps, boundary, gap)
     if same <= SAME_RATE:
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
@@ -158,7 +160,8 @@ def smoothed_passages(clues: Clues) -> Iterator[Diagnosis]:
         middle, name, width, misses = best
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
         # One width for all steps says more than a delay for each.
-        share = float(np.mean(misses < 2.0 * SAME_WIDTH)) + (0.01 if middle <= FIRST_ORDER else 0.0)
+        share = float(np.mean(misses < 2.0 * SAME_WIDTH)) + 0.01
+        share = share if middle <= FIRST_ORDER else share * (1.0 - middle / SAME_WIDTH)
         yield smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from symosc.crosschecks.samples import Samples, checked
 from symosc.errors import ParameterError, brief
+from symosc.exact import unmasked
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Trajectory
@@ -60,13 +61,7 @@ def of_trajectory(trajectory: Trajectory) -> Samples:
 
 
 def of_function(function: Callable[..., Any], problem: SolverTask | None, times: Any = None) -> Samples:
-    """Return samples of a function t -> (x, v), at given times, between its own ends, or over the scene.
-
-    Raises
-    ------
-    ParameterError
-        If it is not known from when to when, or the function does not return two numbers.
-    """
+    """Return samples of a function t -> (x, v), at given times, between its own ends, or over the scene."""
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
         if None in ends and problem is not None:
@@ -85,14 +80,14 @@ def of_function(function: Callable[..., Any], problem: SolverTask | None, times:
 def _asked(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
     """Return x and v of a function that takes all times at once, or one after the other."""
     try:
-        states = np.asarray(function(times), dtype=float)
-    except Exception:  # whatever it raises if it takes single numbers alone
+        states = np.asarray(unmasked("function", function(times)), dtype=float)
+    except Exception:  # masked, or whatever it raises if it takes single numbers alone
         states = np.empty(0)
     if states.shape == (2, len(times)):
         return states
     if states.shape == (len(times), 2):
         return states.T
-    single = [np.ravel(_at(function, time)) for time in times.tolist()]
+    single = [np.ravel(unmasked("function", _at(function, time))) for time in times.tolist()]
     if any(len(state) != 2 for state in single):
         raise ParameterError("function", len(single[0]), "must return two numbers, x and v; it returned so many")
     return np.array(single).T
@@ -124,6 +119,7 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _times(values: Any) -> list[float]:
+    unmasked("t_events", values)
     try:
         found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Whether samples are the exact motion of another model: signs, swapped belts, phases, coefficients, forces."""
+"""Whether samples are the exact motion of a system that is fitted to them: coefficients, a phase, forces."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from math import inf, pi, remainder, sqrt
 
 import numpy as np
 
-from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import LEFT_OVER, Clues, Fit, fitted
+from symosc.crosschecks.causes import Candidate, Change, Diagnosis
+from symosc.crosschecks.clues import FITS, LEFT_OVER, Clues, Fit, fitted
+from symosc.crosschecks.steps import follow_steps
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
@@ -18,55 +19,19 @@ from symosc.scenes import Scene
 
 # A diagnosis explains the samples if it explains this part of the wrong steps.
 ENOUGH = 0.9
-# Others that explain nearly as much as the best one cannot be told from it.
-AS_GOOD = 0.02
 # Steps that a fit through events uses, and those of a fit through flights.
 MOST_FOLLOWED, MOST_FLOWN = 80, 400
 # Derivatives are taken over this part of a coefficient.
 TICK = 1e-5
+# Far coefficients: factors of the right one, the fewest flights that show one, flights on which factors are compared,
+# and frequencies of the drive that are compared.
+FAR_FACTORS = np.geomspace(1e-3, 1e3, 61)
+FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES, TURNS_TRIED = 8, 24, 4000, 48
 # A phase so near to a quarter of a turn is one.
 QUARTER = 1e-4
 
 
-def other_signs(clues: Clues) -> Iterator[Diagnosis]:
-    """Yield wrong signs, swapped columns and swapped belts: nothing is fitted."""
-    p, s = clues.parameters, clues.steps
-    columns = {"x": (-s.x, s.v), "v": (s.x, -s.v), "x and v": (-s.x, -s.v)}
-    for name, (x, v) in columns.items():
-        share = clues.share(clues.followed(p, x=x, v=v))
-        evidence = f"with -{name.replace(' and ', ', -')} steps are right"
-        yield Diagnosis("sign", name, f"{name} has the wrong sign", evidence, share=share)
-    share = clues.share(clues.followed(p, x=s.v, v=s.x))
-    yield Diagnosis("columns", "x and v", "the columns x and v are swapped", "swapped, steps are right", share=share)
-    for boundary in (1, 2):
-        speed = float(p.belt(boundary))
-        if speed:
-            share = clues.share(clues.followed(p, v=s.v + speed))
-            words = f"v is the velocity relative to belt {boundary}"
-            yield Diagnosis("columns", "v", words, f"with v + v{boundary} steps are right", share=share)
-    for name in ("A0", "B0"):
-        if getattr(p, name):
-            share = clues.share(clues.followed(p.replace(**{name: -getattr(p, name)})))
-            words = f"{name} has the wrong sign"
-            yield Diagnosis("sign", name, words, f"with -{name} steps are right", -float(getattr(p, name)), 0.0, share)
-    if p.mu1 != p.mu2:
-        share = clues.share(clues.followed(p.replace(mu1=p.mu2, mu2=p.mu1)))
-        words = f"the belts are swapped: belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
-        yield Diagnosis("swapped belts", "", words, "with mu1 and mu2 swapped steps are right", share=share)
-
-
-def sign_of_friction(clues: Clues) -> Iterator[Diagnosis]:
-    """Yield friction that pushes away from the belts; only flights can show it, for the mass never sticks."""
-    p, inside = clues.parameters, clues.inside
-    if not len(inside) or not p.FN * (p.mu1 + p.mu2):
-        return
-    A1, A2, A3 = (float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
-    sizes = np.max(np.abs(clues.flown(clues.steps.K._replace(A1=A1, A2=A2, A3=A3))), axis=1)
-    yield Diagnosis("sign", "friction", "friction has the wrong sign: it pushes away from the belts",
-                    "with -mu1 and -mu2 the flights are right", share=clues.share(sizes, inside))  # fmt: skip
-
-
-def coefficients(clues: Clues) -> Iterator[Diagnosis]:
+def coefficients(clues: Clues) -> Iterator[Candidate]:
     """Yield one wrong coefficient after the other, each fitted to the flights, those of belts to all steps."""
     flights = clues.some(clues.inside, MOST_FLOWN)
     before = _middle(clues.sizes[flights])
@@ -78,13 +43,41 @@ def coefficients(clues: Clues) -> Iterator[Diagnosis]:
             continue
         else:
             fit = _fit_steps(clues, name)
-        if fit is None or not (_middle(fit.sizes) <= max(1.0, LEFT_OVER * before) or moved):
-            continue
-        other = _other(clues.parameters, name, float(fit.value[0]))
-        if other is None or other == clues.parameters:
-            continue
-        sizes = clues.followed(other)
-        yield _coefficient(clues, name, fit, clues.share(sizes))
+        if fit is not None and (moved or _middle(fit.sizes) <= max(1.0, LEFT_OVER * before)):
+            yield from _coefficient(clues, name, fit)
+
+
+def far_coefficients(clues: Clues) -> Iterator[Candidate]:
+    """Yield coefficients so far away that no fit from the right one finds them: the best of a grid is fitted."""
+    flights = clues.some(clues.inside, MOST_FLOWN)
+    before, p = _middle(clues.sizes[flights]), clues.parameters
+    if len(flights) < FEWEST_FAR or clues.flights_wrong < 0.5:
+        return
+    few = clues.some(flights, FEW_FAR)
+    for name in ("m", "c", "k", "Omega"):
+        right = float(getattr(p, name))
+        values = _frequencies(clues, flights) if name == "Omega" else (right or 1.0) * FAR_FACTORS
+        tried = [(_middle(np.max(np.abs(clues.flown(K, chosen=few)), axis=1)), value)
+                 for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
+        if tried:
+            fit = _fit_flights(clues, name, flights, float(min(tried)[1]))
+            if fit is not None and _middle(fit.sizes) <= max(1.0, LEFT_OVER * before):
+                yield from _coefficient(clues, name, fit)
+
+
+def _frequencies(clues: Clues, flights: np.ndarray) -> np.ndarray:
+    """Return the frequencies of the drive that fit the mean accelerations of flights best."""
+    s, K = clues.steps, clues.steps.K
+    begin, end = s.t[flights], s.t[flights + 1]
+    tau = end - begin
+    # The mean of x over a step is that of the cubic through its ends.
+    x = 0.5 * (s.x[flights] + s.x[flights + 1]) + tau * (s.v[flights] - s.v[flights + 1]) / 12.0
+    rest = (s.v[flights + 1] - s.v[flights]) / tau + K.cm * (s.x[flights + 1] - s.x[flights]) / tau + K.w0sq * x
+    rest -= np.array([K.A1, K.A2, K.A3])[clues.label[flights] - 1]
+    grid = np.arange(1, MOST_FREQUENCIES + 1) * min(0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES)
+    made = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
+    left = np.median(np.abs(K.f0 * made - rest), axis=1)
+    return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
 def _middle(sizes: np.ndarray) -> float:
@@ -92,11 +85,17 @@ def _middle(sizes: np.ndarray) -> float:
     return float(np.median(shown)) if len(shown) else 0.0 if not len(sizes) else inf
 
 
-def _coefficient(clues: Clues, name: str, fit: Fit, share: float) -> Diagnosis:
+def _coefficient(clues: Clues, name: str, fit: Fit) -> Iterator[Candidate]:
+    """Yield a fitted coefficient, with the digits that are named."""
     value, error, right = float(fit.value[0]), float(fit.error[0]), float(getattr(clues.parameters, name))
-    words = f"the solution has {name} = {rounded(value, error)}, which should be {right:.10g}"
-    evidence = f"fitted: {name} = {with_error(value, error)}"
-    return Diagnosis("coefficient", name, words, evidence, value, error, share)
+    text = rounded(value, error)
+    other = _other(clues.parameters, name, float(text))
+    if other is not None and other != clues.parameters:
+        words = f"the solution has {name} = {text}, which should be {right:.10g}"
+        evidence = f"fitted: {name} = {with_error(value, error)}"
+        found = Diagnosis("coefficient", name, words, evidence, value, error,
+                          clues.share(clues.followed(other), part=FITS))  # fmt: skip
+        yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
 
 
 def with_error(value: float, error: float) -> str:
@@ -129,14 +128,15 @@ def _tick(p: Parameters, name: str) -> float:
     return TICK * (units[name] if name in units else float(getattr(p, name)) or push)
 
 
-def _fit_flights(clues: Clues, name: str, flights: np.ndarray) -> Fit | None:
+def _fit_flights(clues: Clues, name: str, flights: np.ndarray, start: float | None = None) -> Fit | None:
     p = clues.parameters
+    start = float(getattr(p, name)) if start is None else start
 
     def misses(value: np.ndarray) -> np.ndarray:
         K = _constants(p, name, float(value[0]))
         return np.full((len(flights), 2), np.nan) if K is None else clues.flown(K, chosen=flights)
 
-    return fitted(misses, np.array([float(getattr(p, name))]), np.array([_tick(p, name)]))
+    return fitted(misses, np.array([start]), np.array([_tick(p, name)]))
 
 
 def _constants(p: Parameters, name: str, value: float) -> Constants | None:
@@ -184,7 +184,7 @@ def own_start(scene: Scene | Parameters) -> tuple[float, float, float] | None:
     return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
 
 
-def phases_of_drive(clues: Clues, start: tuple[float, float, float] | None) -> Iterator[Diagnosis]:
+def phases_of_drive(clues: Clues, start: tuple[float, float, float] | None) -> Iterator[Candidate]:
     """Yield another phase of the drive, as a phase or as a shifted clock: the steps cannot tell, the start can.
 
     Parameters
@@ -193,9 +193,22 @@ def phases_of_drive(clues: Clues, start: tuple[float, float, float] | None) -> I
     start : tuple of floats (t0, x0, v0) or None
         Where the scene starts.
     """
-    flights, p = clues.some(clues.inside, MOST_FLOWN), clues.parameters
-    if not p.B0 or not len(flights):
+    flights, K = clues.some(clues.inside, MOST_FLOWN), clues.steps.K
+    if not clues.parameters.B0:
         return
+    turn = _turn_of_flights(clues, flights) if len(flights) >= FEWEST_FAR else None
+    finer = None
+    if turn is not None:
+        finer = fitted(lambda q: clues.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
+    elif len(clues.wrong) <= MOST_FLOWN:
+        finer = _turn_of_steps(clues)
+    if finer is not None:
+        turn, error = remainder(float(finer.value[0]), 2.0 * pi), float(finer.error[0])
+        yield _shift_or_phase(clues, turn, error, start)
+
+
+def _turn_of_flights(clues: Clues, flights: np.ndarray) -> float | None:
+    """Return the phase by which the drive of flights is ahead, if they have a drive of that size."""
     K = clues.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -204,41 +217,49 @@ def phases_of_drive(clues: Clues, start: tuple[float, float, float] | None) -> I
         return clues.flown(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
 
     fit = fitted(misses, np.array([1.0, 0.0]), np.array([1e-4, 1e-4]))
-    if fit is None:
-        return
-    turn, size = float(np.arctan2(fit.value[1], fit.value[0])), float(np.hypot(*fit.value))
-    if abs(size - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
-        return
-    finer = fitted(lambda q: clues.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
-    if finer is not None:
-        turn, error = float(finer.value[0]), float(finer.error[0])
-        turn = remainder(turn, 2.0 * pi)
-        share = clues.share(clues.followed(p, ahead=turn / K.Om))
-        yield _shift_or_phase(clues, turn, error, share, start)
+    if fit is None or abs(np.hypot(*fit.value) - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
+        return None
+    return float(np.arctan2(fit.value[1], fit.value[0]))
 
 
-def _shift_or_phase(
-    clues: Clues, turn: float, error: float, share: float, start: tuple[float, float, float] | None
-) -> Diagnosis:
+def _turn_of_steps(clues: Clues) -> Fit | None:
+    """Return the phase of all steps, also of those with events: the best of a grid is fitted."""
+    s, chosen = clues.steps, clues.some(np.flatnonzero(clues.wrong & (np.diff(clues.steps.t) > 0.0)), MOST_FOLLOWED)
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        found = follow_steps(clues.parameters, s.t + float(value[0]) / s.K.Om, s.x, s.v, clues.near, clues.scales)
+        return np.asarray((found.defects / clues.allowed)[chosen])
+
+    turns = np.linspace(-pi, pi, TURNS_TRIED, endpoint=False)
+    best = min(turns.tolist(), key=lambda turn: float(np.median(np.max(np.abs(misses(np.array([turn]))), axis=1))))
+    return fitted(misses, np.array([best]), np.array([1e-5])) if len(chosen) else None
+
+
+def _shift_or_phase(clues: Clues, turn: float, error: float, start: tuple[float, float, float] | None) -> Candidate:
     """Return which of the two it is: with a shifted clock the samples are the scene's own motion at other times."""
     Om, s = clues.steps.K.Om, clues.steps
     quarters = round(turn / (pi / 2))
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
-    named = names.get(quarters, "") if abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error) else ""
-    words = f"the drive is ahead by a phase of {rounded(turn, error)}{named}"
-    evidence = f"fitted to the flights: {with_error(turn, error)}"
+    near = quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error)
+    turn = quarters * pi / 2 if near else turn
+    share = clues.share(clues.followed(clues.parameters, ahead=turn / Om), part=FITS)
+    words = f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
+    evidence = f"fitted: {with_error(turn, error)}"
     phase = Diagnosis("phase", "", words, evidence, turn, error, share)
     shift = -turn / Om
     words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
     clock = Diagnosis("time shift", "", words, evidence, shift, error / Om, share)
+    change = Change(f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v))
     if start is None:
-        return replace(clock, alternatives=(phase,))
+        return Candidate(replace(clock, alternatives=(phase,)), change)
     t0, x0, v0 = start
     # The scene's motion at the first sample's own time, at this phase or one of whole periods later.
     far = abs(s.t[0] - t0) > 4.0 * np.spacing(abs(t0)) if not clues.offset else False
     slack = 1e3 * clues.allowed[0]
     moved = not clues.offset and (abs(s.x[0] - x0) > slack[0] or abs(s.v[0] - v0) > slack[1])
-    return clock if far or moved else phase
+    if far or moved:
+        return Candidate(clock, change)
+    return Candidate(phase, change._replace(words=f"with the phase turned by {turn:.17g}"))
 
 
 def forces(clues: Clues) -> Iterator[Diagnosis]:
@@ -258,7 +279,7 @@ def forces(clues: Clues) -> Iterator[Diagnosis]:
     fit = fitted(misses, start, np.full(len(start), tick))
     if fit is None:
         return
-    m, share = float(clues.parameters.m), clues.share(fit.sizes, flights)
+    m, share = float(clues.parameters.m), clues.share(fit.sizes, flights, FITS)
     parts = [
         f"A{d} = {rounded(m * value, m * error)} (should be {m * right:.6g})"
         for d, value, error, right in zip(visited, fit.value, fit.error, start, strict=True)

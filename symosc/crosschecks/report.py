@@ -28,17 +28,24 @@ class CrossCheck(Drawable, Reportable):
     Attributes
     ----------
     ok : bool
-        No step is wrong, no event missed or invented, and the global error within its tolerance.
+        No step or span is wrong, no event missed or invented, the global error within its limits, the start that of
+        the scene, and the end not before that of the motion.
     max_error_x, max_error_v : float
         Largest global error: samples minus the exact motion from the same start.
     errors : (n, 2) array
         Global errors of x and v; NaN after the end of the exact motion (`compared_until`).
+    limits : (n, 2) array
+        How large they may be: the global tolerance in units of x and v, plus the rounding of the sample, and
+        what the exact motion makes of that of the first sample.
     defects : (n - 1, 2) array
         Local errors: the exact motion from a sample over the step, minus the next sample.
     wrong_steps : int array
         Steps whose defect is larger than `allowed`.
     allowed : (n - 1, 2) array
-        The tolerance in units of x and v, plus the rounding of the times, and of samples with few digits.
+        The tolerance in units of x and v, plus the rounding of the times, and of samples with few digits: that of the
+        next sample, and what the exact motion makes of that of the sample before.
+    wrong_spans : (m, 2) int array
+        Spans of rounded samples, each from one sample to a later one, over which the exact motion leads elsewhere.
     matched : tuple of Match
         Exact events that the samples have too.
     missed : tuple of Event
@@ -71,6 +78,11 @@ class CrossCheck(Drawable, Reportable):
         The exact motion.
     own_start : tuple of three floats or None
         Where the scene starts: t0, x0, v0; None if Parameters were given.
+    wrong_start, early_end : str
+        Where the solution starts if that is not where the scene does, and where it ends if that is before the motion
+        does; "" if it is right or allowed.
+    coarser : CrossCheck or None
+        Verdict on every n-th sample, where the rounding hides in single steps what is wrong over spans of n.
 
     Examples
     --------
@@ -78,7 +90,7 @@ class CrossCheck(Drawable, Reportable):
     >>> from symosc import crosscheck, simulate
     >>> t = np.linspace(0, 7, 200)
     >>> x, v = simulate("fig5", t_end=7)(t)
-    >>> check = crosscheck("fig5", t, x, v + 0.1 * (t > 5))
+    >>> check = crosscheck("fig5", t, x, v + 0.1 * (t > 5), partial=True)
     >>> check.ok, f"{check.max_error_v:.3f}"
     (False, '0.100')
     """
@@ -87,8 +99,10 @@ class CrossCheck(Drawable, Reportable):
     max_error_x: float
     max_error_v: float
     errors: np.ndarray
+    limits: np.ndarray
     defects: np.ndarray
     wrong_steps: np.ndarray
+    wrong_spans: np.ndarray
     allowed: np.ndarray
     matched: tuple[Match, ...]
     missed: tuple[Event, ...]
@@ -110,11 +124,21 @@ class CrossCheck(Drawable, Reportable):
     v: np.ndarray
     trajectory: Trajectory
     own_start: tuple[float, float, float] | None = None
+    _task: Any = None
+    wrong_start: str = ""
+    early_end: str = ""
+    coarser: CrossCheck | None = None
 
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
         """What is probably wrong, the likeliest first; worked out when it is first asked for."""
         return diagnose(self)
+
+    @property
+    def limits_there(self) -> tuple[float, float]:
+        """Limits of the global errors of x and v where these are largest."""
+        worst = np.nanargmax(np.abs(self.errors), axis=0)
+        return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
 
     def __eq__(self, other: object) -> bool:
         """Whether all findings and samples are equal; NaN equals NaN."""
@@ -130,10 +154,23 @@ class CrossCheck(Drawable, Reportable):
             f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
             f"wrong steps: {len(self.wrong_steps)} of {len(self.defects)}",
             f"largest global error: {self.max_error_x:.2e} in x, {self.max_error_v:.2e} in v "
-            f"(allowed {self.global_tolerance * self.scales[0]:.1e} and {self.global_tolerance * self.scales[1]:.1e})",
+            f"(allowed there {self.limits_there[0]:.1e} and {self.limits_there[1]:.1e})",
             f"events: {len(self.matched)} matched, {len(self.missed)} missed, {len(self.invented)} invented, "
             f"{len(self.unresolved)} within the global error",
         ]
+        lines += [f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"] if self.wrong_start else []
+        lines += [f"early end: {self.early_end} (partial=True, --partial: allowed)"] if self.early_end else []
+        beyond = np.flatnonzero(np.any(np.abs(self.errors) > self.limits, axis=1))
+        if len(beyond):
+            (x, v), limits, t = np.abs(self.errors[beyond[0]]), self.limits[beyond[0]], self.t[beyond[0]]
+            where = f"first at t = {t:.10g} ({x:.1e} in x, {v:.1e} in v, allowed {limits[0]:.1e} and {limits[1]:.1e})"
+            lines.append(f"global error beyond its limit: {len(beyond)} of {len(self.t)} samples, {where}")
+        if len(self.wrong_spans):
+            (first, last), times = self.wrong_spans[0].tolist(), self.t[self.wrong_spans[0]]
+            where = f"first from t = {times[0]:.10g} to {times[1]:.10g}"
+            lines.append(
+                f"wrong over {last - first} steps, beyond the rounding: {len(self.wrong_spans)} spans, {where}"
+            )
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
             lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
@@ -187,9 +224,14 @@ class CrossCheck(Drawable, Reportable):
             "scales": list(self.scales),
             "max_error_x": self.max_error_x,
             "max_error_v": self.max_error_v,
+            "allowed_error_x": self.limits_there[0],
+            "allowed_error_v": self.limits_there[1],
+            "wrong_start": self.wrong_start,
+            "early_end": self.early_end,
             "max_defect_x": worst[0],
             "max_defect_v": worst[1],
             "wrong_steps": self.wrong_steps.tolist(),
+            "wrong_spans": self.wrong_spans.tolist(),
             "matched": [{**plain(match.event), "found_t": match.t, "error": match.error} for match in self.matched],
             "missed": [plain(event) for event in self.missed],
             "invented": [plain(event) for event in self.invented],

@@ -71,23 +71,29 @@ class Rounding:
         return {name: digits.text for name, digits in columns.items() if digits is not None}
 
 
-def find_rounding(samples: Samples, speeds: Iterable[float]) -> Rounding:
+def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> Rounding:
     """Return how samples were rounded.
 
     Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
-    exact.
+    exact, unless the first one is the start of the scene, rounded.
 
     Parameters
     ----------
     samples : Samples
     speeds : floats
         Speeds of the belts: v has them in a stick, with as few digits as they have.
+    start : float, optional
+        Time at which the scene starts.
     """
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
+    if not samples.lacks_v:
+        x, v = x or _as_beside(samples.x, v), v or _as_beside(samples.v, x)
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
-        t = None if t is None or _even(samples.t, t.units) else t
+        if t is not None and _even(samples.t, t.units):
+            near = start is not None and 0.0 < abs(samples.t[0] - start) <= 0.5000001 * t.units[0]
+            t = t if near else None
     listed = np.array([time for time, _ in samples.events or ()])
     # A list given with rounded samples is likely to be rounded too: one time shows it.
     least = LEAST_SHOWN if x is None and v is None else 1
@@ -108,6 +114,15 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     # Steps of a converter may have a few decimals, or a few bits, themselves.
     coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
     return grid if coarser else found
+
+
+def _as_beside(values: np.ndarray, beside: Digits | None) -> Digits | None:
+    """Return the decimals of the column beside, if these numbers fit them: few numbers, such as zeros, show none."""
+    if beside is None or np.ptp(beside.units) > 0.0:
+        return None
+    unit = beside.units[0]
+    fits = np.abs(np.rint(values / unit) * unit - values) <= DOUBLE_ROUNDING * np.abs(values)
+    return beside if fits.all() else None
 
 
 def _decimal(values: np.ndarray, shown: np.ndarray) -> Digits | None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from symosc.errors import ParameterError
+from symosc.exact import unmasked
 from symosc.simulation.run import EVENT_KINDS
 
 SAMPLE_COLUMNS = ("t", "x", "v")
@@ -91,15 +92,8 @@ def checked(t: object, x: object, v: object, events: object = None) -> Samples:
 def check_joints(samples: Samples, part: float, slack_x: float | np.ndarray, slack_v: float | np.ndarray) -> None:
     """Raise ParameterError where a time is repeated with a clearly different state.
 
-    A time may come twice where two pieces of a solution are joined: the states there are equal, or nearly so.
-
-    Parameters
-    ----------
-    samples : Samples
-    part : float
-        Largest jump, as a part of the largest |x| and |v|.
-    slack_x, slack_v : float or (n,) array
-        How far the samples themselves may be off.
+    A time may come twice where two pieces of a solution are joined: the states there differ by at most `part` of the
+    largest |x| and |v|, and by as much as the samples themselves may be off.
     """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, slack in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
@@ -116,8 +110,7 @@ def _array(name: str, values: Any) -> np.ndarray:
     """Return one column as floats."""
     if values is None:
         raise ParameterError(name, None, "is missing: give t, x and v")
-    if np.ma.is_masked(values):
-        raise ParameterError(name, "masked", "must be a number in every sample; some are masked")
+    unmasked(name, values)
     try:
         array = np.asarray(values)
         mixed = isinstance(values, (list, tuple)) and any(isinstance(value, bool) for value in values)
@@ -158,7 +151,7 @@ def _items(values: Any) -> Iterable[object]:
 
 def number_of(value: Any) -> float:
     """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
-    if isinstance(value, (bool, np.bool_, complex)):
+    if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
         raise TypeError("no real number")
     if isinstance(value, bytes):
         value = value.decode("ascii", "replace")

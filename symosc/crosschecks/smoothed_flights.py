@@ -9,7 +9,7 @@ import numpy as np
 
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.clues import Clues, fitted
-from symosc.crosschecks.friction_clues import SMOOTH_CURVES, smoothed
+from symosc.crosschecks.friction_clues import SMOOTH_CURVES, WIDEST, smoothed
 from symosc.kernels._generated import acceleration
 
 # Widths that are tried, in units of the distance of the belts, and steps that they are tried on.
@@ -41,8 +41,11 @@ def smoothed_flights(clues: Clues) -> Iterator[Diagnosis]:
         if fit is None or not np.nanmedian(fit.sizes / clues.sizes[shown]) <= WIDTH_LEAVES:
             continue
         width = float(np.exp(fit.value[0]))
+        if not width <= WIDEST * (K.belt2.v - K.belt1.v):
+            continue
         share = clues.share(fit.sizes, shown)
-        evidence = f"the equation with it, integrated over {len(shown)} steps, explains {max(share, 0.0):.0%} of them"
+        left = np.nanmedian(fit.sizes / clues.sizes[shown])
+        evidence = f"the equation with it, integrated over {len(shown)} steps, leaves {left:.1e} of their defects"
         yield smoothed(name, width, width * float(fit.error[0]), evidence, share)
         return
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
@@ -23,12 +22,12 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import Course, Patience, chosen_loops, followed, joined
+from symosc.simulation.batch_loop import Course, InterpretBudget, chosen_loops, followed, joined
 
 # Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`. So are fewer ones
-# once they have taken some time together, as in the diagnoses of many solutions: to load takes a second.
+# once they are many together, as in the diagnoses of many solutions: to load takes a second. The bits are the same.
 COMPILE_FROM = 4000
-FEW_STEPS = Patience(3.0)
+FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: what they need besides the result stays in the processor's cache.
 STEPS_TOGETHER = 1 << 16
@@ -120,18 +119,19 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     t, x, v : (n,) float arrays, t never decreasing
     near : float or (n,) array
         Unit of velocity.
-    scales : (2,) array
+    scales : (2,) or (n - 1, 2) array
         Units in which the defects of x and v are compared with each other.
     """
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
+    scales = np.broadcast_to(scales, (count, 2))
     theta, defects, modes = np.empty(count + 1), np.empty((count, 2)), np.zeros((2, count), np.int8)
     near, found = np.broadcast_to(near, count + 1), []
     for begin in range(0, count, STEPS_TOGETHER):
         part = slice(begin, min(begin + STEPS_TOGETHER, count) + 1)
         theta[part] = phases(parameters, t[part])[1]
-        some = Pieces(K, t[part], x[part], v[part], theta[part], near[part], scales)
         inner = slice(begin, part.stop - 1)
+        some = Pieces(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
         defects[inner], modes[:, inner], events = some.follow()
         found.append(replace(events, step=events.step + begin))
     _at_joints(t, modes)
@@ -185,7 +185,7 @@ class Pieces:
         defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
         origin = steps[events.step]
         events = replace(events, step=origin, t=self.t[origin] + events.t)
-        return defects, modes, np.max(np.abs(defects) / self.scales, axis=1), events
+        return defects, modes, np.max(np.abs(defects) / self.scales[steps], axis=1), events
 
 
 def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -236,10 +236,10 @@ def followed_rows(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
-    few = len(rows) < COMPILE_FROM and FEW_STEPS.left > 0.0
+    few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0
     course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
-    with FEW_STEPS.used() if few else nullcontext():
-        numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
+    numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
+    FEW_STEPS.events -= len(rows) * few
     t, x, theta = numbers[[0, 1, 3]]
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))

@@ -15,6 +15,8 @@ from symosc.engine.state import SLIP
 from symosc.kernels._generated import acceleration
 from symosc.model import NEIGHBOURS
 
+# So many sticks are late at one friction, or it is no static friction.
+FEWEST_HELD = 3
 # What is not too late by this part of the step is not late.
 ON_TIME = 1e-6
 # A number that differs so little from stick to stick is one number.
@@ -122,7 +124,9 @@ def _kept_too_long(clues: Clues) -> Iterator[Diagnosis]:
         sticks = Sticks(np.minimum(ends, len(s.first) - 1), _nearest_belt(clues, ends), s.t[ends],
                         s.x[ends], zero)  # fmt: skip
         evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
-        yield _late(_friction(clues, sticks, s.t[ends]), evidence, len(on) / len(wrong))
+        held = _friction(clues, sticks, s.t[ends])
+        if np.median(held) > 1.0:
+            yield _late(held, evidence, len(on) / len(wrong))
 
 
 def _flights_without_cause(clues: Clues, steps: np.ndarray) -> int:
@@ -138,6 +142,10 @@ def _flights_without_cause(clues: Clues, steps: np.ndarray) -> int:
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
     """Return sticks that are left too late, with the friction at which they are left."""
     ratio, count = float(np.median(held)), len(held)
+    alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
+    if count >= FEWEST_HELD and 2 * np.sum(alike) < count:
+        words = "events are not located: sticks end late, each by another friction, at the end of the solver's step"
+        return Diagnosis("late events", "", words, evidence, share=share)
     error = float(np.std(held) / np.sqrt(count)) if count > 1 else 0.01 * abs(ratio)
     words = f"sticks are left too late: they hold up to {ratio:.4g} times the friction (static friction?)"
     evidence = f"{evidence}; friction there {ratio:.4g} ± {error:.1g} times the limit"

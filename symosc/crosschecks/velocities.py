@@ -4,15 +4,20 @@ In one domain the displacement over a step is linear in the velocity at its star
 each domain, and on a belt that of the belt. The velocity of a motion does not jump. So where two steps agree about the
 sample between them, both are in one piece, and that is its velocity. Steps with an event in them agree with none; the
 exact motion leads over them from the sample before.
+
+Rounded positions tell nothing of the velocity over short steps. If an exact motion is within their rounding at all
+times, their velocities are those of that motion: the scene's own, or one whose start is fitted.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import TypeGuard
 
 import numpy as np
 
+from symosc.aliases import Record
 from symosc.crosschecks.rounding import find_digits
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import Pieces, phases
@@ -23,8 +28,11 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.model import Parameters
 from symosc.scenes import Scene
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
 
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
+ROUNDED_NOTE = "velocities were not given: they are those of an exact motion that has the rounded positions"
 NO_FIRST = "samples at the beginning that are left out, since the positions do not tell their velocity"
 # Rounds in which the exact motion leads on from samples whose velocity is known, before the best guess is taken.
 MOST_ROUNDS = 100
@@ -32,6 +40,16 @@ MOST_ROUNDS = 100
 NOISE_FACTOR = 20.0
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
 LONGEST_TOLD = 1.0
+# So many pairs of short steps, none of which agree, are not all spoilt by events.
+MANY_PAIRS = 20
+# A start is fitted to positions over a time that grows from 1/rate by this factor, with so many changes each time.
+FIT_GROWTH, FIT_CHANGES = 2.0, 3
+# First velocities that are compared, and those from which a fit begins.
+GUESSES, MOST_GUESSES = 41, 4
+# A motion is looked for until it misses the positions by this many times their rounding; a worse one than that is none.
+GOOD_FIT, WORST_FIT = 1.1, 4.0
+# Positions that a fit uses, and events of a motion that is tried.
+MOST_FITTED, MOST_TRIED_EVENTS = 1_000, 20_000
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
@@ -60,6 +78,10 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     theta = phases(p, t)[1]
     digits, size = find_digits(x, x[:1]), float(np.max(np.abs(x)))
     rounded = np.zeros(len(x)) if digits is None else digits.units
+    if digits is not None:
+        found = _of_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
+        if found is not None:
+            return found
     starts, ends = _flown(t, x, theta, K)
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
@@ -74,6 +96,9 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     v = _agreed(starts, ends, left, right, np.flatnonzero(agree))
     if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
         v[0] = float(scene.v0)
+    pairs = np.flatnonzero(np.isfinite(gaps))
+    if np.isnan(v).all() and len(pairs) >= MANY_PAIRS:  # positions of no exact motion: those of the first steps show it
+        v = _agreed(starts, ends, left, right, pairs[:1])
     if np.isnan(v).all():
         raise ParameterError("v", None, "is missing, and the positions are too far apart to tell it: give velocities")
     known = int(np.argmax(~np.isnan(v)))  # an event before it leaves open with which velocity the first step began
@@ -83,11 +108,109 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
 
-def _is_start(scene: Scene | Parameters, samples: Samples, off: float) -> TypeGuard[Scene]:
+def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
+    """Return samples with the velocities of an exact motion that has their positions, or None if none is found.
+
+    Parameters
+    ----------
+    samples : Samples
+    scene : Scene or Parameters
+    half : (n,) array
+        Rounding of the positions.
+    off : float
+        Errors of the positions that are allowed beside it.
+    """
+    t, x = samples.t, samples.x
+    p = scene if isinstance(scene, Parameters) else scene.parameters
+    digits = find_digits(t, t[:1])
+    clock = np.zeros(len(t)) if digits is None else 0.5 * digits.units
+
+    def misfit(motion: Trajectory | None) -> float:
+        if motion is None or motion.t_end < t[-1]:
+            return np.inf
+        there, v = motion(np.maximum(t, float(motion.t_start)))
+        return float(np.max(np.abs(there - x) / (half + off + np.abs(v) * clock)))
+
+    motion = _motion(scene, t[-1], {}) if _is_start(scene, samples, off + half[0], clock[0]) else None
+    best = misfit(motion)
+    if best > GOOD_FIT:
+        guesses, own = _first_guesses(p, t, x), {"t0": float(t[0]), "x0": float(x[0])}
+        for each in chain(
+            (_motion(p, t[-1], {**own, "v0": v0}) for v0 in guesses), (_fitted(p, t, x, v0) for v0 in guesses)
+        ):
+            if (found := misfit(each)) < best:
+                motion, best = each, found
+            if best <= GOOD_FIT:
+                break
+    if motion is None or best > WORST_FIT:
+        return None
+    return replace(
+        samples, v=motion(np.maximum(t, float(motion.t_start)))[1], v_off=half, notes=(*samples.notes, ROUNDED_NOTE)
+    )
+
+
+def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajectory | None:
+    try:
+        return simulate(scene, t_end=float(t_end), max_events=MOST_TRIED_EVENTS, **start)
+    except ParameterError:
+        return None
+
+
+def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
+    """Return velocities at the first sample whose exact motions are nearest to the first positions, the best first."""
+    count = max(8, int(np.searchsorted(t, t[0] + 1.0 / fastest_rate(p))))
+    tau = t[:count] - t[0]
+    few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
+    slope = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))[-2] / tau[-1]
+    chords = np.diff(x[:count])[np.diff(tau) > 0.0] / np.diff(tau)[np.diff(tau) > 0.0]
+    most = 2.0 * float(np.max(np.abs(chords))) + abs(float(p.v1)) + abs(float(p.v2))
+
+    def misses(v0: float) -> float:
+        motion = _motion(p, t[0] + tau[-1], {"t0": float(t[0]), "x0": float(x[0]), "v0": v0})
+        if motion is None or motion.t_end < t[0] + tau[-1]:
+            return np.inf
+        return float(np.max(np.abs(motion(t[:count])[0] - x[:count])))
+
+    guesses = [float(slope), float(p.v1), float(p.v2), *np.linspace(-most, most, GUESSES).tolist()]
+    return sorted(guesses, key=misses)[:MOST_GUESSES]
+
+
+def fastest_rate(p: Parameters) -> float:
+    """Return the larger of the frequencies of the drive and of the free motion."""
+    return max(float(p.Omega), float(p.k / p.m) ** 0.5)
+
+
+def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
+    """Return the exact motion whose start is fitted to positions, first over a short time, then over longer ones."""
+    start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
+    tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
+    while True:
+        count = max(6, int(np.searchsorted(t, t[0] + span, "right")))
+        chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, MOST_FITTED).astype(int))
+        times = t[chosen]
+
+        def missed(state: np.ndarray, times: np.ndarray = times, chosen: np.ndarray = chosen) -> np.ndarray:
+            motion = _motion(p, times[-1], {"t0": float(t[0]), "x0": float(state[0]), "v0": float(state[1])})
+            if motion is None or motion.t_end < times[-1]:
+                return np.full(len(times), np.nan)
+            return np.asarray(motion(times)[0] - x[chosen])
+
+        for _ in range(FIT_CHANGES):
+            here = missed(start)
+            slopes = np.column_stack([(missed(start + step) - here) / step.max() for step in np.diag(tick)])
+            if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
+                return None
+            start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
+        if count >= len(t):
+            return _motion(p, t[-1], {"t0": float(t[0]), "x0": float(start[0]), "v0": float(start[1])})
+        span *= FIT_GROWTH
+
+
+def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0) -> TypeGuard[Scene]:
     if isinstance(scene, Parameters):
         return False
-    near = abs(float(scene.x0) - float(samples.x[0])) <= off
-    return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14))
+    near = abs(float(scene.x0) - float(samples.x[0])) <= off + abs(float(scene.v0)) * clock
+    return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14 + clock))
 
 
 def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
@@ -165,6 +288,6 @@ def _after(
 ) -> np.ndarray:
     """Return the velocities with which the exact motion arrives at the ends of some steps."""
     on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-    pieces = Pieces(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones(2))
+    pieces = Pieces(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
     found = pieces.of(steps, on)[0][:, 1]
     return np.where(np.isnan(found), v[steps], found)

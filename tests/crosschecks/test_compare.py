@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from careful_solver import TIGHT, Run, random_parameters, solve
+from excerpts import crosscheck
 from samples import sample_of
 
-from symosc import ParameterError, load_scene, simulate
+from symosc import ParameterError, Scene, load_scene, simulate
 from symosc.crosschecks import compare
-from symosc.crosschecks.compare import CrossCheck, crosscheck
-from symosc.crosschecks.samples import checked
+from symosc.crosschecks.compare import CrossCheck
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
@@ -210,29 +209,60 @@ def test_the_end_of_the_exact_motion_is_the_end_of_the_comparison() -> None:
     assert any("only steps" in note for note in result.notes)
 
 
-def test_another_start_than_the_scenes_is_said() -> None:
-    t = np.linspace(0, 5, 100)
-    x, v = simulate("fig5", x0="0.5", t_end=5)(t)
-    result = crosscheck("fig5", t, x, v)
-    assert result.ok
-    assert "not fig5's start" in result.notes[0]
+def test_a_solution_starts_where_the_scene_does() -> None:
+    """... or on its motion later; own_start allows another start."""
+    t = np.linspace(0, 40, 800)
+    x, v = simulate("fig5")(t)
+    other = simulate("fig5", x0="0.1")(t)
+    wrong = compare.crosscheck("fig5", t, *other)
+    assert not wrong.ok
+    assert not len(wrong.wrong_steps) + len(wrong.missed) + len(wrong.invented)
+    said = "the solution starts at t0 = 0, x0 = 0.1, v0 = 0; fig5 starts at t0 = 0, x0 = 0, v0 = 0"
+    assert f"wrong start: {said}" in wrong.summary()
+    assert wrong.as_dict()["wrong_start"] == said
+    assert [one.words for one in wrong.diagnosis] == [said]
+    allowed = compare.crosscheck("fig5", t, *other, own_start=True)
+    assert allowed.ok
+    assert said in allowed.notes
+    for first in (1, 100, 700):  # on the scene's motion, from later on
+        assert compare.crosscheck("fig5", t[first:], x[first:], v[first:]).ok
+        assert not compare.crosscheck("fig5", t[first:], x[first:] + 1e-3, v[first:]).ok
+    assert not compare.crosscheck("fig5", t - 0.1, *simulate("fig5", t0=-0.1, t_end=40)(t - 0.1), partial=True).ok
+    assert compare.crosscheck(load_scene("fig5").parameters, t[:400], *other[:, :400]).ok
 
 
-@pytest.mark.parametrize("name", ["x0", "v0"])
-@pytest.mark.parametrize("size", ["1/100", "7/10", "-59/10", "300"])
-def test_a_start_is_the_scenes_within_the_tolerance_of_its_size(name: str, size: str) -> None:
-    """The tolerance is a part of the number, and of 1 for a smaller one; t0 has to be the scene's to some ulps."""
-    scene = replace(load_scene("fig8"), **{name: Fraction(size)})
-    limit = 1e-5
-    slack = limit * max(1.0, abs(float(Fraction(size))))
-    for part, same in ((0.9, True), (1.1, False), (-0.9, True), (-1.1, False)):
-        start = {each: float(getattr(scene, each)) for each in ("t0", "x0", "v0")}
-        start[name] += part * slack
-        t, x, v = (np.array([start[each], start[each] + 1.0]) for each in ("t0", "x0", "v0"))
-        notes: list[str] = []
-        found = compare._start(scene, checked(t, x, v), limit, np.zeros(3), notes)
-        assert found == ({} if same else start)
-        assert len(notes) == (not same)
+def test_a_start_is_the_scenes_within_its_rounding_and_the_tolerance() -> None:
+    scene = load_scene("fig9")  # x0 = 4.5447
+    t = np.linspace(float(scene.t0), float(scene.t_end), 300)
+    starts = ((0, 3, True), (0.0002, 3, True), (0.002, 3, False), (3e-6, 17, True), (3e-4, 17, False))
+    for shift, decimals, right in starts:
+        x, v = np.round(simulate(scene, x0=float(scene.x0) + shift)(t), decimals)
+        check = compare.crosscheck(scene, t, x, v)
+        assert check.ok == right, (shift, decimals, check.summary())
+        assert bool(check.wrong_start) != right
+
+
+def test_a_solution_goes_on_to_the_end_of_the_scene() -> None:
+    """... or to one of its steps before; partial allows an early end."""
+    t = np.arange(0, 40, 0.05)
+    x, v = simulate("fig5")(t)
+    assert compare.crosscheck("fig5", t, x, v).ok
+    for last in (3, 100, len(t) - 2):
+        check = compare.crosscheck("fig5", t[:last], x[:last], v[:last])
+        assert not check.ok
+        said = f"the solution ends at t = {t[last - 1]:.10g}; the motion of fig5 goes on to t = 40"
+        assert f"early end: {said}" in check.summary()
+        assert check.as_dict()["early_end"] == said
+        assert check.diagnosis == ()
+        allowed = compare.crosscheck("fig5", t[:last], x[:last], v[:last], partial=True)
+        assert allowed.ok
+        assert said in allowed.notes
+    assert not compare.crosscheck("fig5", [0, 20], *simulate("fig5")(np.array([0.0, 20.0]))).ok
+    # The mass comes to rest: then its motion has an end of its own.
+    p = load_scene("fig5").parameters.replace(B0=0, A0=0)
+    resting = Scene("resting", p, Fraction(0), Fraction(0), Fraction(0), Fraction(200))
+    assert simulate(resting).status == "equilibrium"
+    assert compare.crosscheck(resting, simulate(resting)).ok
 
 
 def test_units_are_the_largest_values_and_at_least_those_of_the_belts() -> None:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
 from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks import compare
-from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.samples import Samples, check_joints
 
 
@@ -79,7 +79,7 @@ def test_arguments_are_read() -> None:
         for bad in (0, -1e-8, "0"):
             with pytest.raises(ParameterError, match=f"^{name} = "):
                 crosscheck("fig5", t, x, v, **{name: bad})
-    with pytest.raises(ParameterError, match="give a Scene"):
+    with pytest.raises(ParameterError, match="must be a Scene"):
         crosscheck(None, t, x, v)  # type: ignore[arg-type]
     result = crosscheck("fig5", t, x, v, tolerance="1e-6")  # type: ignore[arg-type]
     assert (result.tolerance, result.global_tolerance) == (1e-6, 1e-3)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
-from symosc import crosscheck, simulate
+from symosc import simulate
 from symosc.crosschecks import data_clues
 
 T = np.linspace(0, 12, 400)
@@ -44,50 +44,6 @@ def test_lists_of_events() -> None:
     assert causes(events[:2] + events[3:]) == ["missing events"]
     assert causes(sorted([*events, (8.0, "cross")])) == ["invented events"]
     assert causes([(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]) == ["event times"]
-
-
-def test_noise_is_seen_in_opposite_neighbours() -> None:
-    """Made up: defects as noise makes them; too few pairs, or neighbours not opposite in both, are no noise."""
-    rng = np.random.default_rng(3)
-    for count, kind, found in ((40, "noise", True), (13, "noise", True), (12, "noise", False), (40, "same", False),
-                               (40, "one", False), (2000, "weak", False)):  # fmt: skip
-        sizes = np.array([2e-4, 5e-3])
-        off = sizes * rng.standard_normal((count + 1, 2))
-        defects = off[1:] - (0.1 if kind == "weak" else 1.0) * off[:-1]
-        if kind == "same":
-            defects = np.abs(defects)
-        if kind == "one":
-            defects[:, 1] = np.abs(defects[:, 1])
-        inside = np.arange(count)
-        clues: Any = SimpleNamespace(
-            inside=inside, wrong=np.ones(count, bool), steps=SimpleNamespace(defects=defects), flights_wrong=0.5
-        )
-        answer = list(data_clues.noise(clues))
-        assert len(answer) == found
-        if found:
-            assert (answer[0].cause, answer[0].share) == ("noise", 0.5)
-            assert answer[0].value is not None
-            assert answer[0].error is not None
-            assert 0.4 < answer[0].value / sizes[1] < 2.0
-            assert answer[0].error == pytest.approx(answer[0].value / np.sqrt(2 * count))
-
-
-def test_how_many_samples_are_off_and_what_they_explain() -> None:
-    faults = [
-        SimpleNamespace(step=step, reason=reason, defect_x=dx, defect_v=dv, words=f"step {step}")
-        for step, reason, dx, dv in (
-            (4, "outlier", 0.5, -0.25), (7, "local error", 9.0, 9.0), (8, "outlier", -0.125, 2.0),
-            (20, "outlier", 1.0, 0.0)
-        )
-    ]  # fmt: skip
-    check = SimpleNamespace(faults=faults, wrong_steps=np.array([4, 5, 7, 8, 11, 20, 21, 30]))
-    (one,) = data_clues.outliers(check)
-    assert one.words == "3 samples are off, the first is number 5"
-    assert (one.evidence, one.value, one.share) == ("step 4", 1.0, 5 / 8)
-    check.faults = faults[2:3]
-    assert next(data_clues.outliers(check)).words == "1 sample is off, the first is number 9"
-    check.faults = faults[1:2]
-    assert list(data_clues.outliers(check)) == []
 
 
 def test_what_a_list_lacks_and_has_too_much_explains_it_wholly() -> None:

@@ -4,57 +4,59 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from fault_kinds import KINDS
-from fault_matrix import is_named, judge, run, table, whole
+from evidence import false_sentences
+from excerpts import crosscheck
+from fault_kinds import KINDS, finer
+from fault_matrix import judge, run, table, whole
 from fault_scenes import cases
+from faulty_solver import METHODS, without_events
 
-from symosc import crosscheck, load_scene, simulate
-from symosc.crosschecks import diagnosis
-from symosc.crosschecks.causes import CAUSES, Diagnosis
+from symosc import load_scene, simulate
+from symosc.crosschecks.causes import CAUSES
 from symosc.crosschecks.clues import Clues, clue_samples
 
 SEED = 1
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
-    name, sampling = ("fig8", "coarse") if kind == "double root" else ("fig10", "dense")
-    case = next(case for case in cases() if case.scene.name == name)
-    judged = judge(kind, case, sampling, SEED)
-    assert judged is not None
+    """In the first scene that can have it; what is said of a change is tried."""
+    sampling = "coarse" if kind == "double root" else "dense"
+    first = "fig8" if kind == "double root" else "fig10"
+    order = sorted(cases(), key=lambda case: (case.scene.name != first, case.scene.name.startswith("fig")))
+    judged = next(found for case in order if (found := judge(kind, case, sampling, SEED)) is not None)
     found, named, check, spoilt = judged
     assert found
     assert named, (spoilt.causes, check.diagnosis)
-    assert is_named(check, spoilt, first_only=True)
     assert check.diagnosis[0].words
     assert check.diagnosis[0].evidence
     assert all(one.cause in CAUSES for one in check.diagnosis)
+    assert false_sentences(check) == []
 
 
 @pytest.mark.slow
 def test_a_sample_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
-    """One of every hundred or so; the whole is below."""
-    counts = run(SEED, whole()[7::113])
+    """One of every hundred; the whole is below."""
+    counts = run(SEED, random.Random(SEED).sample(whole(), 50))
     with capsys.disabled():
         print("\n" + table(counts))
-    judge_counts(counts, 0.85)
+    judge_counts(counts, 0.9)
 
 
 @pytest.mark.campaign
 def test_the_whole_matrix(capsys: pytest.CaptureFixture[str]) -> None:
-    """Twenty kinds of fault, thirty scenes, four samplings."""
-    assert len(whole()) == 20 * 30 * 4
+    """43 kinds of fault, thirty scenes, four samplings."""
+    assert len(whole()) == 43 * 30 * 4
     counts = run(SEED, whole())
     with capsys.disabled():
         print("\n" + table(counts))
-    judge_counts(counts, 0.90)
+    judge_counts(counts, 0.95)
 
 
 def judge_counts(counts: Counter[tuple[str, str]], named: float) -> None:
@@ -62,6 +64,98 @@ def judge_counts(counts: Counter[tuple[str, str]], named: float) -> None:
     assert faults > 0
     assert counts["all", "found"] >= 0.99 * faults
     assert counts["all", "named"] >= named * faults
+    assert counts["all", "false"] == 0
+
+
+def scaled(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+    return t, np.where(t > 0.6 * t[-1], 1000.0 * x, x), v
+
+
+def turned(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+    motion = simulate(p.replace(B0=-p.B0), t0=t[0], x0=x[0], v0=v[0], t_end=t[-1])
+    later = t > 0.75 * t[-1]
+    return t, np.where(later, x, motion(t)[0]), np.where(later, v + 1e-3 * t, motion(t)[1])
+
+
+def shifted_units(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+    return t, 1000.0 * x, 1000.0 * v * (1.0 + 1e-6 * np.sin(t))
+
+
+def noisy_sign(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+    return t, -x, -v + 1e-4 * np.sin(40.0 * t)
+
+
+@pytest.mark.parametrize("spoil", [scaled, turned, shifted_units, noisy_sign])
+@pytest.mark.parametrize("name", ["fig5", "fig9"])
+def test_what_is_said_of_a_change_is_true(name: str, spoil: Any) -> None:
+    """Two faults at once: with the change that explains many of the steps, the others are still wrong."""
+    scene = load_scene(name)
+    t = np.linspace(float(scene.t0), 20, 1500)
+    check = crosscheck(scene.parameters, *spoil(scene.parameters, t, *simulate(scene, t_end=20)(t)))
+    assert not check.ok
+    assert false_sentences(check) == []
+    assert "all" not in " ".join(one.evidence for one in check.diagnosis if "are right" in one.evidence)
+
+
+@pytest.mark.parametrize(
+    "kind", ["chatter", "late events", "no events located", "leapfrog", "smoothed friction", "noise"]
+)
+def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
+    """The motion of fig9 crosses its belts and never sticks."""
+    (case,) = (case for case in cases() if case.scene.name == "fig9")
+    assert not any(part.mode.startswith("belt") for part in case.exact.segments)
+    judged = judge(kind, case, "dense", SEED)
+    assert judged is not None
+    said = " ".join(f"{one.cause} {one.words}" for first in judged[2].diagnosis for one in (first, *first.alternatives))
+    assert "stick" not in said
+    assert "chatter" not in said
+
+
+@pytest.mark.parametrize("method", ["euler", "rk4", "leapfrog"])
+@pytest.mark.parametrize("held", [False, True])
+def test_a_fixed_step_over_events_is_no_static_friction(method: str, held: bool) -> None:
+    scene = load_scene("fig10")
+    grid = np.linspace(float(scene.t0), 12, 2401)
+    start = float(scene.x0), float(scene.v0)
+    t, x, v = (a[::6] for a in without_events(scene.parameters, grid, *start, METHODS[method], held))
+    first = crosscheck(scene, t, x, v).diagnosis[0]
+    assert first.cause in {"late events", "chatter", "truncation"}
+    assert "static" not in first.words
+
+
+def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
+    """A mass that never moves is not heavy, and the error of a method is no coefficient."""
+    scene = load_scene("fig9")
+    p, t = scene.parameters, np.linspace(float(scene.t0), 8, 401)
+    for x, v in ((np.full(401, 1.0), np.zeros(401)), leapfrogged(p, t), leapfrogged(p, t, 7)):
+        first = crosscheck(p, t, x, v).diagnosis[0]
+        assert "coefficient" not in {one.cause for one in (first, *first.alternatives)}
+
+
+def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
+    return tuple(column[::n] for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:])
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+@pytest.mark.parametrize(
+    ("change", "value", "said"),
+    [
+        ("Omega", lambda p: float(p.Omega) * 2 * np.pi, "times 2 pi"),
+        ("Omega", lambda p: float(p.Omega) / (2 * np.pi), "divided by 2 pi"),
+        ("Omega", lambda p: float(p.Omega) * np.pi / 180, "in degrees"),
+        ("m", lambda p: p.m / 10, "m = "),
+        ("FN", lambda p: 0, "no friction"),
+        ("c", lambda p: p.c / 2, "c = "),
+    ],
+)
+def test_far_away_coefficients_are_named(name: str, change: str, value: Any, said: str) -> None:
+    scene = load_scene(name)
+    p, t = scene.parameters, np.linspace(float(scene.t0), 10, 301)
+    motion = simulate(p.replace(**{change: value(p)}), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=10)
+    first = crosscheck(scene, t, *motion(t)).diagnosis[0]
+    assert (first.cause, first.subject) == ("coefficient", change)
+    assert said in first.words
+    assert "all 300 steps are right" in first.evidence
 
 
 def test_a_right_solution_has_no_diagnosis() -> None:
@@ -98,49 +192,6 @@ def test_steps_of_many_periods_tell_no_cause(gap: float, monkeypatch: pytest.Mon
     check = crosscheck("fig9", np.array([0.1324, gap]), np.array([4.5447, 1.0]), np.array([1.0, 1.0]))
     monkeypatch.setattr(Clues, "of", lambda _: pytest.fail("causes are tried"))
     assert [one.cause for one in check.diagnosis] == ["unknown"]
-
-
-def test_causes_are_tried_until_one_explains_enough_and_those_as_good_are_named(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Made up: stages of causes with shares in eighths. The best one is named, with others as good, each name once."""
-    rng, stages = random.Random(11), ("_simple", "_models", "_methods", "_sticks", "_delays", "_rest")
-    for name, value in (("ENOUGH", 0.875), ("NAMED", 0.25), ("AS_GOOD", 0.125)):
-        monkeypatch.setattr(diagnosis, name, value)
-    answers = set()
-    for _ in range(300):
-        made = [
-            [
-                Diagnosis(
-                    rng.choice(["noise", "drift", "sign"]), rng.choice("kc"), "", "", share=rng.randint(0, most) / 8
-                )
-                for _ in range(rng.randint(0, 2))
-            ]
-            for most in (rng.choice([1, 4, 8]) for _ in stages)
-        ]
-        ran: list[str] = []
-        for name, causes in zip(stages, made, strict=True):
-
-            def stage(*_: object, name: str = name, causes: list[Diagnosis] = causes, ran: list[str] = ran) -> Any:
-                ran.append(name)
-                return causes
-
-            monkeypatch.setattr(diagnosis, name, stage)
-        found = diagnosis._best(None, SimpleNamespace(first_wrong=None))  # type: ignore[arg-type]
-        last = next((i for i in range(6) if any(one.share >= 0.875 for one in made[i])), 5)
-        assert ran == list(stages[: last + 1])
-        tried = sorted((one for causes in made[: last + 1] for one in causes), key=lambda one: -one.share)
-        good = [one for one in tried if one.share >= 0.25 and one.share >= tried[0].share - 0.125]
-        assert len(found) == 1
-        if not good:
-            assert (found[0].cause, found[0].share) == ("unknown", 0.0)
-        else:
-            names: dict[tuple[str, str], Diagnosis] = {}
-            for one in good:
-                names.setdefault((one.cause, one.subject if one.cause == "sign" else ""), one)
-            assert [replace(found[0], alternatives=()), *found[0].alternatives] == list(names.values())
-        answers.add((last < 5, len(found[0].alternatives), bool(good)))
-    assert {(True, 0, True), (True, 1, True), (False, 0, True), (False, 0, False)} <= answers
 
 
 @pytest.mark.parametrize("n", [2, 500, 3_001, 3_002, 9_000])

@@ -8,9 +8,8 @@ from itertools import product
 import numpy as np
 import pytest
 from careful_solver import solve
+from excerpts import crosscheck
 from fault_scenes import SAMPLINGS, Case, cases
-
-from symosc import crosscheck
 
 #: Significant digits, decimals, steps of a converter in bits; None: all digits.
 WAYS = [

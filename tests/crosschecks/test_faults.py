@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
-from symosc import crosscheck, load_scene, simulate
+from symosc import load_scene, simulate
 from symosc.crosschecks.faults import REASONS, explain
 
 T = np.linspace(0.5, 8, 801)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import csv
+import bz2
 import gzip
-import json
-import lzma
 import random
-import zlib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,32 +13,12 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError
-from symosc.crosschecks import files
-from symosc.crosschecks.compare import crosscheck
+from symosc.crosschecks import files, text_tables
 from symosc.crosschecks.files import read_samples
 
 
-def test_what_is_read(tmp_path: Path, grid: Any) -> None:
-    t, x, v = grid["fig9"]
-    columns = {"t": t.tolist(), "x": x.tolist(), "v": v.tolist()}
-    rows = "\n".join(",".join(map(repr, row)) for row in zip(*columns.values(), strict=True))
-    (tmp_path / "run.csv").write_text(f"t,x,v\n{rows}\n")
-    np.savez(tmp_path / "run.npz", t=t, x=x, v=v)
-    (tmp_path / "run.json").write_text(json.dumps(columns))
-    (tmp_path / "rows.json").write_text(json.dumps([{"t": a, "x": b, "v": c} for a, b, c in zip(t, x, v, strict=True)]))
-    result = SimpleNamespace(t=t, y=np.array([x, v]))
-    sources = [*sorted(tmp_path.iterdir()), str(tmp_path / "run.csv"), columns, result]
-    assert len(sources) == 7
-    for source in sources:
-        samples = read_samples(source)
-        np.testing.assert_array_equal([samples.t, samples.x, samples.v], [t, x, v])
-    samples = read_samples({"time": t, "x": x, "w": v}, {"t": "time", "v": "w"})
-    np.testing.assert_array_equal(samples.v, v)
-    assert crosscheck("fig9", result).ok
-
-
 def test_what_cannot_be_read(tmp_path: Path) -> None:
-    files = {
+    wrong = {
         "two.csv": ("t,x,w\n0,1,2\n1,2,3\n", "column = 'v': is missing"),
         "short.csv": ("t,x,v\n0,1,2\n1,2\n", "row 3 has 2 entries"),
         "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is not a number"),
@@ -52,12 +29,43 @@ def test_what_cannot_be_read(tmp_path: Path) -> None:
         "run.doc": ("", "must end in"),
         "run.txt": ("", "is empty"),
     }
-    for name, (text, words) in files.items():
+    for name, (text, words) in wrong.items():
         (tmp_path / name).write_text(text)
         with pytest.raises(ParameterError, match=words):
             read_samples(tmp_path / name)
     with pytest.raises(ParameterError, match="cannot be read"):
         read_samples(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("piece", [b"\n", b",,\n", b"# a comment\n", b" ", b"\0"])
+def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
+    piece: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """300 MB of nothing in a .gz took 38 s: no more than a part of it is unpacked."""
+    unpacked = 0
+
+    class Counting(gzip.GzipFile):
+        def read(self, size: int | None = -1) -> bytes:
+            nonlocal unpacked
+            data = super().read(size)
+            unpacked += len(data)
+            return data
+
+    monkeypatch.setitem(files.PACKED, ".gz", Counting)
+    monkeypatch.setattr(text_tables, "MOST_EMPTY_LINES", 50_000)
+    path = tmp_path / "run.csv.gz"
+    path.write_bytes(gzip.compress(b"t,x,v\n" + piece * (8_000_000 // len(piece)), compresslevel=1))
+    with pytest.raises(ParameterError, match=r"lines without data|not text in lines"):
+        read_samples(path)
+    assert unpacked <= 2_000_000
+
+
+@pytest.mark.parametrize("name", ["run.json", "run.csv", "run.npz", "run.h5"])
+def test_no_more_is_unpacked_than_a_limit(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "MOST_BYTES", 100_000)
+    (tmp_path / f"{name}.bz2").write_bytes(bz2.compress(b"0,1,2\n" * 100_000))
+    with pytest.raises(ParameterError, match=r"is larger than 1e\+05 bytes"):
+        read_samples(tmp_path / f"{name}.bz2")
 
 
 def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> None:
@@ -134,37 +142,3 @@ def test_results_of_solvers_have_two_rows() -> None:
     for y in (t, np.array([t, t, t]), np.array([[t, t], [t, t]]), [[0], [1, 2]]):
         with pytest.raises(ParameterError, match="must have two rows"):
             read_samples(SimpleNamespace(t=t, y=y))
-
-
-@pytest.mark.parametrize(
-    ("error", "words"),
-    [
-        (EOFError(), "it is damaged, or cut off"), (zlib.error("x"), "it is damaged, or cut off"),
-        (gzip.BadGzipFile("x"), "it is damaged, or cut off"), (lzma.LZMAError("x"), "it is damaged, or cut off"),
-        (OSError(5, "no such thing"), "no such thing"), (OSError("odd"), "odd"),
-        (UnicodeDecodeError("utf-8", b"x", 0, 1, "bad"), "it is not text in UTF-8"),
-        (RecursionError(), "its brackets are nested too deeply"), (MemoryError(), "it does not fit into memory"),
-        (ValueError("no number"), "no number"), (csv.Error("no line"), "no line"),
-    ],
-)  # fmt: skip
-def test_whatever_a_reader_raises_is_one_line(
-    error: Exception, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    said = said_of_a_reader_that_raises(error, tmp_path, monkeypatch)
-    assert str(said) == f"file = 'some.csv': cannot be read: {words}"
-
-
-def test_a_readers_own_word_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    own = ParameterError("x", 3, "is odd")
-    assert said_of_a_reader_that_raises(own, tmp_path, monkeypatch) is own
-
-
-def said_of_a_reader_that_raises(error: Exception, folder: Path, monkeypatch: pytest.MonkeyPatch) -> ParameterError:
-    def read(*_: object) -> None:
-        raise error
-
-    (folder / "some.csv").write_text("t,x,v")
-    monkeypatch.setattr(files, "_reader", lambda *_: read)
-    with pytest.raises(ParameterError) as caught:
-        files._read_file(folder / "some.csv", {}, "some.csv")
-    return caught.value

@@ -15,8 +15,8 @@ import pytest
 from solution_files import COLUMNS, WRITERS, T, V, X
 
 from symosc import MissingExtraError, ParameterError
-from symosc.crosschecks import formats
-from symosc.crosschecks.files import FILE_READERS, read_samples
+from symosc.crosschecks import files
+from symosc.crosschecks.files import SUFFIXES, read_samples
 
 BINARY = ("npz", "mat", "parquet", "feather", "h5", "nc")
 
@@ -34,7 +34,7 @@ def test_what_a_library_writes_is_read_to_the_last_digit(name: str, tmp_path: Pa
 def test_every_suffix_has_a_file_in_this_test() -> None:
     tested = {Path(name.removesuffix(".gz").removesuffix(".bz2").removesuffix(".xz")).suffix for name in WRITERS}
     alike = {".out": ".dat", ".asc": ".dat", ".pq": ".parquet", ".arrow": ".feather", ".hdf": ".h5"}
-    assert {alike.get(suffix, suffix) for suffix in FILE_READERS} == tested
+    assert {alike.get(suffix, suffix) for suffix in SUFFIXES} == tested
 
 
 @pytest.mark.parametrize("name", [name for name in WRITERS if name != "utf16.csv"])
@@ -73,7 +73,7 @@ def test_a_file_that_is_cut_off_or_damaged_is_one_line(name: str, tmp_path: Path
             read_samples(path)
 
 
-@pytest.mark.parametrize("suffix", sorted(FILE_READERS))
+@pytest.mark.parametrize("suffix", sorted(SUFFIXES))
 def test_rubbish_is_one_line_under_any_name(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"file{suffix}"
     rng = np.random.default_rng(2)
@@ -127,13 +127,6 @@ def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
             assert name.partition(".")[0] == package
             raise ImportError(name)
 
-        monkeypatch.setattr(formats, "import_module", none_of)
+        monkeypatch.setattr(files, "import_module", none_of)
         with pytest.raises(MissingExtraError, match=r"file needs an optional package: pip install 'symosc\[tables\]'"):
             read_samples(tmp_path / f"run{suffix}")
-
-
-@pytest.mark.parametrize("content", [b"", b"no HDF5", b"\x89HDF\r\n\x1a\n" + bytes(40)])
-def test_what_is_no_hdf5_file_is_called_so(content: bytes) -> None:
-    pytest.importorskip("h5py")
-    with pytest.raises(ParameterError, match="is not an HDF5 file, or it is damaged"):
-        formats.read_hdf5(io.BytesIO(content), {}, "here.h5")

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
-from symosc import ParameterError, crosscheck, load_scene, simulate
+from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks.functions import MOST_TIMES, SolverTask, of_function, solver_events, solver_task
 
 FIG9 = load_scene("fig9")

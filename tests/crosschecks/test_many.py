@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 from solution_files import COLUMNS, T, V, X
 
-from symosc import MissingExtraError, ParameterError, crosscheck
+from symosc import MissingExtraError, ParameterError
 from symosc.crosschecks import many
 from symosc.crosschecks.many import RESULT_COLUMNS, CrossChecks
 from symosc.display import frames

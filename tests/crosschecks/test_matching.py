@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from careful_solver import TIGHT, random_parameters, solve
+from excerpts import crosscheck
 
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
-from symosc.crosschecks.compare import CrossCheck, crosscheck
+from symosc.crosschecks.compare import CrossCheck
 from symosc.crosschecks.matching import Matcher, Matching, in_order
 from symosc.simulation.run import EVENT_KINDS
 
@@ -155,7 +156,7 @@ def test_a_start_on_a_belt_may_be_listed_once() -> None:
         start = (float(scene.t0), kind)
         result = crosscheck(name, t, *exact(t), events=[start, *listed(exact)])
         assert result.ok, result.summary()
-        assert "is the start on belt" in result.notes[-1]
+        assert any("is the start on belt" in note for note in result.notes)
         twice = crosscheck(name, t, *exact(t), events=[start, start, *listed(exact)])
         assert [event.t for event in twice.invented] == [start[0]]
     t = np.linspace(0, 6, 301)

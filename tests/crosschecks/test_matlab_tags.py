@@ -14,8 +14,7 @@ from scipy.io import savemat
 from solution_files import COLUMNS
 
 from symosc import ParameterError
-from symosc.crosschecks.files import read_samples
-from symosc.crosschecks.matlab_tags import has_wrong_tags
+from symosc.crosschecks.files import has_wrong_tags, read_samples
 
 
 def written(variables: dict[str, Any], packed: bool = False) -> bytes:

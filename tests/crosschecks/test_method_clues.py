@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 from faulty_solver import Flaw, Solver, without_events
 from oracle import flow_oracle
 
-from symosc import crosscheck, load_scene
+from symosc import load_scene
 from symosc.crosschecks import method_clues
 from symosc.crosschecks.steps import follow_steps
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
-from symosc import crosscheck, load_scene, simulate
+from symosc import load_scene, simulate
 from symosc.crosschecks import clues as fits
-from symosc.crosschecks import other_models
 from symosc.crosschecks.causes import Diagnosis
-from symosc.crosschecks.clues import Fit, fitted
-from symosc.crosschecks.other_models import TICK, _shift_or_phase, _tick, rounded, with_error
+from symosc.crosschecks.clues import fitted
+from symosc.crosschecks.other_models import TICK, _tick, rounded, with_error
 from symosc.model import PARAMETER_NAMES
 
 T = np.linspace(0.5, 12, 240)
@@ -95,32 +91,6 @@ def test_numbers_have_the_digits_that_their_error_leaves() -> None:
     assert rounded(0.0, 1e-3) == "0"
 
 
-@pytest.mark.parametrize("error", [0.0, 1e-3])
-def test_a_phase_of_quarters_has_a_name(error: float) -> None:
-    """As near as the fit tells, and as a program rounds; the first sample tells a phase from a shifted clock."""
-    near = max(1e-4, 3.0 * error)
-    names = {-2: "(-cosine)", -1: "(sine in place of cosine)", 1: "(-sine in place of cosine)", 2: "(-cosine)"}
-    steps = SimpleNamespace(K=SimpleNamespace(Om=2.0), t=[5.0], x=[1.0], v=[-1.0])
-    clues: Any = SimpleNamespace(steps=steps, offset=0, allowed=np.array([[1e-6, 1e-5]]))
-    for quarters in range(-2, 3):
-        for off in (-1.1 * near, -0.9 * near, 0.9 * near, 1.1 * near):
-            turn = quarters * np.pi / 2 + off
-            clock = _shift_or_phase(clues, turn, error, 0.5, None)
-            (phase,) = clock.alternatives
-            assert (clock.cause, clock.value, clock.error) == ("time shift", -turn / 2.0, error / 2.0)
-            assert (phase.cause, phase.value, phase.error) == ("phase", turn, error)
-            assert f"{'slow' if turn > 0 else 'fast'} by" in clock.words
-            assert (names.get(quarters, "(") in phase.words) == (abs(off) < near and quarters != 0)
-    for start, cause in (
-        ((5.0, 1.0, -1.0), "phase"), ((5.0 + 1e-15, 1.0, -1.0), "phase"), ((5.0 - 1e-12, 1.0, -1.0), "time shift"),
-        ((5.0, 1.0 + 9e-4, -1.0), "phase"), ((5.0, 1.0 + 1.1e-3, -1.0), "time shift"),
-        ((5.0, 1.0, -1.0 - 9e-3), "phase"), ((5.0, 1.0, -1.0 - 1.1e-2), "time shift"),
-    ):  # fmt: skip
-        assert _shift_or_phase(clues, 1.0, error, 0.5, start).cause == cause
-        later = SimpleNamespace(**vars(clues) | {"offset": 3})  # the first sample is not among them
-        assert _shift_or_phase(later, 1.0, error, 0.5, start).cause == "phase"  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
 def test_small_changes_are_small_in_the_units_of_what_they_change(name: str) -> None:
     """Those of velocities by the belts' difference, wherever they stand; others by forces and the largest rate."""
@@ -134,27 +104,6 @@ def test_small_changes_are_small_in_the_units_of_what_they_change(name: str) -> 
         assert _tick(p, each) == pytest.approx(TICK * float(unit))
     moved = p.replace(v1=0, v2=p.v2 - p.v1)
     assert [_tick(moved, each) for each in ("v1", "v2")] == [_tick(p, each) for each in ("v1", "v2")]
-
-
-@pytest.mark.parametrize("off", [4.9, 5.1])
-def test_forces_are_named_if_they_are_off_by_five_errors(off: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Made up: three visited domains, of which the force of the second one, or of none, is off by so much."""
-    p, error = load_scene("fig9").parameters, np.array([0.1, 0.02, 0.3])
-    K = SimpleNamespace(A1=1.0, A2=-2.0, A3=4.0, f0=1.0)
-    clues: Any = SimpleNamespace(
-        parameters=p, steps=SimpleNamespace(K=K), inside=np.arange(12), label=np.repeat([1, 2, 3], 4),
-        some=lambda chosen, most: chosen, share=lambda sizes, of: 0.75,
-    )  # fmt: skip
-    for domain, sign in ((0, 1), (1, -1), (2, 1)):
-        value = np.array([1.0, -2.0, 4.0])
-        value[domain] += sign * off * error[domain]
-        monkeypatch.setattr(other_models, "fitted", lambda *_, value=value: Fit(value, error, np.zeros(12)))
-        found = list(other_models.forces(clues))
-        assert len(found) == (off > 5)
-        for one in found:
-            assert (one.cause, one.share) == ("forces", 0.75)
-            assert re.findall(r"A\d", one.words) == [f"A{domain + 1}"]
-            assert f"should be {float(p.m) * [1.0, -2.0, 4.0][domain]:.6g}" in one.words
 
 
 def test_one_number_is_what_most_steps_ask_for_and_several_are_least_squares() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from symosc import simulate
-from symosc.crosschecks.files import FILE_READERS, PACKED
+from symosc.crosschecks.files import PACKED, SUFFIXES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "checking.md").read_text(encoding="utf-8")
 SOLVER, EXAMPLE = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
@@ -27,8 +27,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     import pandas
 
     folder = tmp_path_factory.mktemp("checking")
-    t = np.linspace(0.1324, 6, 300)
-    x, v = simulate("fig9", t_end=6)(t)
+    t = np.linspace(0.1324, 10, 500)
+    x, v = simulate("fig9")(t)
     frame = pandas.DataFrame({"t": t, "x": x, "v": v})
     frame.to_csv(folder / "run.csv", index=False)
     frame.to_parquet(folder / "other.parquet")
@@ -60,5 +60,5 @@ def test_the_example_prints_what_it_says(tmp_path: Path) -> None:
 
 def test_every_format_is_named() -> None:
     alike = {".out", ".asc", ".pq", ".arrow", ".hdf"}
-    for suffix in {*FILE_READERS, *PACKED} - alike:
+    for suffix in {*SUFFIXES, *PACKED} - alike:
         assert f"`{suffix}`" in PAGE, suffix

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from careful_solver import random_parameters
+from excerpts import crosscheck
 
 from symosc import load_scene, simulate
-from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.rounding import _grid, find_digits
 
 Round = Callable[[Any], np.ndarray]

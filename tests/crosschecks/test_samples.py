@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
 from symosc import ParameterError, simulate
-from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.files import read_samples
 from symosc.crosschecks.samples import LONGEST_ITEM, short, shown
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 from faulty_solver import smoothed
 
-from symosc import crosscheck, load_scene, simulate
+from symosc import load_scene, simulate
 from symosc.crosschecks import smoothed_flights
 from symosc.crosschecks.clues import Clues
 from symosc.crosschecks.friction_clues import CURVES, SMOOTH_CURVES

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from symosc import load_scene, simulate
-from symosc.crosschecks.compare import GLOBAL_FACTOR, STEP_TOLERANCE, judged
+from symosc.crosschecks.compare import STEP_TOLERANCE, Judge
 from symosc.crosschecks.samples import checked
 
 FIG9 = load_scene("fig9")
@@ -19,7 +19,7 @@ TIMES = [float(event.t) for event in MOTION.events]
 
 def verdict(times: list[float]):  # type: ignore[no-untyped-def]
     listed = replace(SAMPLES, events=tuple((time, "") for time in sorted(times)))
-    return judged(FIG9, STEP_TOLERANCE, GLOBAL_FACTOR * STEP_TOLERANCE, listed)
+    return Judge(FIG9, STEP_TOLERANCE, None, True, True)(listed)
 
 
 def test_a_list_may_have_all_or_some_of_the_events() -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import count
 from typing import Any
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
 from symosc import load_scene, simulate
 from symosc.crosschecks import steps
-from symosc.crosschecks.compare import crosscheck
 from symosc.crosschecks.steps import phases
 from symosc.engine import compiled_loop
 from symosc.simulation import batch_loop
@@ -51,7 +50,7 @@ def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(compiled_loop, "follow_all", noted)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda _: False)
-    monkeypatch.setattr(batch_loop, "DOUBLES", batch_loop.Patience(15.0))
+    monkeypatch.setattr(batch_loop, "DOUBLES", batch_loop.InterpretBudget(1_000_000))
     monkeypatch.setattr(steps, "COMPILE_FROM", 300)
     monkeypatch.setattr(steps, "quiet_ends", lambda *_: (np.empty(0, int), np.empty((0, 2))))
     scene = load_scene("fig9")
@@ -64,7 +63,7 @@ def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_few_steps_again_and_again_are_a_matter_of_the_compiler_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first ones are interpreted and count; when they have taken their time, compiled code is asked for."""
+    """The first ones are interpreted and count; when there were many, compiled code is asked for."""
     asked, choose = [], batch_loop.chosen_loops
 
     def noted(use_numba: bool | None) -> batch_loop.Loops:
@@ -72,12 +71,10 @@ def test_few_steps_again_and_again_are_a_matter_of_the_compiler_too(monkeypatch:
         return choose(False)
 
     monkeypatch.setattr(steps, "chosen_loops", noted)
-    clock = count()
-    monkeypatch.setattr(batch_loop, "process_time", lambda: float(next(clock)))
-    monkeypatch.setattr(steps, "FEW_STEPS", batch_loop.Patience(1e-6))
+    monkeypatch.setattr(steps, "FEW_STEPS", batch_loop.InterpretBudget(1))
     t = np.linspace(0.0, 7.0, 100)
     crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
     assert set(asked) == {False}
-    assert steps.FEW_STEPS.left < 0
+    assert steps.FEW_STEPS.events < 0
     crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
     assert asked[-1] is None

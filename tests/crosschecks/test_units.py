@@ -6,9 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 from units import UNITS, Units
 
-from symosc import CrossCheck, Parameters, crosscheck, load_scene, simulate
+from symosc import CrossCheck, Parameters, load_scene, simulate
 
 
 @cache

@@ -7,8 +7,9 @@ import itertools
 import numpy as np
 import pytest
 from careful_solver import random_parameters
+from excerpts import crosscheck
 
-from symosc import ParameterError, crosscheck, load_scene, simulate
+from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks import velocities
 from symosc.crosschecks.samples import checked_positions
 from symosc.crosschecks.velocities import NOTE, with_velocities
@@ -67,6 +68,16 @@ def test_positions_that_are_too_far_apart_are_refused() -> None:
     with pytest.raises(ParameterError, match="too far apart to tell it: give velocities"):
         crosscheck(p, [0.0, 3.0, 6.0], [1.0, 2.0, 3.0])
     assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
+
+
+@pytest.mark.parametrize("decimals", [pytest.param(5, marks=pytest.mark.slow), 15])
+def test_dense_positions_of_another_force_are_wrong(decimals: int) -> None:
+    """Not too far apart: no two steps agree about a velocity, and no scene tells the first one."""
+    p, t = load_scene("fig9").parameters.replace(v1=-500, v2=500), np.linspace(0, 10, 801)
+    x = np.round(simulate(p.replace(A0=p.A0 + 1), t0=0, x0=1, v0=1, t_end=10)(t)[0], decimals)
+    check = crosscheck(p, t, x)
+    assert not check.ok
+    assert len(check.t) == 801
 
 
 def test_a_step_can_be_a_stick_if_it_moves_as_the_belt_does() -> None:
