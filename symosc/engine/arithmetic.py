@@ -33,7 +33,7 @@ from symosc.engine import (
 )
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.engine.paths import Paths
-from symosc.kernels import _generated, entire
+from symosc.kernels import _generated, double_double, entire
 from symosc.model import Parameters
 
 SOURCES = (
@@ -55,7 +55,7 @@ SOURCES = (
 # What is done with many digits only.
 IN_DIGITS_ONLY = (near_event,)
 # What is done with motions in doubles only.
-IN_DOUBLES_ONLY = (extremes, tally, settled)
+IN_DOUBLES_ONLY = (double_double, extremes, tally, settled)
 
 
 # What decisions must exceed with mpmath, instead of `touches.ROUNDING` and `flow.SIGMAS`.
@@ -168,6 +168,7 @@ class MpArithmetic(Arithmetic):
         replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
         replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
         replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
+        replaced["rest_of_product"] = no_rest
         self.namespace = binding.bind((*SOURCES, *IN_DIGITS_ONLY), replaced, literal=context.mpf)
         self._replaced = replaced
 
@@ -191,6 +192,11 @@ class MpArithmetic(Arithmetic):
     def rounded(self, value: Number) -> Number:
         """Round an mpf of any precision to one of this precision."""
         return self.context.mpf(value)
+
+
+def no_rest(a, b):
+    """Return 0, for `symosc.kernels.double_double.rest_of_product`."""
+    return 0.0 * a
 
 
 @lru_cache(maxsize=64)

@@ -117,6 +117,8 @@ def compiled(
     """
     try:
         import numba
+
+        from symosc.engine.code_cache import keep_on_disk
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
     modules = tuple(modules)
@@ -136,7 +138,7 @@ def compiled(
         # says all three: one that did not would take forceinline from the function that calls it first.
         inline = function.__name__ in inlined
         options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
-        return numba.njit(cache=True, error_model="numpy", nogil=True, **options)(function)
+        return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
 
     return bind(modules, called | (replaced or {}), wrap, literal)
 
@@ -146,6 +148,8 @@ def is_compiled(function: Any) -> bool:
     if not hasattr(function, "py_func") or function.overloads:
         return True
     folder, name = function.stats.cache_path, function.py_func.__qualname__
+    if folder is None:  # nothing is kept on disk
+        return False
     there, looked = _ON_DISK.get((folder, name), (False, -LOOK_AGAIN))
     if not there and monotonic() - looked >= LOOK_AGAIN:
         there = any(Path(folder).glob(f"*.{escape(name)}-*.nbi"))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.aliases import Number
+from symosc.engine.flow import clock_time
 from symosc.engine.next_event import advance
 from symosc.engine.pages import room_of
 from symosc.engine.state import (
@@ -27,8 +28,8 @@ from symosc.engine.state import (
 from symosc.engine.tally import leave_tally, tally_step
 from symosc.kernels.entire import EPS
 
-# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, then t_end, t_end_low, t0, then s, c.
-STATE_WIDTH = 18
+# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
+STATE_WIDTH = 19
 # Steps after which doubles that are not in doubt are no longer looked ahead for.
 LOOK_AHEAD = 16
 # Columns of a row of events.
@@ -71,7 +72,7 @@ def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
     """Return a state, the two parts of the end, and the time as that of the start, as a row of a batch."""
-    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, state.s, state.c]
+    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
 def state_of(states, i):
@@ -91,6 +92,7 @@ def state_of(states, i):
         float(states[i, 12]),
         float(states[i, 16]),
         float(states[i, 17]),
+        float(states[i, 18]),
     )
 
 
@@ -101,7 +103,7 @@ def keep_state(states, i, state):
     states[i, 6], states[i, 7] = state.Fb, state.Fa
     states[i, 8], states[i, 9], states[i, 10] = state.S.S11, state.S.S12, state.S.S22
     states[i, 11], states[i, 12] = state.t, state.t_low
-    states[i, 16], states[i, 17] = state.s, state.c
+    states[i, 16], states[i, 17], states[i, 18] = state.s, state.c, state.theta_low
 
 
 def handed_out(t, t_low, t0, x, v, t_error, S11, K):
@@ -109,9 +111,8 @@ def handed_out(t, t_low, t0, x, v, t_error, S11, K):
 
     What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
     """
-    since = t - t0
-    out = t + (t_low + since * K.Om_gain)
-    t_error, x_error = t_error + EPS * (abs(out) + 0.25 * since), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    out = clock_time(t, t_low, t0, K)
+    t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
     return out, t_error, x_error
 
 
@@ -138,7 +139,7 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
     tallied = tally.floats.shape[0] > 0
     for i in range(begin, states.shape[0]):
         before, K = state_of(states, i), table[sets[i]]
-        t_end, t_end_low, t0 = float(states[i, 13]), float(states[i, 14]), float(states[i, 15])
+        t_end, t_end_low, t0 = end_by_phase(states[i], K)
         code = RUNNING
         while code == RUNNING:
             if counts[i] >= most:
@@ -179,9 +180,16 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
     return t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x))
 
 
+def end_by_phase(row, K):
+    """Return t_end in two parts, as doubles count it (`symosc.engine.flow.clock_time`), and t0 of a row of a batch."""
+    t_end, t0 = float(row[13]), float(row[15])
+    return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
+
+
 def searched(state, row, K):
     """Return the next event (NextEvent) of a state, by the times in a row of a batch."""
-    return advance(state, float(row[13]), float(row[14]), K)
+    t_end, t_end_low, _ = end_by_phase(row, K)
+    return advance(state, t_end, t_end_low, K)
 
 
 def search_row(states, table):

@@ -103,7 +103,7 @@ class Constants(NamedTuple):
     Sc: Number
     period: Number  # 2 pi/Omega
     Om_inverse: Number
-    Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small
+    Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
     period_low: Number  # what the rounding of 2 pi/Om took from `period`
     chunk: Number  # longest time that is evaluated from one starting point
     sigmas: Number  # how many standard errors of the state a decision must exceed
@@ -273,6 +273,11 @@ def _belt_constants(
         limit_below=limits[0],
         limit_above=limits[1],
     )
+
+
+def clock_time(t, t_low, t0, K):
+    """Return the time of a state: doubles count t + t_low by the phase, with the rounding of Omega since t0."""
+    return t + (t_low + (t - t0) * K.Om_gain)
 
 
 def constant_force(domain, K):

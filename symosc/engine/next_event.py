@@ -38,6 +38,7 @@ from symosc.engine.state import (
 from symosc.engine.stick_exit import belt_exit, force_noise
 from symosc.engine.switching import carried_error, resolve
 from symosc.kernels._generated import acceleration
+from symosc.kernels.double_double import rest_of_product
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -93,31 +94,33 @@ def launched(state, K):
 
 def after_flight(state, end, start, left, K):
     """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
-    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c = state
+    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     lower, upper = speeds_around(mode, K)
     if end.now.tau > left and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
     code, side, now = end
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
-    turns, theta = later(0, theta, now.tau, K)
+    turns, theta, theta_low = later(0, theta, theta_low, now.tau, K)
     n, s, c = n + turns, now.s, now.c
     if turns > 0:
         s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
-        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c)
+        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
         return no_contact(state, there, now, left, lower, upper, K)
     boundary = mode - 1 if side < 0 else mode
     v = K.belt1.v if boundary == 1 else K.belt2.v
     if code == STALLED:
-        return NextEvent(FAILED, boundary, False, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c))
+        return NextEvent(
+            FAILED, boundary, False, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+        )
     if code == TANGENCY:
         F = 0.0 * F
     elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c), end, v_noise, left, K)
+    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, left, K)
 
 
 def reach_of(tau_max, left):
@@ -158,10 +161,10 @@ def no_contact(state, there, now, left, lower, upper, K):
         return NextEvent(END, 0, True, 0.0, there)
     if never_leaves(Launch(there.v, there.Fb, now.s, now.c), there.S, lower, upper, there.mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
-    mode, at, n, theta, x, v, _, _, S, t, t_low, _, _ = there
+    mode, at, n, theta, x, v, _, _, S, t, t_low, _, _, theta_low = there
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     s, c = sine_and_cosine_of(theta)
-    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c))
+    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
 
 
 def flight_noise(state, now, K):
@@ -206,17 +209,19 @@ def meet_belt(there, end, v_noise, left, K):
 
 def touch_belt(there, G1, G2, G3, v_noise, tau, left, K):
     """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c = there
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, left - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
-        n, theta = later(n, theta, shift, K)
+        n, theta, theta_low = later(n, theta, theta_low, shift, K)
         t, t_low = added(t, t_low, shift, K)
         s, c = sin(theta), cos(theta)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
     code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
     F = 0.0 * F
-    return NextEvent(code, boundary, False, t_error, State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c))
+    return NextEvent(
+        code, boundary, False, t_error, State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    )
 
 
 def switch(there, end, vague, t_error, K):
@@ -224,7 +229,7 @@ def switch(there, end, vague, t_error, K):
 
     A `vague` contact is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
     """
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c = there
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
     if vague:
         F = 0.0 * F
@@ -247,17 +252,17 @@ def switch(there, end, vague, t_error, K):
         where = resolve(v, Fb, Fa, now.s, now.c, K)
     if where == BELT:
         S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)  # the belt takes the error of the velocity away
-        held = State(ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c)
+        held = State(ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
         return NextEvent(STICK, boundary, decided, t_error, held)
     out = Fa if where == DOMAIN_ABOVE else Fb
     target = boundary + 1 if where == DOMAIN_ABOVE else boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * F
-        touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c)
+        touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
         return NextEvent(GRAZE, boundary, False, t_error, touched)
     ratio = out / F if F != 0.0 else 1.0
     S = Covariance(S.S11, ratio * S.S12, ratio * ratio * S.S22)
-    crossed = State(target, boundary, n, theta, x, v, out, out, S, t, t_low, s, c)
+    crossed = State(target, boundary, n, theta, x, v, out, out, S, t, t_low, s, c, theta_low)
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
@@ -275,7 +280,7 @@ def held_by(state):
 
 def after_stick(state, end, left, K):
     """Return the next event of a stick from `state`, given how its search ended; see `advance`."""
-    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _ = state
+    mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
     code, side, tau, Delta, slope, bend, s, c = end
@@ -286,41 +291,48 @@ def after_stick(state, end, left, K):
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
-    turns, theta = later(0, theta, tau, K)
+    turns, theta, theta_low = later(0, theta, theta_low, tau, K)
     n = n + turns
     if code != HIT or turns > 0:
         s, c = sine_and_cosine_of(theta)
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:
-        held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c)
+        held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
         return NextEvent(END if tau >= left else MOVED, 0, True, 0.0, held)
     if code != HIT:
         Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
-        held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c)
+        held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
         return NextEvent(MOVED if code == TANGENCY else FAILED, 0 if code == TANGENCY else boundary, False, 0.0, held)
     target = boundary if side < 0 else boundary + 1
     terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
-    slipped = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c)
+    slipped = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
     return NextEvent(SLIP, boundary, True, t_error, slipped)
 
 
-def later(n, theta, tau, K):
-    """Return the phase `tau` later; a whole period leaves theta as it is, exactly."""
-    if tau == K.period:
-        return n + 1, theta
-    theta = theta + K.Om * tau
+def later(n, theta, theta_low, tau, K):
+    """Return the phase `tau` later, in two parts: what rounding takes from it would add up to a wrong time."""
+    if tau == K.period:  # exactly
+        return n + 1, theta, theta_low
+    turn = K.Om * tau
+    total = theta + turn
+    part = total - theta
+    low = (theta - (total - part)) + (turn - part)
+    rest = rest_of_product(K.Om, tau)
+    theta, theta_low = total, theta_low + (low + rest if abs(rest) < 1.0 else low)  # else out of the range of doubles
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
         turns = int(theta / TWO_PI) - 1
         theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
         n = n + turns
     while theta >= TWO_PI:
-        theta = (theta - TWO_PI) - TWO_PI_REST
+        theta, theta_low = theta - TWO_PI, theta_low - TWO_PI_REST
         n = n + 1
-    if theta < 0.0:  # by the rest of 2 pi
-        theta = 0.0 * theta
-    return n, theta
+    total = theta + theta_low
+    theta_low = theta_low - (total - theta)
+    if total < 0.0:  # by the rest of 2 pi
+        return n, 0.0 * total, theta_low + total
+    return n, total, theta_low
 
 
 def sine_and_cosine_of(theta):

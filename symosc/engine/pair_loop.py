@@ -1,4 +1,4 @@
-"""Motions in double-double numbers as far as doubles are in doubt: a loop for numba.
+"""Motions in double-double numbers as far as doubles are in doubt: the loop, for numba and for CPython.
 
 It is written for pairs (`symosc.kernels.pair_type`), to which `symosc.engine.pairs` binds it together with the engine.
 What comes out is rounded to doubles by the rules for numbers with many digits (`symosc.engine.rounding`).
@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from symosc.engine.compiled_loop import end_by_phase as end_in_doubles
 from symosc.engine.compiled_loop import handed_out, keep_state, state_of, write_event, write_kind
 from symosc.engine.compiled_loop import next_doubt as next_doubt_in_doubles
 from symosc.engine.compiled_loop import searched as searched_in_doubles
@@ -71,7 +72,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
     for i in chosen:
         state, plain, careful = state_of(pairs, i), going.table[sets[i]], going.careful[sets[i]]
         t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
-        code, rounded, goal, last = RUNNING, in_doubles(state), wanted[i], min(going.most, wanted[i] + going.more)
+        code, goal, last = RUNNING, wanted[i], min(going.most, wanted[i] + going.more)
+        rounded = in_doubles(state, t0, plain)
         while code == RUNNING:
             if counts[i] >= goal:
                 goal = next_doubt_in_doubles(rounded, counts[i], states[i], last, going.accuracy, plain)
@@ -80,7 +82,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
             before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
             found = advance_near(state, rounded, rough, t_end, t_end_low, K)
             state, step = found.state, found.code
-            rounded = in_doubles(state)
+            rounded = in_doubles(state, t0, plain)
             if step == FAILED or not found.decided:
                 code = IN_DOUBT
             elif step <= GRAZE:
@@ -94,8 +96,9 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
                 plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
                 tally_step(i, before, plainly, t0.hi, tally, plain)
         if tallied:
-            left = (t_end - state.t) + (t_end_low - state.t_low)
-            leave_tally(i, rounded, code, left.hi, t0.hi, tally, plain)
+            end, end_low, _ = end_in_doubles(states[i], plain)
+            left = (end - rounded.t) + (end_low - rounded.t_low)
+            leave_tally(i, rounded, code, left, t0.hi, tally, plain)
         codes[i] = code
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)
@@ -113,8 +116,8 @@ def written(i, row, out, found, source, rounded, t0, K):
     return is_faint(t_error.hi, t.hi) and is_faint(x_error.hi, state.x.hi)
 
 
-def in_doubles(state):
-    """Return a state of pairs in doubles, as `symosc.engine.start.rounded`."""
+def in_doubles(state, t0, K):
+    """Return a state of pairs in doubles, whose constants are K, as `symosc.engine.start.rounded`."""
     x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
     S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
     return State(
@@ -128,7 +131,8 @@ def in_doubles(state):
         state.Fa.hi,
         Covariance(S11, S12, S22),
         t,
-        ((state.t - t) + state.t_low).hi,
+        ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain,
         state.s.hi,
         state.c.hi,
+        ((state.theta - state.theta.hi) + state.theta_low).hi,
     )

@@ -114,7 +114,7 @@ def belt_state(
 ) -> State:
     """Return the state at the time 0 for a start on a belt; `clock` is the number of periods and the angle."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
-    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase)
+    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
 
 def belt_rows(
@@ -136,7 +136,7 @@ def belt_rows(
     zero = np.zeros(len(x))
     S11, S22 = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
     state = [mode, at, zero, theta, x, v, Fb, Fa, S11, zero, S22, zero, zero]
-    return np.column_stack([*state, left, zero, zero, np.sin(theta), c])
+    return np.column_stack([*state, left, zero, zero, np.sin(theta), c, zero])
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
@@ -173,7 +173,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
         S12 = 3 * v * Fb * dt**2
         S = Covariance(S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2))
-    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase)
+    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase, 0 * x)
 
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
@@ -242,10 +242,12 @@ def settles(start: Start) -> bool:
     return True
 
 
-def rounded(state: State) -> State:
-    """Return a state in double precision, with the rounding as a part of its error."""
+def rounded(state: State, start: Start) -> State:
+    """Return a state of a motion in double precision, with the rounding as a part of its error."""
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
     s, c = float(state.s), float(state.c)
-    t_low = float(state.t - t + state.t_low)
+    gain = Arithmetic(start.parameters).K.Om_gain  # see `symosc.engine.flow.clock_time`
+    t_low = float(state.t - t + state.t_low) - (t - float(start.t0)) * gain
+    theta_low = float(state.theta - theta + state.theta_low)
     S = Covariance(*rounded_covariance(state.at, x, v, *(float(value) for value in state.S)))
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low, s, c)
+    return State(*state[:3], theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)

@@ -38,10 +38,10 @@ class Covariance(NamedTuple):
 class State(NamedTuple):
     """The state between events.
 
-    Phase and time are carried one beside the other: Omega t never loses digits however large t becomes, and t none
-    however slow the drive is. So are the sine and the cosine of the phase, which the search has at a contact: to make
-    them anew would hold up every event. They are made anew of theta in each forcing period, so that their rounding
-    errors do not add up.
+    Phase and time are carried one beside the other, each in two parts: Omega t never loses digits however large t
+    becomes, t none however slow the drive is, and rounding does not let them drift apart. So are the sine and the
+    cosine of the phase, which the search has at a contact: to make them anew would hold up every event. They are made
+    anew of theta in each forcing period, so that their rounding errors do not add up.
     """
 
     mode: int
@@ -57,6 +57,7 @@ class State(NamedTuple):
     t_low: Number
     s: Number  # sine and cosine of theta
     c: Number
+    theta_low: Number  # what rounding took from theta
 
 
 class NextEvent(NamedTuple):

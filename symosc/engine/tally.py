@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.extremes import Extremes, flight_extremes, widened
-from symosc.engine.flow import constant_force, derivatives, state_at
+from symosc.engine.flow import clock_time, constant_force, derivatives, state_at
 from symosc.engine.next_event import TWO_PI, later
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
@@ -239,7 +239,7 @@ def leave_tally(i, last, code, left, t0, tally, K):
     if code == REST:
         rest_tally(i, last, left, t0, tally, K)
     else:
-        keep_last(i, last.t + last.t_low, last.x, last.v, tally)
+        keep_last(i, clock_time(last.t, last.t_low, t0, K), last.x, last.v, tally)
         if code == END:
             end_tally(i, last, tally)
 
@@ -252,7 +252,7 @@ def end_tally(i, state, tally):
 
 def rest_tally(i, state, left, t0, tally, K):
     """Finish a motion without any more events, for the time `left`."""
-    n, theta = later(state.n, state.theta, rest_of(left, K), K)
+    n, theta, _ = later(state.n, state.theta, state.theta_low, rest_of(left, K), K)
     whole = (left - rest_of(left, K)) / K.period
     n = n + int(whole + 0.5)
     if tally.asked.extent or tally.asked.stuck:
@@ -263,7 +263,7 @@ def rest_tally(i, state, left, t0, tally, K):
     if state.mode <= ON_BELT:
         turn = theta - state.theta
         x, v = flown(state.x, launch_of(state), left, sin(turn), cos(turn), K)
-    clock = state.t + left, state.t_low, sin(theta), cos(theta)
+    clock = state.t + left, state.t_low, sin(theta), cos(theta), 0.0
     end = State(state.mode, 0, n, theta, x, v, state.Fb, state.Fa, state.S, *clock)
     end_tally(i, end, tally)
     keep_last(i, state.t + left, x, v, tally)
@@ -280,8 +280,8 @@ def rest_stretches(i, state, left, t0, tally, K):
     for _ in range(MOST_REST_STEPS):
         step = left - passed if state.mode > ON_BELT or left - passed < K.chunk else K.chunk
         x, v, F = flown_on(now, step, K)
-        phase = later(0, now.theta, step, K)[1]
-        clock = now.t + step, now.t_low, sin(phase), cos(phase)
+        _, phase, theta_low = later(0, now.theta, now.theta_low, step, K)
+        clock = now.t + step, now.t_low, sin(phase), cos(phase), theta_low
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step

@@ -61,6 +61,11 @@ def two_product(a, b):
     return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
 
 
+def rest_of_product(a, b):
+    """Return what rounding takes from a product of doubles; where other numbers stand for them, 0."""
+    return two_product(a, b)[1]
+
+
 def pair_sum(ah, al, bh, bl):
     """Return a + b for pairs; the error is relative to the result, cancellation or not, when a and b are exact."""
     s, e = two_sum(ah, bh)
@@ -78,9 +83,9 @@ def pair_product(ah, al, bh, bl):
 def pair_quotient(ah, al, bh, bl):
     """Return a/b for pairs."""
     q = ah / bh
-    ph, pl = pair_product(q, 0.0, bh, bl)
-    rh, _ = pair_sum(ah, al, -ph, -pl)
-    return fast_sum(q, rh / bh)
+    p, e = two_product(q, bh)
+    rest = ((ah - p) - e) + (al - q * bl)  # the first difference is exact
+    return fast_sum(q, rest / bh)
 
 
 def pair_root(ah, al):

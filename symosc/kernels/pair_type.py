@@ -1,9 +1,10 @@
-"""Double-double numbers for numba: a type of two doubles whose operators are those of numbers.
+"""Double-double numbers: a class for CPython and a type for numba, whose operators give the same bits.
 
-A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators below are the usual
-ones with fused multiply-add (Joldes, Muller and Popescu, ACM TOMS 44 (2017)), written as LLVM code. Their relative
-errors, in units of 2^-106: sum and difference 3, product 5, quotient 10, square root 4. Without hardware for it LLVM
-calls the C library's fma: slower, with the same results.
+A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators are the usual ones
+(Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by `symosc.kernels.double_double`, those of numba's
+type as LLVM code, where fused multiply-add gives the error of a product that CPython computes by splitting. Their
+relative errors, in units of 2^-106: sum and difference 3, product 5, quotient 10, square root 4. Without hardware for
+it LLVM calls the C library's fma: slower, with the same results.
 
 There is no conversion to float64 or complex128 on purpose: numba would use it to choose a function for doubles. Sums of
 infinities give no number in the low part, and low parts below 1e-308 vanish: relative errors hold above 1e-290.
@@ -36,11 +37,13 @@ from numba.extending import (
     typeof_impl,
 )
 
+from symosc.kernels.double_double import pair_product, pair_quotient, pair_sum
+
 DOUBLE = ir.DoubleType()
 
 
 class Pair:
-    """A constant in the source of compiled functions.
+    """A number, and a constant in the source of compiled functions.
 
     Parameters
     ----------
@@ -56,6 +59,77 @@ class Pair:
 
     def __repr__(self) -> str:
         return f"Pair({self.hi!r}, {self.lo!r})"
+
+    def __complex__(self) -> complex:
+        return complex(self.hi, self.lo)
+
+    def __int__(self) -> int:
+        size = abs(self)
+        high = math.floor(size.hi)
+        below = high + (math.floor(size.lo) if high == size.hi else 0)
+        return -below if self.hi < 0.0 else below
+
+    def __neg__(self) -> Pair:
+        return pair_of(-self.hi, -self.lo)
+
+    def __abs__(self) -> Pair:
+        return -self if self.hi < 0.0 or (self.hi == 0.0 and self.lo < 0.0) else self
+
+    def __add__(self, other: Any) -> Pair:
+        return pair_of(*pair_sum(self.hi, self.lo, *_parts_of(other)))
+
+    def __sub__(self, other: Any) -> Pair:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Pair:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Pair:
+        return pair_of(*pair_product(self.hi, self.lo, *_parts_of(other)))
+
+    def __truediv__(self, other: Any) -> Pair:
+        return pair_of(*pair_quotient(self.hi, self.lo, *_parts_of(other)))
+
+    def __rtruediv__(self, other: Any) -> Pair:
+        return pair_of(*pair_quotient(*_parts_of(other), self.hi, self.lo))
+
+    def __pow__(self, other: Any) -> Pair:
+        return pair_of(self.hi ** _parts_of(other)[0], 0.0)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __lt__(self, other: Any) -> bool:
+        hi, lo = _parts_of(other)
+        return self.hi < hi or (self.hi == hi and self.lo < lo)
+
+    def __le__(self, other: Any) -> bool:
+        hi, lo = _parts_of(other)
+        return self.hi < hi or (self.hi == hi and self.lo <= lo)
+
+    def __gt__(self, other: Any) -> bool:
+        hi, lo = _parts_of(other)
+        return self.hi > hi or (self.hi == hi and self.lo > lo)
+
+    def __ge__(self, other: Any) -> bool:
+        hi, lo = _parts_of(other)
+        return self.hi > hi or (self.hi == hi and self.lo >= lo)
+
+    def __eq__(self, other: Any) -> bool:
+        hi, lo = _parts_of(other)
+        return self.hi == hi and self.lo == lo
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def pair_of(hi: float, lo: float) -> Pair:
+    """Return the pair hi + lo of two floats, which must not overlap: what `pair` does in compiled code."""
+    made = Pair.__new__(Pair)
+    made.hi, made.lo = hi, lo
+    return made
+
+
+def _parts_of(value: Any) -> tuple[float, float]:
+    return (value.hi, value.lo) if type(value) is Pair else (float(value), 0.0)
 
 
 class PairType(types.Type):
@@ -143,14 +217,13 @@ def _difference(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
 def _product(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
     p = b.fmul(xh, yh)
     e = _fma(b, xh, yh, b.fneg(p))
-    return _fast_sum(b, p, b.fadd(e, _fma(b, xh, yl, b.fmul(xl, yh))))
+    return _fast_sum(b, p, b.fadd(e, b.fadd(b.fmul(xh, yl), b.fmul(xl, yh))))
 
 
 def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
     q = b.fdiv(xh, yh)
-    minus_q = b.fneg(q)
-    rest = _fma(b, minus_q, yh, xh)  # exact
-    rest = b.fadd(rest, _fma(b, minus_q, yl, xl))
+    rest = _fma(b, b.fneg(q), yh, xh)  # exact
+    rest = b.fadd(rest, b.fsub(xl, b.fmul(q, yl)))
     return _fast_sum(b, q, b.fdiv(rest, yh))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from time import process_time
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,31 +21,21 @@ from symosc.errors import MissingExtraError, ParameterError
 # Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
 # A little more than a power of 2: else all columns would have the same places in the processor's cache.
 CAPACITY = (1 << 18) + 72
-# Events after which the interpreted loop looks at the clock.
+# Events after which the interpreted loop asks whether to go on.
 TURN = 2048
 
 
-class Patience:
-    """How long a program goes on without a compiler: as long as compiling would take, all its calls together.
+@dataclass
+class InterpretBudget:
+    """How many events a program still interprets before it compiles a loop: as many as take about as long as that.
 
-    Attributes
-    ----------
-    left : float
-        Seconds of processor time.
+    Interpreted and compiled loops give the same bits: only the time depends on it.
     """
 
-    def __init__(self, left: float) -> None:
-        self.left = left
-
-    @contextmanager
-    def used(self) -> Iterator[None]:
-        """Count the time that is spent inside."""
-        since = process_time()
-        yield
-        self.left -= process_time() - since
+    events: int
 
 
-DOUBLES, PAIRS = Patience(15.0), Patience(30.0)
+DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
 
 Follow = Callable[[int, Batch, int, float, EventRows, Tally, np.ndarray], tuple[int, int]]
 
@@ -84,9 +74,7 @@ def _settle(tally: Tally, sets: np.ndarray, table: np.ndarray, sections: np.ndar
 
 
 class PatientLoop:
-    """The event loop, interpreted until it has taken as long as compiling would take, and compiled from then on.
-
-    Both give the same numbers. A batch that needs less than that is done before a compiler would be.
+    """The event loop, interpreted until DOUBLES is spent, unless it was compiled before; compiled from then on.
 
     Parameters
     ----------
@@ -101,11 +89,12 @@ class PatientLoop:
         self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
     ) -> tuple[int, int]:
         """Do what `symosc.engine.compiled_loop.follow_all` does, perhaps in turns of fewer rows."""
-        if DOUBLES.left <= 0 or is_compiled(self._compiled):
+        if DOUBLES.events <= 0 or is_compiled(self._compiled):
             return self._compiled(begin, batch, most, accuracy, out, tally, table)
         one, some = Batch(*(column[: begin + 1] for column in batch)), rows_between(out, 0, TURN)
-        with DOUBLES.used():
-            return interpreted(begin, one, most, accuracy, some, tally, table)
+        begin, filled = interpreted(begin, one, most, accuracy, some, tally, table)
+        DOUBLES.events -= max(filled, 1)
+        return begin, filled
 
 
 def chosen_loops(use_numba: Any) -> Loops:

@@ -102,7 +102,7 @@ def summary_part(
 
 def ended(steps: Ladder, patrol: Patrol) -> tuple[list[str], dict[int, Trajectory]]:
     """Return the statuses of a chunk's motions, and those that were followed one by one, by number."""
-    batch, looks = steps.batch, dict(steps.looks)
+    batch, looks = steps.batch, dict[int, Trajectory]()
     codes, counts, periods = batch.codes, batch.counts, batch.states[:, 2]
     status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
     # Motions without a drive may have come to rest.
@@ -113,9 +113,7 @@ def ended(steps: Ladder, patrol: Patrol) -> tuple[list[str], dict[int, Trajector
     for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
         check_reached(steps.problem(i), int(periods[i]))
     for i in np.flatnonzero(is_doubtful(codes)).tolist():
-        if i not in looks:
-            patrol.check()
-            looks[i] = in_doubles(steps.problem(i), *steps.limits)
-    for i, trajectory in looks.items():
-        status[i] = trajectory.status
+        patrol.check()
+        looks[i] = in_doubles(steps.problem(i), *steps.limits)
+        status[i] = looks[i].status
     return status, looks

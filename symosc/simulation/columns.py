@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from symosc.errors import ParameterError
-from symosc.exact import LARGEST, read_exact
+from symosc.exact import LARGEST, read_exact, unmasked
 from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS
 from symosc.kernels.pair_columns import PairColumn
@@ -152,12 +152,38 @@ def _is_single(given: Any) -> bool:
     return isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Sized)
 
 
-def as_given(value: Any) -> Any:
-    """Return a column of pandas or xarray, or an array without dimensions, as numpy has it."""
+def as_given(name: str, value: Any) -> Any:
+    """Return a column of pandas or xarray, or an array without dimensions, as numpy has it; masked ones are refused."""
+    unmasked(name, value)
     if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
         array = np.asarray(value)
         return array[()] if array.ndim == 0 else array
     return value
+
+
+def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
+    """Return columns that have names in the order of `wanted`: of a mapping, a table, a row of one, or a record array.
+
+    Without names, as pandas' tables have where only positions were given, it is returned as it is.
+
+    Raises
+    ------
+    ParameterError
+        If the names are others.
+    """
+    names = getattr(getattr(given, "dtype", None), "names", None)
+    if isinstance(given, Mapping):
+        names = list(given)
+    elif names is None and hasattr(given, "__getitem__"):
+        labels = getattr(given, "columns", getattr(given, "index", None))  # a list has a method of this name
+        names = None if labels is None or callable(labels) else list(labels)
+        names = names if names and any(isinstance(each, str) for each in names) else None
+    if names is None:
+        return given
+    if sorted(map(str, names)) != sorted(wanted):
+        said = f"must have the names {', '.join(wanted[:-1])} and {wanted[-1]}, and no other"
+        raise ParameterError(name, [str(each) for each in names], said)
+    return {each: given[each] for each in wanted}
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

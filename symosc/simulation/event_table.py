@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.compiled_loop import FLOAT_COLUMNS, INT_COLUMNS, EventRows, room_for
@@ -88,6 +89,7 @@ class EventTable(Drawable):
         """Modes after the events."""
         return _names(MODE_NAMES)[self.target_code]
 
+    @public
     def __getitem__(self, trajectory: int) -> EventTable:
         """Return the events of one trajectory, as a table of it alone."""
         number = range(len(self.status))[trajectory]

@@ -1,4 +1,4 @@
-"""Many motions beyond doubles: those in doubt are followed in double-double numbers, which numba compiles.
+"""Many motions beyond doubles: those in doubt are followed in double-double numbers where numba is installed.
 
 The rule is that of `symosc.simulation.simulate.in_doubles`: up to an event that doubles leave open, or do not know well
 enough, the motion is followed with more digits from its exact start, and doubles go on from there. Here that is done
@@ -7,9 +7,10 @@ for all such motions of a parameter set in turns, double-double numbers for all,
 from one of doubles.
 
 Double-double numbers let doubles search for the events, and go on where doubles would soon be in doubt again
-(`symosc.engine.pair_loop`). What they leave open, too, is left to single motions with more digits. So the results are
-those of `simulate`, to the last bit: rounded to doubles, numbers of 30 and of 36 digits are the same unless the former
-are in doubt (`symosc.engine.rounding`).
+(`symosc.engine.pair_loop`). What they leave open, too, is left to single motions with more digits. So which arithmetic
+follows a motion depends on the motion alone. Whether the loop of pairs is compiled or interpreted makes no difference
+to the numbers. Events are those of `simulate`: rounded to doubles, numbers of 30 and of 36 digits are the same unless
+the former are in doubt (`symosc.engine.rounding`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from math import isinf
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,18 +29,22 @@ from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING
 from symosc.engine.tally import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import CAPACITY, PAIRS, Course, Loops, followed, joined
+from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
 from symosc.simulation.problems import FEW, Problems
 from symosc.simulation.run import last_time
-from symosc.simulation.simulate import attainable, in_doubles
-from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.simulate import attainable
 from symosc.simulation.workers import Patrol
+
+if TYPE_CHECKING:  # it needs numba
+    from symosc.engine.pairs import PairLoops
 
 # Digits between a start and a belt, or of its error, that double-double numbers have to spare; and a gap of fewer.
 PAIR_SPARE = 8
 FAR_OFF = 2e-8
 # Events that a motion is followed farther at once, at most, if doubles would leave it open again.
 MOST_MORE = 64
+# Motions that are followed in interpreted pairs until it is asked again whether to compile.
+TOGETHER = 8
 
 
 class Limits(NamedTuple):
@@ -73,7 +78,7 @@ class Ladder:
     rows : slice
         Which of them; here they are numbered from 0.
     loops : Loops
-        Without the compiled ones there are no double-double numbers either.
+        Without numba there are no double-double numbers either.
     limits : Limits
     room : EventRows
         Used while the motions are followed.
@@ -90,8 +95,6 @@ class Ladder:
         Events in order of motion and time, as doubles have them.
     climbed : dict
         The events of motions that were followed in double-double numbers, by number.
-    looks : dict
-        Motions that were followed alone, by number.
     """
 
     def __init__(
@@ -115,12 +118,11 @@ class Ladder:
         self._into = Course(room, self.tally, limits.most, needed, table)
         self._keep, self._starts = keep, self.batch.states.copy() if keep else self.batch.states
         self.rows = list(self._in_doubles(self.batch, self.tally))
-        self.looks, self.climbed = dict[int, Trajectory](), dict[int, EventRows]()
+        self.climbed = dict[int, EventRows]()
         in_doubt = np.flatnonzero(is_doubtful(self.batch.codes)).tolist()
         self._begin_again(in_doubt)
         if in_doubt and loops.in_threads:
-            self.looks = looks_before_compiling(in_doubt, self.problem, limits)
-            self._climb(self._fitting([i for i in in_doubt if i not in self.looks], begun_at), begun_at)
+            self._climb(self._fitting(in_doubt, begun_at), begun_at)
         self._begin_again(np.flatnonzero(is_doubtful(self.batch.codes)).tolist())
 
     def problem(self, i: int) -> Start:
@@ -169,11 +171,11 @@ class Ladder:
 
     def _pairs(self, parameters: Parameters, members: list[int], at: np.ndarray) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
-        from symosc.engine.pairs import ROUNDED_FROM, as_complex, pair_constants, pair_loops, pair_phase
+        from symosc.engine.pairs import ROUNDED_FROM, as_complex, pair_constants, pair_phase
 
         numbers, times = self._first + np.array(members, np.int64), self.batch.states[members, 13:15]
         pairs = self._problems.pair_rows(numbers, at, times, partial(pair_phase, parameters))
-        pair_loops().first_pairs(pairs, pair_constants(parameters))
+        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         for i in np.flatnonzero(pairs[:, 0] == 0.0).tolist():
             start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
             pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
@@ -234,19 +236,24 @@ def climb(
     go_on : callable
         Goes on in doubles with a batch and its tallies, which it updates, and yields the rows of its events.
     """
-    from symosc.engine.pairs import Going, pair_constants, pair_loops
+    from symosc.engine.pairs import Going, compiled_pairs, pair_constants
 
-    doubles, tally, follow, K = below.batch, below.tally, pair_loops().follow_pairs, pair_constants(parameters)
+    doubles, tally, K = below.batch, below.tally, pair_constants(parameters)
     batch, rows = batch_of(doubles.states.copy(), doubles.sets), list[EventRows]()
     wanted = doubles.counts + (doubles.codes == IN_DOUBT)
-    active, tables = np.arange(len(pairs)), (below.table, sure(below.table))
-    while len(active):
-        more = min(MOST_MORE, CAPACITY // len(active))
-        room = room_for(0 if len(tally.floats) else int((wanted - batch.counts + more)[active].sum()))
-        going = Going(limits.most, limits.accuracy, more, *tables)
-        filled = follow(active, wanted, pairs, batch, room, K, tally, going)
-        filled = min(filled, room.floats.shape[1])
-        rows.append(rows_between(room, 0, filled))
+    waiting, going = (
+        np.arange(len(pairs)),
+        Going(limits.most, limits.accuracy, MOST_MORE, below.table, sure(below.table)),
+    )
+    while len(waiting):
+        events = wanted - batch.counts
+        loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
+        together = len(waiting) if loops is compiled_pairs() else TOGETHER
+        active, waiting = waiting[:together], waiting[together:]
+        room = room_for(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
+        filled = loops.follow_pairs(active, wanted, pairs, batch, room, K, tally, going)
+        PAIRS.events -= filled
+        rows.append(rows_between(room, 0, min(filled, room.floats.shape[1])))
         active = active[batch.codes[active] == RUNNING]
         if len(active):
             further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
@@ -260,7 +267,7 @@ def climb(
             for column, own in zip(batch, further, strict=True):
                 column[done] = own[~doubtful]
             put_back(tally, done, some_of(counted, ~doubtful))
-            active = active[doubtful]
+            waiting = np.concatenate([waiting, active[doubtful]])
     return Climb(batch, rows)
 
 
@@ -272,18 +279,8 @@ def sure(table: np.ndarray) -> np.ndarray:
     return table
 
 
-def looks_before_compiling(
-    open_ones: Sequence[int], problem: Callable[[int], Start], limits: Limits
-) -> dict[int, Trajectory]:
-    """Follow motions one by one for as long as it would take to compile, unless that was done before."""
-    from symosc.engine.pairs import is_compiled
+def pair_loops(events: int) -> PairLoops:
+    """Return the loops of double-double numbers for so many events: compiled, unless so few can be interpreted."""
+    from symosc.engine.pairs import compiled_pairs, interpreted_pairs, is_compiled
 
-    looks: dict[int, Trajectory] = {}
-    if is_compiled():
-        return looks
-    for i in open_ones:
-        if PAIRS.left <= 0:
-            break
-        with PAIRS.used():
-            looks[i] = in_doubles(problem(i), *limits)
-    return looks
+    return compiled_pairs() if events > PAIRS.events or is_compiled() else interpreted_pairs()

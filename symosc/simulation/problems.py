@@ -21,7 +21,7 @@ from symosc.exact import SMALLEST, read_exact, show
 from symosc.kernels.double_double import TWO_PI_PAIR
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.simulation.columns import NumberColumn, as_given, same
+from symosc.simulation.columns import NumberColumn, as_given, named, same
 from symosc.simulation.run import MOST_PERIODS, last_time
 
 START_COLUMNS = ("t0", "x0", "v0")
@@ -72,7 +72,7 @@ class ParameterSets:
         for name in PARAMETER_NAMES:
             if name not in given:
                 raise ParameterError("parameters", dict(given), f"{name} is missing")
-        columns = self.columns = {name: NumberColumn(name, as_given(given[name])) for name in PARAMETER_NAMES}
+        columns = self.columns = {name: NumberColumn(name, as_given(name, given[name])) for name in PARAMETER_NAMES}
         self.count = common_length({name: len(column) for name, column in columns.items()})
         low, high = columns["v1"], columns["v2"]
         wrong = {name: columns[name].hi < 0.0 for name in ("c", "k", "mu1", "mu2", "FN")}
@@ -270,13 +270,11 @@ def _of(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
     """Return t0, x0 and v0."""
+    starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
-        for name in (*starts, *START_COLUMNS):
-            if name not in starts or name not in START_COLUMNS:
-                raise ParameterError("starts", starts, "a mapping must have the names t0, x0 and v0, and no other")
-        columns = [as_given(starts[name]) for name in START_COLUMNS]
+        columns = [as_given(name, starts[name]) for name in START_COLUMNS]
     else:
-        rows = as_given(starts)
+        rows = as_given("starts", starts)
         if not isinstance(rows, np.ndarray):
             rows = np.asarray(starts, dtype=object)
         rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
@@ -290,7 +288,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
 
 def _one_row(name: str, given: Any) -> Any:
     """Return a column; one of a single row is its number."""
-    column = as_given(given)
+    column = as_given(name, given)
     if not isinstance(column, np.ndarray) and isinstance(column, Sequence) and not isinstance(column, (str, bytes)):
         column = np.asarray(column, dtype=object)
     if not isinstance(column, np.ndarray):

@@ -16,22 +16,14 @@ from symosc.engine.state import CROSS, END, FAILED, GRAZE, ON_BELT, REST, SLIP, 
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.model import MODE_NAMES
-from symosc.simulation.search import Search, search_in_doubles
+from symosc.simulation.search import MOST_PERIODS, Search, last_time, search_in_doubles
 from symosc.simulation.trajectory import Event, Piece
 
 EVENT_KINDS = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
-# A motion is searched period by period: more than this many would take hours.
-MOST_PERIODS = 10**8
 # What doubles found is kept for so many steps.
 MOST_SEARCHES = 256
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
-
-
-def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
-    """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
-    periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
-    return arithmetic.time(min(start.t_end, start.t0 + periods))
 
 
 def check_reached(start: Start, periods: int) -> None:
@@ -50,8 +42,7 @@ def _search_beside_digits(start: Start) -> Search | None:
     if start.start_error:  # that is no rounding
         return None
     try:
-        doubles = Arithmetic(start.parameters)
-        return search_in_doubles(last_time(start, doubles), doubles.K)
+        return search_in_doubles(start, Arithmetic(start.parameters).K)
     except (ArithmeticError, ValueError):  # out of the range of doubles
         return None
 
@@ -97,7 +88,7 @@ class Path:
         self._end = paths.inward(last_time(start, self.arithmetic))
         self._in_digits, self._search = digits, None
         if not digits:
-            self._search = search_in_doubles(self._end, self.K)
+            self._search = search_in_doubles(start, self.K)
         elif paths.advance_near:
             self._search = _search_beside_digits(start)
         self.searches: deque[Searched] = deque()
@@ -177,14 +168,15 @@ class Path:
                 return known
         if self._search is not None:
             try:
-                rough = rounded(state)
+                rough = rounded(state, self.start)
                 return rough, self._search(rough)
             except (ArithmeticError, ValueError):  # out of the range of doubles
                 self._search = None
         return None
 
     def _elapsed(self) -> Number:
-        return (self._state.t - self._t0) + (self._state.t_low - self._t0_low)
+        since = self._state.t - self._t0
+        return since + ((self._state.t_low - self._t0_low) + since * self.K.Om_gain)
 
     def adopt(self, other: Path) -> None:
         """Continue from where a path with more digits is, and take over what it knows better."""
@@ -202,13 +194,13 @@ class Path:
     def believe(self) -> None:
         """Take the path in doubles as it is: decisions exceed their own rounding only, not the errors of the state."""
         self.K = self.K._replace(sigmas=0.0)
-        self._search = search_in_doubles(self._end, self.K)
+        self._search = search_in_doubles(self.start, self.K)
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
         before = self._paths.enter()
         try:
-            return rounded(self._state)
+            return rounded(self._state, self.start)
         finally:
             self._paths.leave(before)
 

@@ -13,7 +13,8 @@ from fractions import Fraction
 from math import inf, isinf
 from typing import Any
 
-from symosc.aliases import Number
+from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
+from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
@@ -34,18 +35,19 @@ MOST_EXACT_EVENTS = 20_000
 MOST_WORKING = 12
 
 
+@public
 def simulate(
-    scene: Scene | Parameters | str,
+    scene: Scene | Parameters | SceneName,
     *,
-    t0: Any = None,
-    x0: Any = None,
-    v0: Any = None,
-    t_end: Any = None,
+    t0: NumberLike | None = None,
+    x0: NumberLike | None = None,
+    v0: NumberLike | None = None,
+    t_end: NumberLike | None = None,
     max_events: int | None = None,
     digits: int | None = None,
-    accuracy: float | None = None,
-    start_error: Any = None,
-    progress: Any = False,
+    accuracy: NumberLike | None = None,
+    start_error: StartError | None = None,
+    progress: Progress = False,
 ) -> Trajectory:
     """Follow the motion from a start to t_end, event by event, exactly.
 
@@ -108,17 +110,15 @@ def _followed(start: Start, max_events: int | None, digits: int | None, accuracy
         return _with_digits(start, most, digits, advance)
 
 
-def _read_start(scene: Scene | Parameters | str, given: dict[str, Any], start_error: Any) -> Start:
-    if isinstance(scene, str):
+def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
+    if not isinstance(scene, Scene | Parameters):
         scene = load_scene(scene)
     if isinstance(scene, Scene):
         scene = scene.started({name: value for name, value in given.items() if value is not None})
         parameters, given = scene.parameters, {name: getattr(scene, name) for name in given}
         start_error = scene.start_error if start_error is None else start_error
-    elif isinstance(scene, Parameters):
-        parameters = scene
     else:
-        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+        parameters = scene
     for name, value in given.items():
         if value is None:
             raise ParameterError(name, value, "is needed with parameters")

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine import tally as kept
@@ -19,7 +20,7 @@ from symosc.engine.settled import LONGEST_REPEAT
 from symosc.engine.state import MOVED, ON_BELT, REST, RUNNING, Covariance, NextEvent, State
 from symosc.engine.tally import LEAST_RING, Kept, Tally, leave_tally, tally_step
 from symosc.errors import ParameterError
-from symosc.exact import whole_number
+from symosc.exact import unmasked, whole_number
 from symosc.model import MODE_NAMES
 from symosc.simulation.columns import NumberColumn, as_given
 from symosc.simulation.event_table import counted, statuses
@@ -92,9 +93,11 @@ class Summary(Drawable):
     def __len__(self) -> int:
         return max(map(len, self.columns().values()), default=0)
 
-    def __getitem__(self, motion: Any) -> Any:
+    @public
+    def __getitem__(self, motion: int | slice | Sequence[bool | int]) -> Any:
         """Return the row of one motion as a dictionary, or another summary of some of them."""
         columns = self.columns()
+        unmasked("motion", motion)
         if isinstance(motion, (int, np.integer)) and not isinstance(motion, bool):
             return {name: column[motion] for name, column in columns.items()}
         return Summary(**{name: column[motion] for name, column in columns.items()})
@@ -142,20 +145,19 @@ class Summary(Drawable):
 #: Columns of a summary, and those that have to be looked for inside flights.
 SUMMARY_COLUMNS = tuple(field.name for field in fields(Summary))
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
+#: Sections that are kept of a motion, 64 bytes each.
+MOST_SECTIONS = 100_000
 #: Where a tally has them, and the last state.
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 
 
 def read_names(record: Any) -> tuple[str, ...]:
     """Return the columns that are asked for, in order: all for "summary", or some by name."""
-    if record == "events" or isinstance(record, str):
+    if isinstance(record, str):
         names = SUMMARY_COLUMNS if record in ("events", "summary") else (record,)
     else:
-        try:
-            names = tuple(record)
-        except TypeError:
-            names = (record,)
-    for name in names:
+        names = tuple(record)
+    for name in names or ("",):
         if name not in SUMMARY_COLUMNS:
             allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
             raise ParameterError("record", name, allowed)
@@ -176,8 +178,8 @@ class Question:
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
         self.names = read_names(record)
-        self.sections = whole_number("sections", sections, 0)
-        column = NumberColumn("skip", as_given(skip))
+        self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
+        column = NumberColumn("skip", as_given("skip", skip))
         if len(column) not in (1, len(problems)):
             raise ParameterError("skip", len(column), f"must have 1 or {len(problems)} entries, as the motions")
         self.skip = np.broadcast_to(column.hi, len(problems))
@@ -201,7 +203,7 @@ class Question:
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> State:
     """Count a motion that was followed alone, from the pieces and events of its trajectory; return its last state."""
-    K, t0 = ConstantRows(table)[set_], float(trajectory.t_start)
+    K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states = [_state(piece) for piece in trajectory._pieces]
     codes = {name: code for code, name in EVENT_KINDS.items()}
     events, number, last = trajectory.events, 0, states[0]
@@ -224,7 +226,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
 def _state(piece: Any) -> State:
     zero = Covariance(0.0, 0.0, 0.0)
     at = piece.mode - ON_BELT if piece.mode > ON_BELT else 0
-    clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta)
+    clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta), 0.0
     return State(piece.mode, at, piece.n, piece.theta, piece.x, piece.v, piece.a, piece.a, zero, *clock)
 
 

@@ -13,15 +13,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symosc.aliases import Record
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, whole_number
+from symosc.exact import read_exact, unmasked, whole_number
 from symosc.files import write_text
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
@@ -179,7 +181,8 @@ class Trajectory(Drawable):
         """Mapping labels in order of time."""
         return [segment.label for segment in self.segments if segment.label]
 
-    def __call__(self, t: Any) -> np.ndarray:
+    @public
+    def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at the times `t` (unit of time of the parameters).
 
         Raises
@@ -193,13 +196,15 @@ class Trajectory(Drawable):
         states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
-    def mode(self, t: Any) -> Any:
+    @public
+    def mode(self, t: ArrayLike) -> Any:
         """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
         times = _read_times(t)
         names = [MODE_NAMES[self._piece(time)[0].mode] for time in times.ravel()]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
-    def force(self, alpha: int, t: Any) -> Any:
+    @public
+    def force(self, alpha: int, t: ArrayLike) -> Any:
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
         times, K = _read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
@@ -323,6 +328,7 @@ class Trajectory(Drawable):
 
 def _read_times(t: Any) -> np.ndarray:
     """Return times as floats, in the shape that they are given in."""
+    unmasked("t", t)
     try:
         given = np.asarray(t)
     except ValueError:  # rows of several lengths

@@ -36,7 +36,7 @@ def warm() -> list[Warmed]:
         If numba is not installed.
     """
     loops = chosen_loops(True)
-    from symosc.engine.pairs import Going, pair_constants, pair_loops
+    from symosc.engine.pairs import Going, compiled_pairs, pair_constants
     from symosc.engine.pairs import is_compiled as pairs_are_there
 
     scene, nothing = load_scene("fig8"), np.arange(0)
@@ -60,7 +60,7 @@ def warm() -> list[Warmed]:
         states = np.zeros((0, STATE_WIDTH))
         batch, table = batch_of(states), table_of([Arithmetic(p).K])
         K, room = pair_constants(p), room_for(0)
-        begin, follow = pair_loops()
+        begin, follow = compiled_pairs()
         begin(states.astype(complex), K)
         follow(nothing, nothing, states.astype(complex), batch, room, K, no_tally(), Going(1, 1.0, 0, table, table))
 

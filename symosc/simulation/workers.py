@@ -17,9 +17,6 @@ from symosc.exact import whole_number
 Result = TypeVar("Result")
 Room = TypeVar("Room")
 
-#: Called in the caller's thread with the number of motions that are done, and of all.
-Progress = Callable[[int, int], object]
-
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
 MOST_IN_CHUNK = 1024
 CHUNKS_PER_WORKER = 6
@@ -59,7 +56,7 @@ def in_chunks(
     work: Callable[[slice, Room, Patrol], Result],
     room: Callable[[], Room],
     workers: int,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> list[Result]:
     """Return the results of all chunks, in order.
 
@@ -78,7 +75,8 @@ def in_chunks(
     An interrupt, or an error of any chunk, ends all of them at their next `Patrol.check`, and is raised.
     """
     size = max(1, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
-    chunks = [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    # No motions are a chunk too: it has the columns, each without an entry.
+    chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
     workers = min(workers, len(chunks))
     patrol, done, results = Patrol(), 0, dict[int, Result]()
     if workers <= 1:

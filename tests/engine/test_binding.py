@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import errno
 import importlib
 import inspect
 import math
@@ -10,7 +11,7 @@ import os
 import subprocess
 import sys
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +22,7 @@ from symosc import load_scene
 from symosc.engine import binding
 from symosc.engine.arithmetic import SOURCES, MpArithmetic
 from symosc.engine.binding import bind, compiled, functions_of, version
+from symosc.errors import CodeCacheWarning
 
 pytest.importorskip("numba")
 
@@ -125,6 +127,99 @@ def test_the_disk_cache_is_used_and_notices_what_is_called(tmp_path: Path) -> No
     (tmp_path / "callee.py").write_text(CALLEE.replace("+ 1", "+ 5"))
     os.utime(tmp_path / "callee.py", (1e9, 1e9))
     assert run() == "(False, False) (6, 0) (6, 0)"
+
+
+@pytest.fixture
+def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], Any]]:
+    """Return what compiles a function as a new program would, with the cache folder in `tmp_path`."""
+    import numba
+
+    from symosc.engine import code_cache
+
+    (tmp_path / "tiny.py").write_text("def twice(x): return 2 * x\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+
+    def made() -> Any:
+        monkeypatch.setattr(code_cache, "_said", set())
+        return compiled((importlib.import_module("tiny"),))["twice"]
+
+    yield made
+    sys.modules.pop("tiny", None)
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "garbage": lambda content: b"garbage",
+    "flipped early": lambda content: content[:9] + bytes([content[9] ^ 1]) + content[10:],
+    "flipped late": lambda content: content[:-40] + bytes([content[-40] ^ 16]) + content[-39:],
+}
+
+
+@pytest.mark.parametrize("kind", ["*.nbi", "*.nbc"])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_compiled_code_is_compiled_anew(
+    tiny: Callable[[], Any], kind: str, damage: str, tmp_path: Path
+) -> None:
+    """Nor is changed machine code ever run."""
+    assert tiny()(3) == 6
+    (path,) = (tmp_path / "cache").rglob(kind)
+    path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    function = tiny()
+    with pytest.warns(CodeCacheWarning, match="is damaged") as said:
+        assert function(4) == 8
+    assert len(said) == 1
+    again = tiny()
+    assert again(5) == 10
+    assert sum(again.stats.cache_hits.values()) == 1
+
+
+def test_without_a_folder_for_compiled_code_there_is_one_warning(
+    tiny: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files in place of folders: the administrator too can write nothing there."""
+    for name in ("cache", "home", "__pycache__"):
+        (tmp_path / name).write_text("")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    functions = [tiny(), compiled((sys.modules["tiny"],))["twice"]]
+    assert not any(map(binding.is_compiled, functions))
+    with pytest.warns(CodeCacheWarning, match="cannot be kept.*NUMBA_CACHE_DIR") as said:
+        assert [function(3) for function in functions] == [6, 6]
+    assert len(said) == 1
+
+
+def test_what_the_administrator_has_compiled_is_used_in_a_folder_that_cannot_be_written(
+    tiny: Callable[[], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import numba
+    from numba.core.caching import UserProvidedCacheLocator
+
+    def read_only(*_: Any) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    assert tiny()(3) == 6
+    monkeypatch.setattr(UserProvidedCacheLocator.__mro__[2], "ensure_cache_path", read_only)
+    function = tiny()
+    assert binding.is_compiled(function)
+    assert function(4) == 8
+    assert sum(function.stats.cache_hits.values()) == 1
+    with pytest.warns(CodeCacheWarning, match="Read-only"):
+        assert function(4.5) == 9.0
+
+
+def test_a_folder_that_becomes_full_is_said(tiny: Callable[[], Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    from numba.core.caching import IndexDataCacheFile
+
+    def full(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_data", full)
+    with pytest.warns(CodeCacheWarning, match="No space left"):
+        assert tiny()(3) == 6
 
 
 def module_of(name: str, source: str) -> types.ModuleType:

@@ -47,7 +47,7 @@ from symosc.kernels.entire import EPS
 def drawn(rng: random.Random) -> State:
     numbers = [rng.uniform(-9, 9) for _ in range(5)]
     S = Covariance(*(rng.uniform(0, 1e-9) for _ in range(3)))
-    clock = rng.uniform(0, 99), 1e-15, rng.uniform(-1, 1), rng.uniform(-1, 1)
+    clock = rng.uniform(0, 99), 1e-15, rng.uniform(-1, 1), rng.uniform(-1, 1), 1e-17
     return State(rng.randint(1, 5), rng.randint(0, 2), rng.randint(0, 99), *numbers, S, *clock)
 
 
@@ -57,7 +57,7 @@ def test_a_row_is_its_state() -> None:
     states = [drawn(rng) for _ in range(5)]
     for i, state in enumerate(states):
         rows[i] = row_of(state, 123.0, 1e-14)
-        assert rows[i, 13:].tolist() == [123.0, 1e-14, state.t, state.s, state.c]
+        assert rows[i, 13:].tolist() == [123.0, 1e-14, state.t, state.s, state.c, state.theta_low]
     assert [state_of(rows, i) for i in range(5)] == states
     others = [drawn(rng) for _ in range(5)]
     ends = rows[:, 13:16].copy()

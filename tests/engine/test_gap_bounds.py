@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from agreement import BASE
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_constants import constants_of
 from touches import tenths
@@ -189,7 +189,7 @@ def test_a_step_past_a_belt_may_have_met_a_touch(
 
 @pytest.mark.slow
 @given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=300)
 def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:
     values = np.polyval(p[::-1], np.linspace(0, s, 200))
     if positive_on(s, *p):
@@ -201,7 +201,7 @@ def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[flo
 
 @pytest.mark.slow
 @given(st.floats(1e-6, 5), st.tuples(*[COEFFICIENTS] * 3), st.floats(0.01, 5))
-@settings(derandomize=True, deadline=None, max_examples=500)
+@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=500)
 def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float, ...], p4: float) -> None:
     p = (p0, *middle, -p4)
     step, root = safe_step(10.0, *p)

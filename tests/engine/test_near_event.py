@@ -50,7 +50,7 @@ def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Path, Any, An
     path = Path(start, arithmetic)
     end = run.last_time(start, doubles)
     for _ in range(most):
-        rough = rounded(path.state)
+        rough = rounded(path.state, start)
         yield path, path._state, path._end, rough, doubles.paths.advance(rough, *end, doubles.K)
         path.step()
         if path.ended:

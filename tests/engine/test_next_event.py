@@ -194,7 +194,7 @@ def test_errors_travel_through_events_as_pushed_starts_do() -> None:
 
 def state_in(mode: int, v: float, a: float, p: Parameters = BASE) -> tuple[State, Constants]:
     """Return a state between the belts, and constants."""
-    phase = sin(1.0), cos(1.0)
+    phase = sin(1.0), cos(1.0), 0.0
     return State(mode, 0, 0, 1.0, 0.0, v, a, a, Covariance(0.0, 0.0, 0.0), 0.0, 0.0, *phase), Arithmetic(p).K
 
 
@@ -270,7 +270,7 @@ def test_a_crossing_that_is_none_is_moved_to_the_touch_behind(mode: int) -> None
         x, v, theta, t = rng.uniform(-3, 3), rng.uniform(-2, 2), rng.uniform(0, 6), rng.uniform(0, 50)
         S, tau = Covariance(1e-20, 0.0, 4e-20), rng.uniform(0.1, 2)
         left = tau + rng.choice([1.0, 0.25 * abs(F / G1)])
-        there = State(mode, 2, 3, theta, x, v, F, F, S, t, 1e-18, sin(theta), cos(theta))
+        there = State(mode, 2, 3, theta, x, v, F, F, S, t, 1e-18, sin(theta), cos(theta), 0.0)
         found = next_event.touch_belt(there, G1, 0.5, 0.25, 1e-12, tau, left, K)
         shift = min(-F / G1, left - tau) if F * G1 < 0 else 0.0
         now = found.state
@@ -292,7 +292,7 @@ def test_sine_and_cosine_are_made_anew_in_each_period_that_ends_in_a_stick() -> 
         rng = random.Random(seed)
         p = BASE.replace(Omega=tenths(rng, 3, 40), B0=tenths(rng, 10, 90), FN=tenths(rng, 20, 90))
         K = Arithmetic(p).K
-        off = sin(6.2) * (1 + 1e-12), cos(6.2) * (1 - 1e-12)
+        off = sin(6.2) * (1 + 1e-12), cos(6.2) * (1 - 1e-12), 0.0
         held = State(5, 2, 0, 6.2, 0.1, K.belt2.v, 1.0, -1.0, Covariance(0.0, 0.0, 0.0), 0.0, 0.0, *off)
         found = next_event.advance(held, 1e3, 0.0, K)
         if found.code == next_event.SLIP and found.state.n == 1:

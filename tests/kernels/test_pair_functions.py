@@ -13,11 +13,12 @@ from typing import Any
 import pytest
 from samples import sample_of
 
+from symosc.engine.binding import bind
 from symosc.kernels.multiprecision import mp_context
 
 numba = pytest.importorskip("numba")
 pair_type = pytest.importorskip("symosc.kernels.pair_type")
-pytest.importorskip("symosc.kernels.pair_functions")
+pair_functions = pytest.importorskip("symosc.kernels.pair_functions")
 
 UNIT = 2.0**-106
 EXACT = mp_context(100)
@@ -100,6 +101,27 @@ def test_operators_are_right_to_a_few_units(count: int) -> None:
         assert branch == (a if a.real > 0 else 1.0)
     limits = {"sum": 3, "difference": 3, "product": 5, "quotient": 10}
     assert all(0 < worst[name] < limits[name] for name in OPERATORS), worst
+
+
+@pytest.mark.slow
+@sample_of(1_000, 300_000)
+def test_cpython_gives_the_bits_of_compiled_code(count: int) -> None:
+    bound = bind((pair_functions,), {"pair": pair_type.pair_of})
+    functions = [bound[pair_functions.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")]
+    for n, (a, b) in enumerate(zip(numbers(count, 4), numbers(count, 5), strict=True)):
+        first = as_complex(a)
+        second = complex(first.real, first.imag * (n % 3)) if n % 5 == 0 else as_complex(b)
+        if not (first and second) or abs(first) > 600:
+            continue
+        x, y = pair_type.pair_of(first.real, first.imag), pair_type.pair_of(second.real, second.imag)
+        told = (
+            tuple(map(complex, (x + y, x - y, x * y, x / y))),
+            tuple(map(complex, (abs(x), -x, 2 * x, x / 3, 0.5 + x))),
+            tuple(complex(function(abs(x) if function is functions[-1] else x)) for function in functions),
+            (x < y, x <= y, x > y, x >= y, x == y, x != y),
+            int(x),
+        )
+        assert repr(told) == repr(compiled()(first, second)[:5])
 
 
 @pytest.mark.slow

@@ -120,11 +120,6 @@ def test_accuracy_may_be_infinite_or_text() -> None:
         assert simulate("fig5", t_end=5, accuracy=value).events == TRAJECTORY.events
 
 
-@pytest.mark.parametrize("value", ["yes", "", 1, 0, 1.0, [], "False"])
-def test_use_numba(value: Any) -> None:
-    refused(lambda: simulate_many(P, [0, 0, 0], 5, use_numba=value), "use_numba")
-
-
 @pytest.mark.parametrize(
     "value", [None, 5, "fig5", [], ["fig5"], [None], {}, load_scene("fig5"), [load_scene("fig5")], 1j]
 )
@@ -154,11 +149,6 @@ def test_equal_numbers_of_two_types_are_read_each_in_its_way() -> None:
         simulate_many(P, [[0, 1, 0], [0, True, 0]], 5)
 
 
-@pytest.mark.parametrize("value", [None, 5, 1j, [], {}, TRAJECTORY])
-def test_the_subject_of_a_simulation(value: Any) -> None:
-    refused(lambda: simulate(value), "scene")
-
-
 # --- a trajectory ---
 
 
@@ -177,18 +167,6 @@ def test_times_may_be_any_numbers_in_any_shape() -> None:
     assert TRAJECTORY("1/3").tolist() == TRAJECTORY(1 / 3).tolist()
     assert TRAJECTORY([[1, "2", Fraction(1, 2)]]).shape == (2, 1, 3)
     assert TRAJECTORY([]).shape == (2, 0)
-
-
-@pytest.mark.parametrize("value", NO_CHOICES, ids=str)
-def test_the_domain_of_a_force(value: Any) -> None:
-    refused(lambda: TRAJECTORY.force(value, 1), "alpha")
-
-
-@pytest.mark.parametrize("value", NO_CHOICES, ids=str)
-def test_the_domains_and_belts_of_parameters(value: Any) -> None:
-    refused(lambda: P.A(value), "alpha")
-    refused(lambda: P.belt(value), "boundary")
-    refused(lambda: P.belt(3), "boundary")
 
 
 def test_the_force_of_each_domain() -> None:

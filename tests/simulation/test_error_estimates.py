@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 import random
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from problems import FAMILIES, late, ordinary
-from samples import few
+from samples import few, sample_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate, simulate_many
+from symosc.engine.start import Start
+from symosc.engine.state import END
+from symosc.simulation.run import Path
 
 
 def ratios(found: Any, exact: Any) -> list[float]:
@@ -197,3 +201,30 @@ def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
     exact, found = simulate(RESONANT, digits=40, **start), simulate(RESONANT, accuracy=math.inf, **start)
     assert max(ratios(found, exact)) < 5
+
+
+@pytest.mark.slow
+@sample_of(12, 300)
+def test_a_long_locked_motion_ends_where_it_should(count: int) -> None:
+    """Against 60 digits: phase and time do not drift apart, so that the last state is as exact as the events."""
+    dice, seen = random.Random(1), 0
+    while seen < count:
+        scene = load_scene(dice.choice(("fig5", "fig9")))
+        Omega = repr(dice.uniform(0.9, 1.1) * float(scene.parameters.Omega))
+        p = scene.parameters.replace(Omega=Omega, FN=Fraction(dice.randint(10, 80), 10))
+        start, t_end = (scene.t0, scene.x0, scene.v0), dice.randint(150, 300)
+        exact = Path(Start(p, *start, Fraction(t_end)), 60)
+        while not exact.ended:
+            exact.step()
+        if exact.code != END or len(exact.events) < 50:
+            continue
+        table, last = simulate_many(p, start, t_end), simulate_many(p, start, t_end, record=("x", "v"))
+        for name in ("t", "x"):
+            errors = [
+                abs(getattr(e, name) - found) for e, found in zip(exact.events, getattr(table, name), strict=True)
+            ]
+            assert max(np.array(errors, float) / getattr(table, f"{name}_error")) < 3
+        size = max(table.x_error[-4:])
+        assert abs(exact.state.x - last.x[0]) < 5 * size
+        assert abs(exact.state.v - last.v[0]) < 5 * size * max(1.0, float(p.k / p.m) ** 0.5, float(Omega))
+        seen += 1

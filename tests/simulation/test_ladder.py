@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,8 @@ COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "so
 
 @pytest.fixture(autouse=True)
 def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_loop.PAIRS, "left", 0.0)
-    monkeypatch.setattr(batch_loop.DOUBLES, "left", 0.0)
+    monkeypatch.setattr(batch_loop.PAIRS, "events", 0)
+    monkeypatch.setattr(batch_loop.DOUBLES, "events", 0)
 
 
 def rows_of(table: EventTable, i: int) -> list[tuple[Any, ...]]:
@@ -100,17 +99,19 @@ def test_many_sets_and_any_order() -> None:
         assert mixed.status[place] == table.status[i]
 
 
-def test_before_compiling_motions_are_followed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_little_work_is_interpreted_in_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
     """So little work does not wait for a compiler; it comes to the same."""
-    monkeypatch.setattr(batch_loop.PAIRS, "left", 1e9)
-    monkeypatch.setattr(batch_loop.DOUBLES, "left", 1e9)
+    monkeypatch.setattr(batch_loop.PAIRS, "events", 10_000)
+    monkeypatch.setattr(batch_loop.DOUBLES, "events", 10_000)
     monkeypatch.setattr("symosc.engine.pairs.is_compiled", lambda: False)
-    monkeypatch.setattr(ladder, "climb", None)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
+    monkeypatch.setattr(chunks, "in_doubles", None)
     p, starts = fig8_like(0)
-    table = simulate_many(p, starts[:2], 12, max_events=9)
+    given: Any = {"max_events": 9, "accuracy": 3e-16}
+    table = simulate_many(p, starts[:2], 12, **given)
     for i, (t0, x0, v0) in enumerate(starts[:2]):
-        assert rows_of(table, i) == events_of(simulate(p, t0=t0, x0=x0, v0=v0, t_end=12, max_events=9))
+        assert rows_of(table, i) == events_of(simulate(p, t0=t0, x0=x0, v0=v0, t_end=12, **given))
+    assert 0 < batch_loop.PAIRS.events < 10_000
 
 
 class Counted:
@@ -124,14 +125,12 @@ class Counted:
         return batch_loop.interpreted(*given)
 
 
-@pytest.mark.parametrize(("seconds", "turns"), [(-1.0, 0), (0.0, 0), (2.5, 3), (1e9, 15)])
-def test_the_loop_is_interpreted_for_as_long_as_compiling_takes(
-    seconds: float, turns: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("events", "interpreted"), [(-1, 0), (0, 0), (150, 150), (160, 214), (10**6, 750)])
+def test_the_loop_is_interpreted_until_so_many_events(
+    events: int, interpreted: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The clock goes on by one second at each look, so that each turn takes a second on every machine."""
     scene, compiled = load_scene("fig9"), Counted()
-    monkeypatch.setattr(batch_loop.DOUBLES, "left", seconds)
-    monkeypatch.setattr(batch_loop, "process_time", count().__next__)
+    monkeypatch.setattr(batch_loop.DOUBLES, "events", events)
     monkeypatch.setattr(batch_loop, "TURN", 64)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
     plain = batch_loop.chosen_loops(False)
@@ -140,7 +139,7 @@ def test_the_loop_is_interpreted_for_as_long_as_compiling_takes(
     starts = [(0, Fraction(n, 7), 0) for n in range(5)]
     table = simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9, workers=1)
     assert table == simulate_many(scene.parameters, starts, 2000, max_events=150, accuracy=1e-9, use_numba=False)
-    assert (compiled.calls > 0, seconds - batch_loop.DOUBLES.left) == (turns < 15, turns)
+    assert (compiled.calls > 0, events - batch_loop.DOUBLES.events) == (interpreted < 750, interpreted)
     assert len(table) == 750
 
 

@@ -16,7 +16,7 @@ from samples import few
 from touches import tenths
 
 from symosc import ParameterError, Parameters, load_scene, scene_names, simulate, simulate_many
-from symosc.simulation import ladder
+from symosc.simulation import chunks, ladder
 from symosc.simulation.ensemble import EventTable
 
 COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "source", "target")
@@ -273,7 +273,7 @@ def test_a_batch_in_which_all_is_clear_needs_no_closer_look(
     def refuse(*arguments: Any) -> Any:
         raise AssertionError("a closer look")
 
-    monkeypatch.setattr(ladder, "in_doubles", refuse)
+    monkeypatch.setattr(chunks, "in_doubles", refuse)
     monkeypatch.setattr(ladder, "climb", refuse)
     for name in ("fig5", "fig6", "fig9", "fig10"):
         scene = load_scene(name)

@@ -15,7 +15,6 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.start import Start, first_state
 from symosc.engine.state import END, REST
 from symosc.simulation import search
-from symosc.simulation.run import last_time
 from symosc.simulation.search import Compiled, Interpreted
 
 
@@ -34,7 +33,7 @@ def test_compiled_steps_are_those_of_cpython() -> None:
     for start in starts():
         doubles = Arithmetic(start.parameters)
         for K in (doubles.K, doubles.K._replace(sigmas=0.0)):
-            both = Interpreted(last_time(start, doubles), K), Compiled(function, last_time(start, doubles), K)
+            both = Interpreted(start, K), Compiled(function, start, K)
             state, count = first_state(start, doubles), 0
             while count < 60:
                 found, same = (each(state) for each in both)

@@ -1,0 +1,112 @@
+"""What numba keeps of compiled code on disk: with a checksum, and never a reason to fail.
+
+numba itself raises where no folder can be written, and where a file is damaged; changed code it would run.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, InTreeCacheLocator
+
+from symosc.errors import CodeCacheWarning
+
+DIGEST_SIZE = sha256().digest_size
+_said: set[str] = set()
+
+
+def _say(what: str, reason: str) -> None:
+    """Warn, once in a program: there are dozens of functions, in several folders."""
+    if what not in _said:
+        _said.add(what)
+        warnings.warn(f"compiled code {what}: {reason}", CodeCacheWarning, stacklevel=2)
+
+
+def _not_kept(reason: str) -> None:
+    _say("cannot be kept", f"{reason}; each program compiles it; NUMBA_CACHE_DIR names another folder")
+
+
+class _CheckedFiles(IndexDataCacheFile):
+    """Index and data files that end with a checksum of what is before it; pickle does not read that far."""
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[Any]:
+        with super()._open_for_write(filepath) as file:
+            content = BytesIO()
+            yield content
+            file.write(content.getvalue() + sha256(content.getvalue()).digest())
+
+    def _load_index(self) -> Any:
+        with suppress(FileNotFoundError):
+            _check(self._index_path)
+        return super()._load_index()
+
+    def _load_data(self, name: str) -> Any:
+        _check(self._data_path(name))
+        return super()._load_data(name)
+
+
+def _check(path: str) -> None:
+    content = Path(path).read_bytes()
+    if content[-DIGEST_SIZE:] != sha256(content[:-DIGEST_SIZE]).digest():
+        raise pickle.UnpicklingError(path)
+
+
+class _BesideSource(InTreeCacheLocator):
+    """The folder beside the source, though it cannot be written: it may have what was compiled for all users."""
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> Any:
+        return cls(py_func, py_file) if os.path.exists(py_file) else None
+
+
+class _Places(CompileResultCacheImpl):
+    """Where compiled code is kept: where numba would, else beside the source."""
+
+    _locator_classes = [*CompileResultCacheImpl._locator_classes, _BesideSource]  # noqa: RUF012
+
+
+class _CheckedCache(FunctionCache):
+    """A cache that is as good as empty where it cannot be read, and full where it cannot be written."""
+
+    _impl_class = _Places
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        files = self._cache_file
+        name = files._index_name.removesuffix(".nbi")
+        self._cache_file = _CheckedFiles(files._cache_path, name, files._source_stamp)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except OSError:  # there is nothing that could be read
+            return None
+        except Exception:  # whatever unpickling raises
+            _say("is damaged", f"it is compiled anew (in {self.cache_path})")
+            with suppress(OSError):
+                os.unlink(self._cache_file._index_path)
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except (OSError, pickle.UnpicklingError) as error:
+            _not_kept(f"{getattr(error, 'strerror', None) or error} (in {self.cache_path})")
+
+
+def keep_on_disk(dispatcher: Any) -> Any:
+    """Let numba keep what it compiles of a function, where that is possible; return the function."""
+    try:
+        dispatcher._cache = _CheckedCache(dispatcher.py_func)
+    except RuntimeError as error:  # the source is in no folder, or the environment names strange ones
+        _not_kept(str(error))
+    return dispatcher
