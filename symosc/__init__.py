@@ -10,9 +10,9 @@ What calls what, from a scene to its events:
             basis       kernels                 the closed form, printed by sympy (symbolic.codegen)
 
 The packages, each using only those before it: kernels, engine, mappings and simulation, symbolic, orbits, crosschecks,
-grazing, certificates, reference, plot, derive and bench, paper, cli. What stands beside them (errors,
-exact, files, display, model, words, scenes) is for all. The public names are listed in ``__init__.pyi`` and loaded on
-first use: importing symosc loads neither sympy nor matplotlib nor numba.
+grazing, certificates, reference, plot, derive and bench, paper, cli. What stands beside them (errors, arguments, exact,
+files, display, model, words, scenes) is for all. The public names are listed in ``__init__.pyi`` and loaded on first
+use: importing symosc loads neither sympy nor matplotlib nor numba.
 """
 
 from functools import partial

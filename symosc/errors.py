@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Number
 
 LONGEST_VALUE = 80
@@ -184,3 +185,16 @@ class ResultError(SymoscError, ValueError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.path, self.reason)
+
+
+def meant(word: object, known: Iterable[str]) -> str:
+    """Return the end of a message about a word that is not known: which one is much like it, if any."""
+    from difflib import get_close_matches
+
+    by_letters = {name.lower(): name for name in known}
+    near = get_close_matches(str(word).lower(), by_letters, 1)
+    return f"; did you mean {by_letters[near[0]]}?" if near else ""
+
+
+class CodeCacheWarning(UserWarning):
+    """Compiled code cannot be kept on disk, or what was kept is damaged. It is compiled anew; results are the same."""

@@ -6,7 +6,7 @@ import math
 import numbers
 import operator
 import re
-from collections.abc import Iterable, Mapping
+import sys
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -63,16 +63,18 @@ def _read(name: str, value: Any) -> Fraction:
         if not value.is_finite():
             raise ParameterError(name, value, "must be finite")
         return _read_text(name, str(value))
+    if type(value).__name__ == "timedelta64":  # which numpy takes for an integer
+        raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, numbers.Rational):  # int, numpy integers and the rational numbers of sympy register here
         return Fraction(int(value.numerator), int(value.denominator))
-    if hasattr(value, "_mpf_") and hasattr(value, "context"):  # mpmath: prints fewer digits than it has
+    if hasattr(type(value), "_mpf_") and hasattr(type(value), "context"):  # mpmath: prints fewer digits than it has
         return _read_mpf(name, value)
     if isinstance(value, numbers.Real):
         if not math.isfinite(float(value)):
             raise ParameterError(name, value, "must be finite")
         return Fraction(str(value))  # str, not repr: numpy's repr names the type
     # An expression of sympy, such as 2*pi, is known by how it prints.
-    symbolic = hasattr(value, "free_symbols") and EXPRESSION.search(str(value))
+    symbolic = hasattr(type(value), "free_symbols") and EXPRESSION.search(str(value))
     raise ParameterError(name, value, NO_EXPRESSION if symbolic else NUMBER_FORMS)
 
 
@@ -100,6 +102,18 @@ def _read_mpf(name: str, value: Any) -> Fraction:
     return -magnitude if sign else magnitude
 
 
+def unmasked(name: str, value: Any) -> Any:
+    """Return `value`, or raise ParameterError if it is an array, or has some, of which something is masked (numpy.ma).
+
+    Most functions of numpy read what is behind the mask.
+    """
+    masked = sys.modules.get("numpy.ma")
+    each = value if isinstance(value, (list, tuple)) else (value,)
+    if masked and any(isinstance(part, masked.MaskedArray) and masked.is_masked(part) for part in each):
+        raise ParameterError(name, "masked", "must be a number everywhere; some are masked")
+    return value
+
+
 def _is_truth(value: object) -> bool:
     """Tell whether this is a truth value, of Python or of numpy, which is not loaded for this."""
     return type(value).__name__ in ("bool", "bool_")
@@ -108,7 +122,7 @@ def _is_truth(value: object) -> bool:
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if _is_truth(value):
+    if _is_truth(unmasked(name, value)):
         raise ParameterError(name, value, allowed)
     try:
         number = operator.index(value)
@@ -130,13 +144,6 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
     return None if digits is None else whole_number("digits", digits, LEAST_ASKED_DIGITS, most)
 
 
-def true_or_false(name: str, value: object) -> bool:
-    """Return `value` as a bool, or raise ParameterError if it is neither True nor False (numpy's are as good)."""
-    if _is_truth(value):
-        return bool(value)
-    raise ParameterError(name, value, "must be True or False")
-
-
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
     """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
 
@@ -147,10 +154,11 @@ def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
     """
     if value is None:
         return None
-    if isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)) and getattr(value, "shape", True):
+    is_array = hasattr(type(value), "dtype")
+    if isinstance(value, list | tuple) or (is_array and value.shape):
         given = list(value)
     else:  # an array without dimensions is a number
-        given = [value[()] if hasattr(value, "shape") else value] * 3
+        given = [value[()] if is_array else value] * 3
     if len(given) != 3:
         raise ParameterError("start_error", value, "must be a number, or three: of t0, x0 and v0")
     t0, x0, v0 = (read_exact("start_error", each) for each in given)

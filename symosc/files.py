@@ -15,6 +15,8 @@ from symosc.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"
+#: How the name of a file or folder begins that is not yet whole.
+DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "") -> Path:
@@ -48,7 +50,7 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
             return Path(name)
         if target.is_dir():
             raise IsADirectoryError(None, "is a folder")
-        handle, made = tempfile.mkstemp(prefix=".symosc-", suffix=target.suffix, dir=target.parent)
+        handle, made = tempfile.mkstemp(prefix=DRAFT_PREFIX, suffix=target.suffix, dir=target.parent)
         os.close(handle)
         draft = Path(made)
         write(draft)
@@ -72,9 +74,17 @@ def read_path(path: object) -> str:
         If it is neither text nor a Path, or can name no file.
     """
     text = os.fspath(path) if isinstance(path, os.PathLike) else path
-    if not isinstance(text, str) or not text or "\0" in text:
+    if not isinstance(text, str) or not text or "\0" in text or not _can_be_encoded(text):
         raise ParameterError("path", path, "must be the name of a file; '-' is standard output")
     return text
+
+
+def _can_be_encoded(text: str) -> bool:
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError:  # half of a surrogate pair
+        return False
+    return True
 
 
 def check_folder_of(path: str | Path) -> None:
@@ -138,7 +148,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
     """
     target, draft = check_folder(path, earlier), None
     try:
-        draft = Path(tempfile.mkdtemp(prefix=".symosc-", dir=target.parent))
+        draft = Path(tempfile.mkdtemp(prefix=DRAFT_PREFIX, dir=target.parent))
         for each, text in texts.items():
             (draft / each).parent.mkdir(parents=True, exist_ok=True)
             (draft / each).write_bytes(text.encode())

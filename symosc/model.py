@@ -20,7 +20,8 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from symosc.aliases import NumberLike
-from symosc.errors import ParameterError
+from symosc.arguments import public
+from symosc.errors import ParameterError, meant
 from symosc.exact import SMALLEST, read_exact, show, whole_number
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
@@ -77,6 +78,7 @@ class Parameters:
     mu2: Fraction
     FN: Fraction
 
+    @public
     def __init__(
         self,
         *,
@@ -106,25 +108,27 @@ class Parameters:
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
+    @public
     def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
-                raise ParameterError(
-                    name, value, f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
-                )
+                allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+                raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
         return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
 
     def as_dict(self) -> dict[str, str]:
         """Return the parameters as text that reads back exactly."""
         return {name: show(getattr(self, name)) for name in PARAMETER_NAMES}
 
+    @public
     def A(self, alpha: int) -> Fraction:
         """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1), (5))."""
         alpha = whole_number("alpha", alpha, 1, 3)
         friction = {1: self.mu1 + self.mu2, 2: self.mu2 - self.mu1, 3: -self.mu1 - self.mu2}[alpha]
         return self.A0 + friction * self.FN
 
+    @public
     def belt(self, boundary: int) -> Fraction:
         """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2

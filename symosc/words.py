@@ -13,8 +13,8 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple, TypeAlias
 
+from symosc.arguments import public
 from symosc.errors import SymoscError, brief, shown
-from symosc.exact import true_or_false
 from symosc.model import NEIGHBOURS
 
 
@@ -160,6 +160,7 @@ def _exit(stick: Map, after: Map) -> str | None:
     return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
 
 
+@public
 def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> Word:
     """Read a mapping structure and check that a motion can follow it.
 
@@ -185,7 +186,6 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     >>> str(read_word(["P3", "P2"])), read_word("P32").labels
     ('P32', ('P2', 'P3'))
     """
-    closed, grazing = true_or_false("closed", closed), true_or_false("grazing", grazing)
     if isinstance(word, Word):
         labels, text = word.labels, str(word)
     else:
@@ -220,10 +220,7 @@ def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]
     else:
-        try:
-            parts = list(word)
-        except TypeError:
-            parts = [word]
+        parts = list(word)
         text = "∘".join(map(str, parts))
     digits = ""
     for part in parts:

@@ -23,7 +23,7 @@ from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-LONGEST = 300.0  # seconds that a command may take
+LONGEST = 3600.0  # seconds that a command may take
 
 
 class Console(SphinxDirective):

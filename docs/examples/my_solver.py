@@ -15,7 +15,7 @@ def motion(t, state):
     return v, (A0 + B0 * cos(Omega * t) - k * x - c * v - friction) / m
 
 
-t = np.linspace(0, 7, 400)
-found = solve_ivp(motion, (0, 7), (0, 0), t_eval=t)
+t = np.linspace(0, 40, 2000)
+found = solve_ivp(motion, (0, 40), (0, 0), t_eval=t)
 table = np.column_stack([t, *found.y])
 np.savetxt("run.csv", table, delimiter=",", header="t,x,v", comments="")

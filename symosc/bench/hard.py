@@ -30,8 +30,8 @@ from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
 from symosc.certificates.known import Known, ProvenMiddle, known_events
 from symosc.engine.arithmetic import mp_context
-from symosc.reference.compare import REFERENCE_DIGITS, FoundEvents, compare, window_of
-from symosc.reference.condition import conditions, distance
+from symosc.reference.compare import REFERENCE_DIGITS, FoundEvents, compare, relative_error, window_of
+from symosc.reference.condition import conditions
 from symosc.reference.hard_cases import HardCase, hard_cases
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -113,10 +113,12 @@ def judge(solver: Solver, case: HardCase, allowed: Sequence[float]) -> Record:
     if case.periods:  # all events are counted, those of the last period are compared
         count, found = len(found), sorted(found, key=lambda event: event.t)[-len(reference) :]
         absent = case.periods * len(reference) - count
-    result = compare(found, reference, window_of(case.scene))
+    t0 = float(case.scene.t0)
+    result = compare(found, reference, window_of(case.scene), t0)
     worst = None
     if result.complete and not result.missed_grazes and not absent:
-        errors = [max(distance(a.t, b.t), distance(a.x, b.x)) for a, b in zip(found, reference, strict=True)]
+        pairs = zip(found, reference, strict=True)
+        errors = [max(relative_error(a.t, b.t, t0), relative_error(a.x, b.x)) for a, b in pairs]
         worst = max((error / most for error, most in zip(errors, allowed, strict=True)), default=0.0)
     undecidable = None
     if solver in ours.SOLVERS and not result.complete and simulate(case.scene).status == "undecidable":

@@ -10,6 +10,7 @@ from symosc.aliases import Record
 from symosc.bench.event_logic import PeerError
 from symosc.bench.machine import sentence
 from symosc.bench.time_limit import HANG
+from symosc.reference.compare import ERRORS
 from symosc.reference.hard_cases import GROUPS
 
 #: What a reference is.
@@ -122,7 +123,7 @@ def legend(result: Record) -> list[str]:
     """Return what the cells mean, what the solvers were set to, and the verdict on ours."""
     limit = result["limit_s"]
     lines = [
-        "Cells: largest error of event times and positions, relative to max(1, |value|), against the reference; or "
+        f"Cells: largest error, {ERRORS}, against the reference; or "
         f"what went wrong: events missed or invented, over the limit of {limit:g} s, chattering between a flight and a "
         "stick, or an exception. 'right': nothing happens in the case and nothing was reported.",
         "Condition: by how much relative errors of parameters and start values are amplified in the event that is "
@@ -141,10 +142,10 @@ def legend(result: Record) -> list[str]:
 
 
 def verdict(result: Record) -> str:
-    """Return whether ours kept its bound, and by how much."""
-    promise = "1e-12, or 100 * condition * 1e-16 where that is more"
+    """Return in how many cases ours kept its bound, and by how much; else where it did not."""
+    bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
-        return "\n".join([f"Not within {promise}:", *(f"  {each}" for each in result["violations"])])
+        return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])
     parts = []
     for solver in result["solvers"]:
         if solver["ours"]:
@@ -152,8 +153,9 @@ def verdict(result: Record) -> str:
             judged = [cell for cell in cells if not cell["failure"]]
             errors = [cell["error"] for cell in judged if cell["error"] is not None]
             largest = f", largest error {max(errors):.0e}" if errors else ""
-            parts.append(f"{solver['name']} in {len(judged)} of {len(cells)} cases{largest}")
-    return f"Within {promise}: {'; '.join(parts)}."
+            absent = f", {len(cells) - len(judged)} not finished" if len(judged) < len(cells) else ""
+            parts.append(f"{solver['name']} {len(judged)} of {len(cells)}{largest}{absent}")
+    return f"Hard cases solved within {bound}: {'; '.join(parts)}."
 
 
 class Notes:

@@ -12,23 +12,17 @@ from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work,
 from symosc.bench.machine import sentence
 from symosc.errors import OutputError
 from symosc.files import write_text
-from symosc.reference.compare import REFERENCE_DIGITS
+from symosc.reference.compare import ERRORS, REFERENCE_DIGITS
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
 RESULTS_FOLDER = Path("docs/results")
-# A looser accuracy is worth a sentence where it takes no more than this part of the time.
-SAVES = 0.2
+# A looser accuracy is mentioned where it takes no more than this part of the time.
+SAVES = 0.5
 
 
 def check(readme: str | Path) -> str:
-    """Return the text of a README that results can be written to.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be read or written, or has no place for the results.
-    """
+    """Return the text of a README that results can be written to; else raise OutputError."""
     try:
         text = Path(readme).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -41,10 +35,7 @@ def check(readme: str | Path) -> str:
 def replaced(text: str, section: str, content: str, name: str | Path = "README") -> str:
     """Return a text with other content between the marks ``<!-- section: begin -->`` and ``<!-- section: end -->``.
 
-    Raises
-    ------
-    OutputError
-        Unless each of the marks is there once, in this order. The first may say more before it closes.
+    Each must be there once, in this order, or an OutputError is raised. The first may say more before it closes.
     """
     begin, end = f"<!-- {section}: begin", f"<!-- {section}: end -->"
     pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
@@ -54,23 +45,10 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
-    """Write the results into the README, pictures and full tables into files beside it.
+    """Write the results into the README, pictures and full tables into files beside it; return these files.
 
-    Parameters
-    ----------
-    readme : str or Path
-    result : dict
-        The results of the modules' `run`, speed, work_precision, hard and error_map, and quick, which they were told.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-
-    Raises
-    ------
-    OutputError
-        If a file cannot be written; see also `check`.
+    `result` has the results of `run` of speed, work_precision, hard and error_map by these names, and whether they were
+    quick.
     """
     text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
     work, cases, command = result["work_precision"], result["hard"], _command(result)
@@ -93,10 +71,14 @@ def write(readme: str | Path, result: Record) -> list[Path]:
 
 
 def brief(result: Record) -> str:
-    """Return what the README says: our speed and error, and how the best of the others compares."""
-    work, cases = result["work_precision"], result["hard"]
-    link = f"[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md)."
-    text = f"{_heyoka(work)}{looser(work)}In the hard cases: {hard_table.verdict(cases)} {link}"
+    """Return what the README says: what the page of all results begins with."""
+    return f"{figures(result)}[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md).\n"
+
+
+def figures(result: Record) -> str:
+    """Return our speed and error, and how the best of the others compares: the same in the README and on the page."""
+    work = result["work_precision"]
+    text = f"{_heyoka(work)}{looser(work)}{hard_table.verdict(result['hard'])}"
     return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
 
 
@@ -106,19 +88,21 @@ def overview(result: Record) -> str:
     return f"""\
 # Results
 
-One run of `{_command(result)}` ({sentence(work["machine"])}).
+Written by one run of `{_command(result)}`.
 
+## Speed and error
+
+{figures(result)}
 ## Work and precision
 
-Every solver follows the same scenes. Time is per event, calls repeated, the first one apart;
-errors are of event times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|).
+Every solver follows the same scenes ({sentence(work["machine"])}). Time is per event, calls repeated, the first one
+apart; errors are {ERRORS}, against {REFERENCE_DIGITS} digits.
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
 (work_precision.svg)
 
 Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
-missed or invented. Our time is that of {_over_floor(work)} closed-form evaluations ({work["floor_ns"]:.1f} ns each).
-{_heyoka(work)}{looser(work)}[All tolerances, and what precautions the solvers need](work_precision.md).
+missed or invented. [All tolerances, and what precautions the solvers need](work_precision.md).
 
 {work_table.summary(work)}
 
@@ -142,24 +126,20 @@ formula everywhere, below as symosc evaluates it, with the borders between its f
 """
 
 
-def _over_floor(work: Record) -> str:
-    rows = [row for row in work["rows"] if row["solver"] == work_precision.OURS.name and row["over_floor"]]
-    finest = {row["scene"]: row["over_floor"] for row in rows}
-    return ", ".join(f"{work_table.rounded(multiple, 2)} ({scene})" for scene, multiple in finest.items())
-
-
 def _heyoka(work: Record) -> str:
     """Return a sentence about heyoka, with its precautions and at its finest tolerance; "" if it did not run."""
-    finest: dict[str, float] = {}
+    finest: dict[str, str] = {}
     for row in work["rows"]:
         if row["solver"].startswith("heyoka") and not row["raw"] and row["over_ours"]:
-            finest[row["scene"]] = row["over_ours"]  # tolerances run from coarse to fine
-    ratios = ", ".join(f"{work_table.rounded(ratio, 2)} ({scene})" for scene, ratio in finest.items())
+            error = f", error {row['error']:.0e}" if row["over_ours"] < 1 and row["error"] is not None else ""
+            ratio = work_table.rounded(row["over_ours"], 2)
+            finest[row["scene"]] = f"{ratio} ({row['scene']}{error})"  # tolerances run from coarse to fine
+    ratios = ", ".join(finest.values())
     return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
 
 
 def looser(work: Record) -> str:
-    """Return what a looser accuracy than the default saves us, for the scenes where that is most of the time."""
+    """Return what our last digits cost, for the scenes where a looser accuracy saves half of the time or more."""
     ours: dict[str, list[Record]] = {}
     for row in work["rows"]:
         if row["solver"] == work_precision.OURS.name and row["us_per_event"]:
@@ -168,12 +148,11 @@ def looser(work: Record) -> str:
     for scene, rows in ours.items():
         loose, fine = rows[0], rows[-1]
         if loose["us_per_event"] < SAVES * fine["us_per_event"]:
-            times = [work_table.rounded(row["us_per_event"], 2) for row in (loose, fine)]
-            option = f"`accuracy={loose['tolerance']:g}`"
-            lines.append(f"With {option} {scene} takes {times[0]} instead of {times[1]} µs per event,")
-            lines.append(f"and has an error of {loose['error']:.0e}.")
+            less, more = (work_table.rounded(row["us_per_event"], 2) for row in (loose, fine))
+            lines.append(f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with")
+            lines.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
     if lines:
-        lines.insert(0, f"Where doubles cannot keep errors below {ACCURACY:g}, symosc takes more digits, and its time.")
+        lines.insert(0, f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:")
     return "".join(f"{line}\n" for line in lines)
 
 

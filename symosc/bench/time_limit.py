@@ -22,8 +22,8 @@ from pebble import ProcessExpired, ProcessPool
 HANG, CRASH = "hang", "crash"
 #: How much of an exception's message is kept.
 LONGEST_MESSAGE = 120
-#: Seconds for the first call of a solver, with all that it imports and compiles.
-FIRST_LIMIT = 60.0
+#: Seconds for the first call of a solver, with all that it imports and compiles, on a slow machine too.
+FIRST_LIMIT = 600.0
 
 
 @dataclass(frozen=True)

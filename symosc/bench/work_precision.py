@@ -120,9 +120,8 @@ def run(
         scene, solver, raw, tolerance;
         failure: "" or what went wrong; the numbers that are then not known are None;
         prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
-        us_per_event, us_fastest, us_slowest: median and range of the repeats;
-        floor_ns, over_floor, over_ours: the floor as it was then (the best), median of the time as its multiple, and
-        that by ours;
+        floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
+        us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
         error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
         missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
         longest span;
@@ -145,11 +144,12 @@ def run(
                 spans[name] = _spans(load_scene(name), *chosen[name])
             row = {"scene": name, "solver": solver.name, "raw": solver.raw, "tolerance": tolerance}
             rows.append(row | bench.row(solver, tolerance, *spans[name]))
-    _relate(rows)
+    floors = [row["floor_ns"] for row in rows if row["floor_ns"]]
+    unit = min(floors, default=nan)
+    _relate(rows, unit)
     skipped = {solver.name: solver.missing for solver in solvers if solver.missing}
     notes = {solver.name: solver.note for solver in able if solver.note}
-    floors = [row["floor_ns"] for row in rows if row["floor_ns"]]
-    about = {"machine": machine(), "floor_ns": min(floors, default=nan), "limit_s": limit}
+    about = {"machine": machine(), "floor_ns": unit, "limit_s": limit}
     return {**about, "skipped": skipped, "notes": notes, "rows": rows}
 
 
@@ -222,16 +222,15 @@ class Bench:
 
 
 def _times(outcome: Outcome, span: Span) -> Record:
-    names = ["prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "us_fastest", "us_slowest"]
-    names += ["floor_ns", "over_floor"]
+    names = ["prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "floor_ns", "over_floor"]
     if outcome.failure:
         return dict.fromkeys(names)
     timed, count = outcome.value, span.count
     times = timed.times_s or [timed.first_call_s]
-    per_event = [1e6 / count * seconds for seconds in (median(times), min(times), max(times))]
+    per_event = 1e6 / count * median(times)
     multiple = median(a / b for a, b in zip(times, timed.floors_s, strict=True)) / count
     floor = 1e9 * min(timed.floors_s)
-    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, *per_event, floor, multiple)
+    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, per_event, floor, multiple)
     return dict(zip(names, values, strict=True))
 
 
@@ -239,13 +238,17 @@ def _errors(outcome: Outcome, span: Span) -> Record:
     names = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
     if outcome.failure:
         return {**dict.fromkeys(names), "compared": len(span.reference)}
-    comparison = compare(outcome.value.found, span.reference, window_of(span.scene))
+    comparison = compare(outcome.value.found, span.reference, window_of(span.scene), float(span.scene.t0))
     return {**{name: getattr(comparison, name) for name in names}, "compared": len(span.reference)}
 
 
-def _relate(rows: list[Record]) -> None:
-    """Put our time on each scene beside the times, both in units of the floor of their moment."""
+def _relate(rows: list[Record], unit: float) -> None:
+    """Put our time on each scene beside the times, all in units of the floor of their moment, which takes `unit` ns.
+
+    A machine may be half as fast in one minute as in the next, so seconds of different minutes do not compare.
+    """
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS.name}
     for row in rows:
         own, mine = row["over_floor"], ours.get(row["scene"])
         row["over_ours"] = own / mine if own and mine else None
+        row["us_per_event"] = 1e-3 * unit * own if own else None

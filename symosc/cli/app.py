@@ -6,6 +6,7 @@ Exit codes: 0 success, 1 a check failed, 2 bad input (one line on stderr).
 from __future__ import annotations
 
 import sys
+import warnings
 from importlib import import_module
 from platform import python_version
 from time import monotonic
@@ -16,7 +17,7 @@ import click
 import symosc
 from symosc.cli.output import tell, write
 from symosc.display import progress
-from symosc.errors import SymoscError
+from symosc.errors import CodeCacheWarning, SymoscError, meant
 from symosc.files import drop_stdout
 
 BAD_INPUT, INTERRUPTED = 2, 130
@@ -57,15 +58,25 @@ class CommandLine(click.Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = getattr(import_module(f"symosc.cli.{cmd_name}"), cmd_name)
+        _keep_help(command)
         known = {option for each in command.params for option in each.opts}
         command.params += [option for option in _tellings() if not known & set(option.opts)]
         return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Return the command and its arguments; of a word that is none, say which command is like it."""
+        if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
+            ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         """Run a command; in standalone mode report errors and exit."""
         run: Any = super().main
         if not standalone_mode:
             return run(*args, standalone_mode=False, **extra)
+        warnings.showwarning = _warn
+        if sys.stdout is None:
+            _fail("standard output is closed")
         try:
             code = run(*args, standalone_mode=False, **extra)
         except click.ClickException as error:
@@ -86,18 +97,29 @@ class CommandLine(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; an interrupt ends it quietly."""
         begin = monotonic()
-        progress.set_level(progress.NORMAL)
         try:
             with progress.working("working"):
                 code = super().invoke(ctx)
+            if progress.level() == progress.VERBOSE:
+                about = f"symosc {symosc.__version__}, Python {python_version()}"
+                tell(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
         except (KeyboardInterrupt, RuntimeError) as error:
             if not _is_interrupt(error):
                 raise
             ctx.exit(INTERRUPTED)
-        if progress.level() == progress.VERBOSE:
-            about = f"symosc {symosc.__version__}, Python {python_version()}"
-            tell(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
+        finally:
+            progress.set_level(progress.NORMAL)  # a program that runs commands itself goes on as it was
         return code
+
+
+def _keep_help(command: click.Command) -> None:
+    """Take a command's help from its source, where Python has no docstrings (-OO)."""
+    if sys.flags.optimize > 1 and not command.help and command.callback is not None:
+        import ast
+        import inspect
+
+        function = ast.parse(inspect.getsource(command.callback)).body[0]
+        command.help = ast.get_docstring(function) if isinstance(function, ast.FunctionDef) else None
 
 
 def _tellings() -> list[click.Option]:
@@ -115,6 +137,19 @@ def _tellings() -> list[click.Option]:
 def _is_interrupt(error: BaseException | None) -> bool:
     """Return whether an error is an interrupt; one that comes while a class is made is the cause of a RuntimeError."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
+
+
+_as_python_does = warnings.showwarning
+
+
+def _warn(
+    message: Any, category: type[Warning], filename: str, lineno: int, file: Any = None, line: Any = None
+) -> None:
+    """Say our warnings without a file and a line of code."""
+    if issubclass(category, CodeCacheWarning):
+        tell(str(message))
+    else:
+        _as_python_does(message, category, filename, lineno, file, line)
 
 
 def _fail(message: str) -> NoReturn:
@@ -153,3 +188,6 @@ def main() -> None:
     Example:
       symosc simulate fig5
     """
+
+
+_keep_help(main)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from importlib.util import find_spec
 from math import isfinite
 from typing import Any
 
@@ -13,6 +14,7 @@ from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json
 from symosc.cli.settings import goes_to_stdout
 from symosc.display.progress import bar
+from symosc.errors import MissingExtraError
 
 
 @click.command()
@@ -86,6 +88,8 @@ def bench(
 def _speed(quick: bool) -> Record:
     from symosc.bench import digits, ensembles, speed, sweeping, work_precision
 
+    if find_spec("numba") is None:
+        raise MissingExtraError("symosc bench", "bench")
     return {
         "speed": speed.run(quick=quick),
         "digits": digits.run(quick=quick),

@@ -9,9 +9,11 @@ import click
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli.orbit import read_span
 from symosc.cli.output import complain, json_option, write, write_json, write_table
-from symosc.cli.settings import complete_scene, goes_to_stdout, scene_with, set_option
+from symosc.cli.settings import complete, complete_scene, goes_to_stdout, scene_with, set_option
 from symosc.display.progress import bar
 from symosc.exact import read_start_error
+from symosc.mappings.theorem7_cases import PLACES
+from symosc.model import PARAMETER_NAMES
 
 if TYPE_CHECKING:
     from symosc.certificates.certificate import Certificate
@@ -23,11 +25,23 @@ NOT_PROVEN = 1
 
 @click.command()
 @click.argument("scene", required=False, shell_complete=complete_scene)
-@click.option("--t-end", metavar="T", help="End time in place of the scene's.")
+@click.option("--t-end", metavar="T", help="End time in place of the scene's; 10T: after 10 periods.")
 @click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
 @click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")
-@click.option("--branch", "span", metavar="NAME=LO:HI", help="Prove the orbit for every value of a parameter.")
-@click.option("--window", "mapping", metavar="MAP", help="Prove the grazing window of a map, such as P2.")
+@click.option(
+    "--branch",
+    "span",
+    metavar="NAME=LO:HI",
+    shell_complete=complete(PARAMETER_NAMES, "="),
+    help="Prove the orbit for every value of a parameter.",
+)
+@click.option(
+    "--window",
+    "mapping",
+    metavar="MAP",
+    shell_complete=complete(PLACES),
+    help="Prove the grazing window of a map, such as P2.",
+)
 @click.option("--orbits", "listed", is_flag=True, help="Prove the list of orbits that ships, in two processes.")
 @set_option
 @click.option("-o", "--output", metavar="FILE", help="Write the certificate, a JSON file. -: to stdout, and only that.")
@@ -49,8 +63,8 @@ def certify(
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
     structure is that of --orbit, or the scene's. The table shows as many digits as both ends of an enclosure round to.
-    `symosc verify` proves a certificate file again, by other means. If anything stays open, one line says what, and the
-    exit code is 1.
+    Proven is only what the checker, `symosc verify`, proves again by other means. If anything stays open, one line says
+    what, and the exit code is 1.
 
     \b
     Examples:

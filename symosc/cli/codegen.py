@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from symosc.cli.settings import goes_to_stdout
+from symosc.cli.settings import complete_scene, goes_to_stdout
 from symosc.symbolic.languages import LANGUAGES
 
 
@@ -20,9 +20,16 @@ from symosc.symbolic.languages import LANGUAGES
 @click.option(
     "--language", "-l", type=click.Choice(LANGUAGES), default="python", show_default=True, help="What to write."
 )
-@click.option("--fix", metavar="SCENE", help="Fold the parameters of a scene in and drop what that leaves unused.")
+@click.option(
+    "--fix",
+    metavar="SCENE",
+    shell_complete=complete_scene,
+    help="Fold the parameters of a scene in and drop what that leaves unused.",
+)
 @click.option("--name", help="Base of the file names, and of the names in C and Julia. Default: from the word.")
-@click.option("-o", "--output", metavar="FOLDER", default=".", help="Where to write. Default: here. '-': print.")
+@click.option(
+    "-o", "--output", metavar="FOLDER", default=".", help="Where to write; made if needed. Default: here. '-': print."
+)
 @click.option("--force", is_flag=True, help="Replace files that have another content.")
 @click.option("--json", "as_json", is_flag=True, help="Print the paths as JSON.")
 @click.pass_context

@@ -6,28 +6,38 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from difflib import get_close_matches
 from os.path import exists
 from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from symosc.aliases import Record
 from symosc.cli.output import complain, tell, write_json
-from symosc.cli.settings import WholeNumber, goes_to_stdout, read_settings, set_option
+from symosc.cli.settings import WholeNumber, complete, complete_scene, goes_to_stdout, read_settings, set_option
 from symosc.display.progress import VERBOSE, bar, level
-from symosc.errors import OutputError, ParameterError, SymoscError
+from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import write_text
-
-NO_LATEX = "symosc: no pdflatex here; install LaTeX (Debian: texlive-latex-base), then: cd {folder} && pdflatex {file}"
 
 FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
 
 
+def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+    from symosc.derive.chapters import CHAPTERS
+    from symosc.derive.fragments import FRAGMENTS
+
+    return complete(["all", *CHAPTERS, *FRAGMENTS])(context, argument, begun)
+
+
 @click.command()
-@click.argument("subject")
-@click.option("--scene", metavar="SCENE", help="Put a scene's numbers in; only what the scene needs appears.")
+@click.argument("subject", shell_complete=_subjects)
+@click.option(
+    "--scene",
+    metavar="SCENE",
+    shell_complete=complete_scene,
+    help="Put a scene's numbers in; only what the scene needs appears.",
+)
 @set_option
 @click.option(
     "-o",
@@ -89,9 +99,8 @@ def derive(subject: str, output: str | None, form: str, as_json: bool, **options
 
 
 def _unknown(subject: str, chapters: list[str], fragments: list[str]) -> str:
-    near = get_close_matches(subject, [*chapters, *fragments], n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"must be one of {', '.join(chapters)} (chapters) or {', '.join(fragments)} (fragments){hint}"
+    known = f"must be one of {', '.join(chapters)} (chapters) or {', '.join(fragments)} (fragments)"
+    return known + meant(subject, [*chapters, *fragments])
 
 
 def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: bool, options: dict[str, Any]) -> int:
@@ -131,6 +140,8 @@ def _chapters(subject: str, scene: str | None, output: str | None, form: str, as
 
     if pdf and (form != "latex" or printed):
         raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
+    if pdf and not _has_latex():
+        raise click.BadParameter("there is no pdflatex here (Debian: texlive-latex-base)", param_hint="--pdf")
     folder = Path(output or ".")
     _check_folder(folder)
     problem = None if scene is None else load_scene(scene)
@@ -170,13 +181,16 @@ def _check_folder(folder: Path) -> None:
     raise OutputError(str(folder), reason)
 
 
+def _has_latex() -> bool:
+    from symosc.derive import pdf
+
+    return pdf.has_latex()
+
+
 def _compile(folder: Path, paths: list[Path]) -> int:
     from symosc.derive import pdf
     from symosc.derive.document import MAIN
 
-    if not pdf.has_latex():
-        click.echo(NO_LATEX.format(folder=folder, file=MAIN), err=True)
-        return 0
     try:
         paths.insert(0, pdf.make_pdf(folder / MAIN))
     except SymoscError as error:

@@ -8,11 +8,11 @@ from threading import Thread
 import click
 
 from symosc.cli.output import write
-from symosc.cli.settings import WholeNumber, scene_with, set_option
+from symosc.cli.settings import WholeNumber, complete_scene, scene_with, set_option
 
 
 @click.command()
-@click.argument("scene", default="fig5")
+@click.argument("scene", default="fig5", shell_complete=complete_scene)
 @set_option
 @click.option(
     "--port", type=WholeNumber(0, 65_535), metavar="N", help="The port of the page; 0: any free one. Default: 8519."

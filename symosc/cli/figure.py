@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from symosc.cli.output import counted, undecidable, write
 from symosc.cli.quick_drawing import load_matplotlib, without_collection
-from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.cli.settings import WholeNumber, goes_to_stdout, read_end, scene_argument, scene_with, set_option
 
 if TYPE_CHECKING:
     from symosc.scenes import Scene
@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 @click.command()
 @scene_argument
 @click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png. -: SVG to stdout.")
-@click.option("--t-end", metavar="T", help="End of the time axis; default: what the paper shows, else the scene's end.")
+@click.option(
+    "--t-end",
+    metavar="T",
+    help="End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.",
+)
 @set_option
 @click.option(
     "--panels",
@@ -46,9 +50,10 @@ def figure(
     """
     piped = goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
+    end = None if t_end is None else read_end(t_end, problem.parameters, problem.t0)
     with without_collection():
         load_matplotlib()
-        trajectory = _drawn(problem, output, t_end, panels, boundary, columns)
+        trajectory = _drawn(problem, output, end, panels, boundary, columns)
     if piped:
         return int(undecidable(trajectory))
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
@@ -57,7 +62,7 @@ def figure(
 
 
 def _drawn(
-    problem: Scene, output: str, t_end: str | None, panels: str | None, boundary: int | None, columns: int
+    problem: Scene, output: str, t_end: Any, panels: str | None, boundary: int | None, columns: int
 ) -> Trajectory:
     """Draw a scene into a file, and return its motion."""
     from symosc import plot

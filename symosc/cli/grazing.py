@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from symosc.aliases import Record
+from symosc.aliases import Order, Record
 from symosc.cli import inverse
 from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import WholeNumber, complete_scene, goes_to_stdout, read_settings
+from symosc.cli.settings import WholeNumber, complete, complete_scene, goes_to_stdout, read_parameters
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
@@ -30,9 +30,17 @@ if TYPE_CHECKING:
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
+    shell_complete=complete(PARAMETER_NAMES, "="),
     help="Change a parameter, such as k=3. Repeatable; all of them in place of SCENE.",
 )
-@click.option("--map", "mappings", multiple=True, metavar="MAP", help="P2, P3, P5 or P6. Repeatable. Default: all.")
+@click.option(
+    "--map",
+    "mappings",
+    multiple=True,
+    metavar="MAP",
+    shell_complete=complete(PLACES),
+    help="P2, P3, P5 or P6. Repeatable. Default: all.",
+)
 @click.option(
     "--order",
     type=click.Choice(ORDERS),
@@ -59,7 +67,7 @@ def grazing(
     scene: str | None,
     settings: tuple[str, ...],
     mappings: tuple[str, ...],
-    order: str,
+    order: Order,
     as_latex: bool,
     as_json: bool,
     phases: int | None,
@@ -131,7 +139,7 @@ def _chosen(mappings: tuple[str, ...]) -> list[str]:
 
 
 def _decided(
-    p: Parameters, mappings: list[str], order: str, phases: int | None
+    p: Parameters, mappings: list[str], order: Order, phases: int | None
 ) -> tuple[list[GrazingWindow], list[GrazingReport]]:
     """Return the windows, and reports that check each at so many phases, if any."""
     from symosc.grazing.window import grazing_window
@@ -171,7 +179,7 @@ def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
 
 def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | None, Parameters]:
     """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
-    changes = read_settings(settings)
+    changes = read_parameters(settings)
     if scene is not None:
         problem = load_scene(scene)
         return problem.name, problem.parameters.replace(**changes)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from symosc.aliases import Order
 from symosc.cli.output import write, write_json
 from symosc.display.progress import late_bar
 from symosc.mappings.theorem7_cases import place
@@ -19,7 +20,7 @@ def solve(
     mappings: list[str],
     names: str,
     phases: str | None,
-    order: str,
+    order: Order,
     *,
     as_latex: bool = False,
     as_json: bool = False,
@@ -86,7 +87,7 @@ def _depending(mappings: list[str], asked: Any) -> list[str]:
     return [mapping for mapping in every if belts <= {f"v{place(mapping).boundary}"}] or list(every)
 
 
-def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: str) -> list[Any]:
+def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
     from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
 
     if phases is not None:

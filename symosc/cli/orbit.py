@@ -8,9 +8,10 @@ import click
 
 from symosc.aliases import Record
 from symosc.cli.output import FLOAT_FORMAT, complain, json_option, write, write_json
-from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.cli.settings import WholeNumber, complete, goes_to_stdout, scene_argument, scene_with, set_option
 from symosc.display.tables import plain_table
 from symosc.exact import show
+from symosc.model import PARAMETER_NAMES
 
 if TYPE_CHECKING:
     from symosc.orbits.branch import Branch
@@ -28,7 +29,13 @@ NOT_FOUND = 1
     "--periods", type=WholeNumber(), metavar="N", help="Close after N forcing periods. Default: what simulations do."
 )
 @click.option("--digits", type=WholeNumber(), metavar="N", help="N correct digits, instead of double precision.")
-@click.option("--continue", "span", metavar="NAME=LOW:HIGH", help="Follow it over a parameter, such as Omega=3:5.")
+@click.option(
+    "--continue",
+    "span",
+    metavar="NAME=LOW:HIGH",
+    shell_complete=complete(PARAMETER_NAMES, "="),
+    help="Follow it over a parameter, such as Omega=3:5.",
+)
 @click.option(
     "-o", "--output", metavar="FILE", help="Draw the orbit, or the branch: .pdf, .svg or .png. -: SVG to stdout."
 )

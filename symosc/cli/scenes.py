@@ -10,7 +10,7 @@ from symosc.aliases import Record
 from symosc.cli.output import json_option, write, write_json, write_table
 from symosc.cli.settings import complete_scene
 from symosc.exact import show
-from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
+from symosc.scenes import START_NAMES, Scene, figure_of, load_scene, scene_names
 from symosc.scenes.writing import as_toml
 
 
@@ -36,8 +36,8 @@ def scenes(scene: str | None, as_json: bool) -> None:
     if as_json:
         write_json([_scene_data(each) for each in listed])
         return
-    # Every source begins with the paper; once is enough.
-    sources = [each.source for each in listed]
+    # The source of every scene of the paper begins with the paper; once is enough.
+    sources = [each.source for each in listed if figure_of(each.name)]
     same = takewhile(lambda pair: pair[0] == pair[1], zip(min(sources), max(sources), strict=False))
     common = "".join(letter for letter, _ in same).rpartition(", ")[0]
     rows = []
@@ -45,7 +45,7 @@ def scenes(scene: str | None, as_json: bool) -> None:
         since, until = (f"{float(time):.6g}" for time in (each.t0, each.t_end))
         rows.append([each.name, since, until, each.structure or "", each.source.removeprefix(f"{common}, ")])
     write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
-    write(f"\nsource: {common}")
+    write(f"\nsource of the figures: {common}")
 
 
 def _scene_data(scene: Scene) -> Record:

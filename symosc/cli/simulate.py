@@ -13,7 +13,7 @@ from symosc.exact import read_start_error
 
 @click.command()
 @scene_argument
-@click.option("--t-end", metavar="T", help="End time in place of the scene's.")
+@click.option("--t-end", metavar="T", help="End time in place of the scene's; 10T: after 10 periods.")
 @click.option("--t0", metavar="T", help="Start time in place of the scene's.")
 @click.option("--x0", metavar="X", help="Start position in place of the scene's.")
 @click.option("--v0", metavar="V", help="Start velocity in place of the scene's.")

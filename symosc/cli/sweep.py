@@ -6,10 +6,21 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from symosc.aliases import Record
 from symosc.cli.output import complain, json_option, write, write_json
-from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.cli.settings import (
+    WholeNumber,
+    complete,
+    goes_to_stdout,
+    read_duration_typed,
+    scene_argument,
+    scene_with,
+    set_option,
+)
+from symosc.model import PARAMETER_NAMES
+from symosc.scenes import START_NAMES
 
 if TYPE_CHECKING:
     import xarray
@@ -19,14 +30,30 @@ OVER_OPTION = "NAME=LO:HI:N, such as Omega=1:6:500"
 SHOWN_VALUES = 8
 
 
+def _columns_begun(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
+    from symosc.sweeps.motions import RECORDED
+
+    return complete(RECORDED)(context, option, begun)
+
+
 @click.command()
 @scene_argument
 @click.option(
-    "--over", "axes", multiple=True, metavar="NAME=LO:HI:N", help="An axis: a parameter, or t0, x0 or v0. Repeatable."
+    "--over",
+    "axes",
+    multiple=True,
+    metavar="NAME=LO:HI:N",
+    shell_complete=complete((*PARAMETER_NAMES, *START_NAMES[:3]), "="),
+    help="An axis: a parameter, or t0, x0 or v0. Repeatable.",
 )
 @set_option
 @click.option(
-    "--record", default="word", show_default=True, metavar="NAMES", help="Columns, such as word,sticks,section:64."
+    "--record",
+    default="word",
+    show_default=True,
+    metavar="NAMES",
+    shell_complete=_columns_begun,
+    help="Columns, such as word,sticks,section:64.",
 )
 @click.option("--t-end", metavar="T", help="End of all motions; 60T: after 60 periods. Default: the scene's.")
 @click.option("--skip", default="0", metavar="T", help="Leave out this time at the start; 40T: 40 periods.")
@@ -57,7 +84,8 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
     goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
     names = tuple(options["record"].split(","))
-    asked: Record = {"record": names, "t_end": options["t_end"], "skip": options["skip"], "path": output}
+    times = {name: options[name] and read_duration_typed(name, options[name]) for name in ("t_end", "skip")}
+    asked: Record = {"record": names, **times, "path": output}
     if options["status"]:
         if output is None:
             raise click.UsageError("--status tells about the file of -o; name it")

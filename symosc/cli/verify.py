@@ -12,13 +12,15 @@ from symosc.errors import MissingExtraError
 @click.command()
 @click.argument("file", required=False)
 @click.option("--orbits", "listed", is_flag=True, help="Certify and verify the list of orbits that ships.")
-def verify(file: str | None, *, listed: bool) -> int:
-    """Prove a certificate file once more, by other means than `symosc certify`.
+@click.option("--bytes", "size", metavar="N", type=click.IntRange(1), help="Largest file. Default: 10,000,000.")
+@click.option("--events", metavar="N", type=click.IntRange(1), help="Most events and boxes. Default: 50,000.")
+@click.option("--steps", metavar="N", type=click.IntRange(1), help="Most steps of the proof. Default: 2,000,000.")
+def verify(file: str | None, *, listed: bool, size: int | None, events: int | None, steps: int | None) -> int:
+    """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and windows,
-    verify_branches.py for branches, and verify_settled.py for motions that settle on an orbit. They need python-flint
-    and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not proven, 2 no
-    certificate.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches. They need
+    python-flint and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not
+    proven, 2 no certificate.
 
     \b
     Examples:
@@ -28,16 +30,17 @@ def verify(file: str | None, *, listed: bool) -> int:
     if (file is None) != listed:
         raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates import verify_branches, verify_settled  # noqa: F401 (it adds a kind)
+        from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
         return _list()
-    code, line = verify_settled.verify(file)
+    limits = {name: most for name, most in (("bytes", size), ("events", events), ("steps", steps)) if most is not None}
+    code, answer = verify_orbits.verify(file, **limits)
     if code:
-        complain(f"{line}")
+        complain(answer)
     else:
-        write(line)
+        write(answer)
     return code
 
 

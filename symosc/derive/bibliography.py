@@ -65,8 +65,7 @@ def line(key: str) -> str:
     else:
         place = f"{get('note')}, {get('year')}"
     doi = f", doi:{get('doi')}" if get("doi") else ""
-    doubt = f" (not checked: {get('unchecked')})" if get("unchecked") else ""
-    return f"{_authors(reference.fields['author'])}, {title}, {place}{doi}{doubt}."
+    return f"{_authors(reference.fields['author'])}, {title}, {place}{doi}."
 
 
 def _authors(text: str) -> str:

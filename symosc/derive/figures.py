@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DARK, GREY, LIGHT = "black", "0.45", "0.82"
+#: Points of all letters; no figure is printed smaller than it is drawn.
+LETTERS = 10.0
 
 
 def friction() -> Figure:
@@ -128,7 +130,10 @@ def figure(key: str) -> Figure:
 
     from symosc.plot.figures import STYLE
 
-    with rc_context(STYLE):
+    letters = dict.fromkeys(
+        ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), LETTERS
+    )
+    with rc_context(STYLE | letters):
         return FIGURES[key]()
 
 

@@ -47,11 +47,16 @@ PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \raggedbottom
 \setlength{\belowcaptionskip}{3pt}
 \renewcommand{\topfraction}{0.9}
+\setcounter{topnumber}{4}
 \renewcommand{\floatpagefraction}{0.8}
 \setcounter{tocdepth}{1}
 """
-#: Marks: \markit before the end of a row sets the letter that stands behind its number.
+#: Marks: \markit before the end of a row sets the letter that stands behind its number. Tables and figures stay in
+#: their chapter: those that still wait stand above the title of the next one, and none of that one does.
 MACROS = r"""\makeatletter
+\newcommand{\ifwaiting}[1]{%
+  \begingroup\let\@elt\relax\edef\waiting{\@deferlist}\expandafter\endgroup\ifx\waiting\@empty\else#1\fi}
+\newcommand{\newchapter}[1]{\par\ifwaiting{\newpage\ifwaiting{\clearpage}}\suppressfloats[t]\setcounter{section}{#1}}
 \newcommand{\symoscmark}{}
 \newcommand{\markit}[1]{\gdef\symoscmark{\,\normalfont\textsc{#1}}}
 \def\tagform@#1{\maketag@@@{(\ignorespaces#1\unskip\symoscmark\@@italiccorr)}}
@@ -122,6 +127,10 @@ def document(chapters: list[Any], scope: Scope, body: str, folder: str, numbers:
     if len(chapters) > 1:
         out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", resolved(notation.latex_table(), numbers)]
     # The chapters keep the numbers that they have in the whole book.
-    out += [rf"\setcounter{{section}}{{{each.number - 1}}}" + f"\n\\input{{{folder}/{each.key}}}" for each in chapters]
-    out += [bibliography.environment(bibliography.cited(head + body)), r"\end{document}"]
+    out += [rf"\newchapter{{{each.number - 1}}}" + f"\n\\input{{{folder}/{each.key}}}" for each in chapters]
+    out += [
+        rf"\newchapter{{{chapters[-1].number}}}",
+        bibliography.environment(bibliography.cited(head + body)),
+        r"\end{document}",
+    ]
     return "\n\n".join(out) + "\n"

@@ -10,7 +10,7 @@ from symosc.derive import bibliography, front, notation
 from symosc.derive.blocks import KINDS, Begin, End, Illustration, Table
 from symosc.derive.displays import Display, cell, grouped, marks, rows
 from symosc.derive.figures import svg
-from symosc.derive.mathml import formula, words
+from symosc.derive.mathml import font_style, formula, words
 from symosc.derive.numbering import CITATION, Numbering, resolved
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Heading, Prose
@@ -25,7 +25,8 @@ h1 { line-height: 1.2; } h2 { margin-top: 2.6rem; }
 .cells { border-top: 1px solid; border-bottom: 1px solid; font-size: .95em; }
 .cells th { border-bottom: 1px solid; text-align: left; } .cells td, .cells th { padding: .3rem .7rem .3rem 0; }
 .statement { border-left: 3px solid #999; padding-left: .9rem; margin: 1rem 0; } .proof { padding-left: .9rem; }
-.wide { overflow-x: auto; } figure { margin: 1.2rem 0; } figure img { max-width: 100%; height: auto; }
+.wide { overflow: auto hidden; padding-bottom: .2em; }
+figure { margin: 1.2rem 0; } figure img { max-width: 100%; height: auto; }
 sup.checked { font-variant: small-caps; color: #555; } .tight { white-space: nowrap; }
 """
 
@@ -41,7 +42,7 @@ def page(chapters: list[Any], scope: Scope, numbers: Numbering) -> str:
     out = [
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>',
         '<meta name="viewport" content="width=device-width">',
-        f"<style>{STYLE}</style></head><body>",
+        f"<style>{STYLE}{font_style()}</style></head><body>",
         f"<h1>{title}</h1>",
         *(_paragraph(said(text)) for text in texts if text),
         f"<h2>Contents</h2><ol>{contents}</ol>",

@@ -61,7 +61,7 @@ def _table(table: Table, checked: str, scope: Scope) -> str:
     lines = [line + (r" \\[9pt]" if r"\frac" in line else r" \\[3pt]") for line in cells]
     return "\n".join(
         [
-            r"\begin{table}[htbp]\centering\small",
+            r"\begin{table}[htp]\centering\small",
             rf"\caption{{{table.caption}{mark}}}\label{{{table.label}}}",
             rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}",
             r"\hline\rule{0pt}{12pt}%",
@@ -77,7 +77,7 @@ def _table(table: Table, checked: str, scope: Scope) -> str:
 def _picture(picture: Illustration) -> str:
     return "\n".join(
         [
-            r"\begin{figure}[htbp]\centering",
+            r"\begin{figure}[htp]\centering",
             rf"\drawing{{{picture.width:g}}}{{figures/{picture.key}.pdf}}",
             rf"\caption{{{picture.caption}}}\label{{{picture.label}}}",
             r"\end{figure}",

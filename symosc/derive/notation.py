@@ -168,7 +168,7 @@ NOTATION = (
         "there only: parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a "
         "middle",
         r"Chapter~\ref{sec:literature}",
-        r"(?:\\dot\{u\}|u)_0|\\dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
+        r"(?:\\dot\{u\}|u)_0|\\d?dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)",
     ),
     Entry(
         r"$f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$",

@@ -1,11 +1,12 @@
 """Telling how far long work is: a bar on a terminal, with the rate and the time that is left, and nothing elsewhere.
 
-Work whose length is not known shows that it goes on, after two seconds. All goes to stderr. rich, which draws it, is
-loaded when there is something to show.
+Work that takes longer than two seconds shows that it goes on; the environment variable SYMOSC_PROGRESS_DELAY sets
+another number of seconds. All goes to stderr. rich, which draws it, is loaded when there is something to show.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -14,16 +15,16 @@ from threading import Lock, Timer
 from time import monotonic
 from typing import Any
 
-from symosc.errors import ParameterError
-
 #: Gets how much is done, and how much there is in all.
 Report = Callable[[float, float], Any]
 #: Gets which part of the work is done, from 0 to 1, and how many things that took; None: nobody wants to know.
 Advance = Callable[[float, int], Any] | None
 #: How much is told: results and errors alone; notes, and bars on a terminal; what was done and how long it took too.
 QUIET, NORMAL, VERBOSE = 0, 1, 2
-#: Seconds until work of unknown length shows that it goes on, and between two pictures of a bar.
-SECONDS_UNTOLD, LEAST_PAUSE = 2.0, 0.1
+#: Seconds until work shows that it goes on, unless SYMOSC_PROGRESS_DELAY says another number.
+USUAL_DELAY = 2.0
+#: Seconds between two pictures of a bar.
+LEAST_PAUSE = 0.1
 
 _level = NORMAL
 
@@ -44,6 +45,15 @@ def shows_bars() -> bool:
     return _level > QUIET and sys.stderr is not None and sys.stderr.isatty()
 
 
+def delay() -> float:
+    """Return the seconds until work shows that it goes on, at most a day."""
+    try:
+        seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
+    except ValueError:
+        return USUAL_DELAY
+    return seconds if 0 <= seconds <= 86_400 else USUAL_DELAY
+
+
 @contextmanager
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
@@ -59,16 +69,9 @@ def reporting(
     total : number
     label, unit : str
         What is done, and what is counted.
-
-    Raises
-    ------
-    ParameterError
-        If `progress` is none of these.
     """
     if callable(progress):
         yield progress
-    elif not isinstance(progress, bool):
-        raise ParameterError("progress", progress, "must be True, False or a function of two numbers: done, and all")
     elif not (progress and shows_bars()):
         yield lambda done, total: None
     else:
@@ -98,8 +101,6 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
     """
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
-    elif not isinstance(progress, bool):
-        raise ParameterError("progress", progress, "must be True, False or a function of two numbers: done, and all")
     elif not (progress and shows_bars()):
         yield None
     else:
@@ -113,7 +114,7 @@ class _LateBar:
     def __init__(self, stack: ExitStack, label: str, unit: str) -> None:
         self.stack, self.label, self.unit = stack, label, unit
         self.first = self.since = monotonic()
-        self.part = 0.0
+        self.part, self.delay = 0.0, delay()
         self.show: Callable[[float, float, str], None] | None = None
 
     def advance(self, part: float, count: int) -> None:
@@ -125,7 +126,7 @@ class _LateBar:
             seconds = now - self.since
             left = pace(part, 1 - part, seconds, "")
             self.show(part, 1.0, f"{_rate(count / max(seconds, 1e-9), self.unit)}, {left}")
-        elif now - self.first >= SECONDS_UNTOLD:
+        elif now - self.first >= self.delay:
             self.show = self.stack.enter_context(_drawn(self.label, 0, 1.0, ""))
 
 
@@ -188,9 +189,12 @@ class _Working:
     def __init__(self, label: str) -> None:
         self.label, self.lock, self.over = label, Lock(), False
         self.status: Any = None
-        self.timer = Timer(SECONDS_UNTOLD, self.begin)
+        self.timer = Timer(delay(), self.begin)
         self.timer.daemon = True
-        self.timer.start()
+        if self.timer.interval > 0:
+            self.timer.start()
+        else:
+            self.begin()
 
     def begin(self) -> None:
         with self.lock, suppress(ImportError):

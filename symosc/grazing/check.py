@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Expr, Number, Record
+from symosc.aliases import Expr, Number, Progress, Record
+from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
@@ -120,8 +121,9 @@ class GrazingReport:
         return "\n".join(lines)
 
 
+@public
 def check_grazing(
-    p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Any = False
+    p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Progress = False
 ) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 

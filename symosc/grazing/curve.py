@@ -9,13 +9,14 @@ it touches the other belt or its own on the way, or it has met no belt.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any
 
 import numpy as np
 
+from symosc.aliases import NumberLike, Progress
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
-from symosc.exact import whole_number
+from symosc.exact import read_exact, whole_number
 from symosc.grazing.origin import Origins
 from symosc.grazing.phase_runs import PhaseRun, arcs_of, cut, filled, phases_of
 from symosc.grazing.tracer import OWN, Sample, Tracer
@@ -142,9 +143,10 @@ class GrazingCurve(Drawable):
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
 
-    def sample(self, theta_m: float) -> Sample:
+    @public
+    def sample(self, theta_m: NumberLike) -> Sample:
         """Return the sample at any phase of the window, computed anew."""
-        return self._source.sample(theta_m)
+        return self._source.sample(float(read_exact("theta_m", theta_m)))
 
     @property
     def origins(self) -> Origins:
@@ -152,7 +154,8 @@ class GrazingCurve(Drawable):
         return self._source.origins
 
 
-def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progress: Any = False) -> GrazingCurve:
+@public
+def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progress: Progress = False) -> GrazingCurve:
     """Return the curve of the starts from which a mapping grazes, with its ends located.
 
     Parameters

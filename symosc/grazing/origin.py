@@ -9,7 +9,7 @@ from symosc.engine.flow import constants
 from symosc.errors import ParameterError
 from symosc.grazing.backward_flow import CONTACT, LONG, MOST_BACKWARD_STEPS, REACHED, Arrival, BackwardState, Search
 from symosc.grazing.flight import LOOK_STEPS, Flights, rounded
-from symosc.mappings.theorem7_cases import check_parameters, place
+from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
 # How far back a start is looked for, in periods of the excitation.
@@ -39,7 +39,7 @@ class Origins:
 
     def __init__(self, p: Parameters, mapping: str) -> None:
         where = place(mapping)
-        if check_parameters(p).k == 0:
+        if p.k == 0:
             raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
         self.p, self.mapping, self.place, self.K = p, mapping, where, constants(p)
         self._search = Search(self.K, where.boundary, where.domain)

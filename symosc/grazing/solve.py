@@ -12,7 +12,8 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
-from symosc.aliases import Angle, NumberLike
+from symosc.aliases import Angle, NumberLike, Progress
+from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
@@ -22,7 +23,7 @@ from symosc.grazing.newton import Candidates
 from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.latex import number, table, words
-from symosc.mappings.theorem7_cases import check_parameters, place
+from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
@@ -65,13 +66,14 @@ class GrazingSolutions(list[GrazingStart]):
         return f"${self.latex()}$"
 
 
+@public
 def solve_grazing(
     p: Parameters,
     mapping: str,
     *,
     n: int = CURVE_POINTS,
     digits: int | None = None,
-    progress: Any = False,
+    progress: Progress = False,
     **given: NumberLike,
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
@@ -111,7 +113,7 @@ def solve_grazing(
     >>> f"{start.theta:.6f}", f"{start.theta_m:.6f}"
     ('5.085819', '0.612081')
     """
-    check_parameters(p), place(mapping)
+    place(mapping)
     name, value = _read_given(p, given)
     whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     read_digits(digits, MOST_START_DIGITS)

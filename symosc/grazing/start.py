@@ -18,6 +18,7 @@ from fractions import Fraction
 from math import inf
 
 from symosc.aliases import Angle, Context, Number, NumberLike, Record
+from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, show
@@ -101,6 +102,7 @@ class GrazingStart:
         return first | texts | {"boundary": self.boundary, "touch": self.touch}
 
 
+@public
 def grazing_start(
     p: Parameters,
     mapping: str,
@@ -109,7 +111,7 @@ def grazing_start(
     t_m: NumberLike | None = None,
     t0: NumberLike | None = None,
     digits: int | None = None,
-    periods: float = SEARCH_PERIODS,
+    periods: NumberLike = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Flow back from the tangency at a phase to where the mapping starts.
 

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from symosc.aliases import Context, Mpf, NumberLike
+from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing.angles import number_of, read_angle, read_phase
 from symosc.kernels._generated import next_derivative
 from symosc.mappings.latex import number
-from symosc.mappings.theorem7_cases import Place, check_parameters, place
+from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
 
 # G-functions up to this part of the size of their terms count as 0.
@@ -65,8 +66,9 @@ class GrazingVerdict:
         return f"${self.latex()}$"
 
 
+@public
 def is_grazing(
-    p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: float = G_TOLERANCE
+    p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
 ) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
 
@@ -98,7 +100,6 @@ def is_grazing(
     True
     """
     where = place(mapping)
-    check_parameters(p)
     limit = read_exact("tolerance", tolerance)
     if not 0 <= limit < 1:
         raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")

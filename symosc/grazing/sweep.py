@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symosc.aliases import Order
+from symosc.arguments import public
 from symosc.engine.binding import compiled
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.grazing import window_ends
@@ -18,7 +20,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels import double_double
 from symosc.mappings import theorem7_cases
 from symosc.mappings.arguments import real_array
-from symosc.mappings.theorem7_cases import EMPTY, EQUALITY_IN_DOUBT, EVERYTHING, check_order, check_parameters, place
+from symosc.mappings.theorem7_cases import EMPTY, EQUALITY_IN_DOUBT, EVERYTHING, place
 from symosc.model import Parameters
 
 
@@ -57,7 +59,8 @@ class WindowColumns(NamedTuple):
         return not self == other
 
 
-def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: ArrayLike) -> WindowColumns:
+@public
+def grazing_windows(p: Parameters, mapping: str, order: Order = "full", **swept: ArrayLike) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
     Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
@@ -83,8 +86,7 @@ def grazing_windows(p: Parameters, mapping: str, order: str = "full", **swept: A
     >>> columns.kind.tolist()
     [1, 4, 4]
     """
-    where, full = place(mapping), check_order(order) == "full"
-    check_parameters(p)
+    where, full = place(mapping), order == "full"
     names = ("k", f"v{where.boundary}", "B0", "Omega")
     for name in swept:
         if name not in names:
@@ -125,7 +127,9 @@ def _check_values(p: Parameters, arrays: dict[str, np.ndarray]) -> None:
             p.replace(**{name: float(value)})
 
 
-def _fill(columns: WindowColumns, i: int, p: Parameters, mapping: str, order: str, values: dict[str, Fraction]) -> None:
+def _fill(
+    columns: WindowColumns, i: int, p: Parameters, mapping: str, order: Order, values: dict[str, Fraction]
+) -> None:
     """Write row i from rational numbers."""
     exact = grazing_window(p.replace(**values), mapping, order)
     columns.kind[i] = exact.kind

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Expr, Number, NumberLike
+from symosc.aliases import Expr, Number, NumberLike, Order
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
@@ -28,8 +29,6 @@ from symosc.mappings.theorem7_cases import (
     EVERYTHING,
     Place,
     case_label,
-    check_order,
-    check_parameters,
     place,
     window_kind,
 )
@@ -40,7 +39,8 @@ CLEAR_SINE = 1e-12
 WINDOW_DIGITS = 30
 
 
-def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingWindow:
+@public
+def grazing_window(p: Parameters, mapping: str, order: Order = "full") -> GrazingWindow:
     """Return the phases at which the flow of a map grazes its boundary (Theorem 7).
 
     Parameters
@@ -63,7 +63,7 @@ def grazing_window(p: Parameters, mapping: str, order: str = "full") -> GrazingW
     >>> grazing_window(load_scene("fig9").parameters, "P2")
     GrazingWindow(P2, gamma=30, case=(55.1), [0, 3.22502) or (6.19976, 6.28319))
     """
-    return GrazingWindow(check_parameters(p), mapping, check_order(order), place(mapping))
+    return GrazingWindow(p, mapping, order, place(mapping))
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,7 +89,7 @@ class GrazingWindow(Drawable):
 
     parameters: Parameters
     mapping: str
-    order: str
+    order: Order
     place: Place
 
     @cached_property
@@ -178,6 +178,7 @@ class GrazingWindow(Drawable):
 
     # --- phases and places ---
 
+    @public
     def contains(self, theta: NumberLike | np.ndarray) -> Any:
         """Return whether a contact at the phase `theta` grazes, decided exactly.
 
@@ -201,6 +202,7 @@ class GrazingWindow(Drawable):
             return self._contains_array(theta)
         return self._sign_at(theta) > 0
 
+    @public
     def contact(self, theta: NumberLike | np.ndarray) -> Any:
         """Return the place x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
 

@@ -10,24 +10,11 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.errors import ParameterError
+from symosc.exact import unmasked
 
 POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
 NUMBERS = "must be a finite real number: a float, an int or an mpmath number"
 ARRAYS = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
-
-
-def four_numbers(start: Any, end: Any) -> list[Any]:
-    """Return x_i, theta_i, x_j, theta_j as they were given."""
-    allowed = "must be two pairs (x_i, theta_i), (x_j, theta_j)"
-    if any(isinstance(pair, str | bytes | dict | set) for pair in (start, end)):
-        raise ParameterError("points", (start, end), allowed)
-    try:
-        given = [*start, *end]
-    except TypeError:
-        given = []
-    if len(given) != 4 or len(list(start)) != 2:
-        raise ParameterError("points", (start, end), allowed)
-    return given
 
 
 def is_mp(value: object) -> bool:
@@ -45,9 +32,9 @@ def is_array(value: Any) -> bool:
 
 def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
     """Return a number in the arithmetic of `convert`."""
-    if isinstance(value, np.ndarray) and value.ndim == 0:
+    if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
         value = value.item()
-    if isinstance(value, bool | np.bool_ | str | bytes) or value is None or is_array(value):
+    if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
         raise ParameterError(name, value, NUMBERS)
     try:
         number = convert(value)
@@ -71,6 +58,7 @@ def columns_of(given: list[object]) -> list[np.ndarray]:
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     """Return finite real numbers as an array of floats; text, booleans and complex numbers are refused."""
+    unmasked(name, value)
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"

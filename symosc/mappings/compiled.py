@@ -6,21 +6,25 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.arguments import public
 from symosc.engine import arithmetic, binding
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
+from symosc.exact import unmasked
 from symosc.kernels import _generated, elementary, entire, entire_array, entire_branchless, mapping, mapping_loops
 from symosc.kernels.mapping_loops import BACKWARD, CLOSED_FORM, KINDS, WIDE
-from symosc.mappings.equations import EXITS, UNWRAPPED, check_parameters
+from symosc.mappings.equations import EXITS, UNWRAPPED
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.words import MAPS, Map, read_word
+from symosc.words import MAPS, Map, WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
 
 
+@public
 def compiled_residual(
-    p: Parameters, label: str, *, jacobian: bool = False, exit: str | None = None
+    p: Parameters, label: WordLike, *, jacobian: bool = False, exit: str | None = None
 ) -> CompiledResidual:
     """Return a compiled function for the residuals of a map, or of a word, over arrays.
 
@@ -57,7 +61,6 @@ def compiled_residual(
     >>> f1.round(6), f2.round(6)
     (array([-0.146366]), array([1.642603]))
     """
-    check_parameters(p)
     labels = (label,) if isinstance(label, str) and label in MAPS else read_word(label).labels
     rows = tuple(MAPS[one] for one in labels)
     if exit is not None and not (exit in EXITS and any(row.sticks for row in rows)):
@@ -106,7 +109,8 @@ class CompiledResidual:
     def __repr__(self) -> str:
         return f"CompiledResidual(maps={self.maps}, jacobian={self.jacobian})"
 
-    def __call__(self, *columns: Any) -> Any:
+    @public
+    def __call__(self, *columns: ArrayLike) -> Any:
         """Return the residuals, and the derivatives if they were asked for.
 
         Raises
@@ -136,9 +140,12 @@ class CompiledResidual:
     def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
         if len(columns) != len(names):
             raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
+        given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
         try:
-            arrays = tuple(np.require(column, dtype=float, requirements=["C", "W"]) for column in columns)
-        except (TypeError, ValueError):
+            if any(np.asarray(column).dtype.kind not in "iufO" for column in given):
+                raise TypeError
+            arrays = tuple(np.require(np.asarray(column), dtype=float, requirements=["C", "W"]) for column in given)
+        except (TypeError, ValueError, OverflowError):
             raise ParameterError("points", columns, "must be arrays of real numbers") from None
         shapes = [array.shape for array in arrays]
         if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:

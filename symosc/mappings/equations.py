@@ -25,11 +25,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.aliases import Context, Number, Numbers
+from symosc.arguments import public
 from symosc.engine import binding
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array, mapping, repeated
-from symosc.mappings.arguments import POINT_NAMES, columns_of, four_numbers, is_array, is_mp, scalar
+from symosc.mappings.arguments import POINT_NAMES, columns_of, is_array, is_mp, scalar
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
 
@@ -43,6 +44,7 @@ ARRAY_BLOCK = 16384
 # --- residual and derivatives ---
 
 
+@public
 def residual(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> tuple[Numbers, Numbers]:
     """Return (f1, f2) of a mapping between two switching points; both vanish when the map leads from one to the other.
 
@@ -80,6 +82,7 @@ def residual(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None
     return found[0].reshape(shape), found[1].reshape(shape)
 
 
+@public
 def jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to (x_i, theta_i, x_j, theta_j).
 
@@ -104,6 +107,7 @@ def jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None
     return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4)).reshape((2, 4, *shape))
 
 
+@public
 def parameter_jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
 
@@ -232,14 +236,8 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 
 def _row(label: object) -> Map:
     if not isinstance(label, str) or label not in MAPS:
-        raise ParameterError("map", label, f"must be one of {', '.join(MAPS)}")
+        raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     return MAPS[label]
-
-
-def check_parameters(p: object) -> None:
-    """Raise ParameterError unless p is Parameters."""
-    if not isinstance(p, Parameters):
-        raise ParameterError("p", p, "must be Parameters; a scene has them as scene.parameters")
 
 
 def read_points(
@@ -247,11 +245,10 @@ def read_points(
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
     row = _row(label)
-    check_parameters(p)
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    given = four_numbers(start, end)
+    given = [*start, *end]
     context = next((value.context for value in given if is_mp(value)), None)
     shape = None
     if context is not None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Number
+from symosc.arguments import public
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits
 from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent, State
@@ -84,7 +84,8 @@ class MapPoint:
     derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
 
 
-def solve_map(p: Parameters, label: str, x_i: Any, theta_i: Any) -> MapPoint:
+@public
+def solve_map(p: Parameters, label: str, x_i: Number, theta_i: Number) -> MapPoint:
     """Follow a mapping from a switching point to the next one, by the event search that simulations use.
 
     Parameters

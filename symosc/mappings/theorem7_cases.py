@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from symosc.aliases import Order
 from symosc.errors import ParameterError
-from symosc.model import Parameters
 
 
 class Place(NamedTuple):
@@ -41,7 +41,7 @@ _NO_GRAZING = {
     "P8": "leads from v1 to v2",
 }
 
-ORDERS = ("full", "paper")
+ORDERS: tuple[Order, ...] = ("full", "paper")
 
 # What a window is; a wrapped arc goes through 0.
 EQUALITY_IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
@@ -59,21 +59,6 @@ def place(mapping: str) -> Place:
         reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
         raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
     return PLACES[mapping]
-
-
-def check_parameters(p: object) -> Parameters:
-    """Return `p` if it is a set of parameters."""
-    if not isinstance(p, Parameters):
-        shown = p if isinstance(p, str | int | float | None) else type(p).__name__
-        raise ParameterError("p", shown, "must be Parameters; those of a scene are load_scene(name).parameters")
-    return p
-
-
-def check_order(order: str) -> str:
-    """Return `order` if it is "full" or "paper", the two readings of Theorem 7."""
-    if not isinstance(order, str) or order not in ORDERS:
-        raise ParameterError("order", order, f"must be one of {', '.join(ORDERS)}")
-    return order
 
 
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:

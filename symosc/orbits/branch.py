@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.errors import SymoscError
@@ -145,10 +146,12 @@ class Branch(Drawable):
         self.multipliers = np.array([point.multipliers for point in path])
         self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
 
+    @public
     def parameters(self, i: int) -> Parameters:
         """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
         return self._orbit.parameters.replace(**{self.parameter: float(self.values[self._index(i)])})
 
+    @public
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
         return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)

@@ -12,15 +12,17 @@ So a gap in a branch is found however narrow it is compared with the steps, and 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from symosc.aliases import NumberLike
+from symosc.aliases import DataFrame, NumberLike, Progress
+from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import conditions
@@ -33,7 +35,7 @@ from symosc.orbits.find import find_orbit
 from symosc.orbits.newton import solve
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.orbits.verification import MARGINAL, failures
-from symosc.words import read_word
+from symosc.words import WordLike, read_word
 
 FOLD, PERIOD_DOUBLING, NEIMARK_SACKER = "fold", "period doubling", "Neimark-Sacker"
 MULTIPLIER_MESSAGES = {
@@ -57,16 +59,17 @@ MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
 TOUCH_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
+@public
 def continue_orbit(
     parameters: Parameters,
-    word: Any,
+    word: WordLike,
     parameter: str,
     range: tuple[NumberLike, NumberLike],
-    guess: Any = None,
+    guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     *,
     periods: int | None = None,
     max_points: int = 2000,
-    progress: Any = False,
+    progress: Progress = False,
 ) -> Branch:
     """Follow a periodic orbit as one parameter changes, both ways, until it ends or leaves the range.
 
@@ -117,11 +120,6 @@ def continue_orbit(
 
 def _curve(parameters: Parameters, word: Any, parameter: str, range: Any, guess: Any, periods: int | None) -> Curve:
     """Return the curve that is followed, with the orbit that it begins with."""
-    if isinstance(parameters, PeriodicOrbit):
-        found = f"continue_orbit(orbit.parameters, {parameters.word!r}, 'Omega', (low, high), orbit)"
-        raise ParameterError("parameters", parameters, f"must be Parameters; to follow an orbit write {found}")
-    if not isinstance(parameters, Parameters):
-        raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     read_word(word)
     low, high = _read_range(parameters, parameter, range)
     orbit = find_orbit(parameters, word, guess, periods=periods)
@@ -337,7 +335,8 @@ def _named(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
 
 def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
     if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
-        raise ParameterError("parameter", parameter, f"must be one of {', '.join(PARAMETER_NAMES)}")
+        known = f"must be one of {', '.join(PARAMETER_NAMES)}"
+        raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))
     try:
         low, high = (None, None) if isinstance(limits, str) else limits
     except (TypeError, ValueError):

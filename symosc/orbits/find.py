@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, floor, inf, pi
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from symosc.aliases import Points
+from symosc.aliases import DataFrame, Points
+from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
-from symosc.exact import read_digits, whole_number
+from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.arguments import text_or_booleans
 from symosc.model import Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
@@ -31,7 +33,8 @@ from symosc.orbits.guesses import (
 from symosc.orbits.newton import Solution, polish, solve
 from symosc.orbits.periodic_orbit import Approach, PeriodicOrbit, SwitchingPoint
 from symosc.orbits.verification import failures
-from symosc.words import Word, WordError, read_word
+from symosc.simulation.columns import named
+from symosc.words import Word, WordError, WordLike, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
@@ -47,8 +50,14 @@ SHORTEST_PIECE = 1e-8
 SAME_ORBIT = 1e-7
 
 
+@public
 def find_orbit(
-    parameters: Parameters, word: Any, guess: Any = None, digits: int | None = None, *, periods: int | None = None
+    parameters: Parameters,
+    word: WordLike,
+    guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
+    digits: int | None = None,
+    *,
+    periods: int | None = None,
 ) -> PeriodicOrbit:
     """Find the periodic orbit with a given mapping structure.
 
@@ -116,10 +125,8 @@ def _read_word(word: Any) -> Word:
     return found
 
 
-def _check_parameters(parameters: object) -> None:
+def _check_parameters(parameters: Parameters) -> None:
     """Raise ParameterError unless these are Parameters with a spring."""
-    if not isinstance(parameters, Parameters):
-        raise ParameterError("parameters", parameters, "give Parameters, such as load_scene('fig9').parameters")
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
 
@@ -292,13 +299,16 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
+    guess = unmasked("guess", named("guess", guess, ("t", "x")))
     try:
+        if isinstance(guess, Mapping):
+            guess = np.column_stack([np.atleast_1d(unmasked("guess", column)) for column in guess.values()])
         if text_or_booleans(guess):
             raise TypeError
         rows = np.atleast_2d(np.array(guess, dtype=object))
         if rows.ndim > 2:
             raise TypeError
-        values = np.array([[float(value) for value in row] for row in rows])
+        values = np.array([[float(value) for value in unmasked("guess", list(row))] for row in rows])
     except (TypeError, ValueError, OverflowError):
         values = np.zeros((0, 0))
     if values.shape not in ((n, 2), (1, 2)) or not np.isfinite(values).all():

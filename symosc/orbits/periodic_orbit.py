@@ -9,10 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Number, Record
+from symosc.aliases import Number, NumberLike, Record, SceneName
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
+from symosc.exact import read_exact, unmasked
+from symosc.mappings.arguments import real_array
 from symosc.model import Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations
@@ -161,14 +164,16 @@ class PeriodicOrbit(Drawable):
         """Return every inequality that makes the root an orbit, with its margin."""
         return conditions(self.equations(), self.phases())
 
+    @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
-        times = np.asarray(t, dtype=float)
+        times = real_array("t", unmasked("t", t), "must be real numbers")
         equations, points = self.equations(), self.phases()
         states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
-    def approach(self, scene: Scene | str, within: float = NEAR_ORBIT) -> Approach:
+    @public
+    def approach(self, scene: Scene | SceneName, within: NumberLike = NEAR_ORBIT) -> Approach:
         """Say how far a scene's start is from the orbit, and how soon its motion is within `within` of it.
 
         Raises
@@ -176,7 +181,10 @@ class PeriodicOrbit(Drawable):
         ParameterError
             If the scene has other parameters than the orbit.
         """
-        scene = load_scene(scene) if isinstance(scene, str) else scene
+        scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        near = float(read_exact("within", within))
+        if near <= 0:
+            raise ParameterError("within", within, "must be > 0")
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         start = np.array([float(scene.x0), float(scene.v0)])
@@ -188,11 +196,11 @@ class PeriodicOrbit(Drawable):
             path = simulate(scene, t_end=end)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
             away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
-            far = np.flatnonzero(away > within)
+            far = np.flatnonzero(away > near)
             if len(far) == 0 or far[-1] + 1 < len(away):
                 periods = 0 if len(far) == 0 else int(far[-1]) + 1
                 break
-        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, within)
+        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, near)
 
     def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
         """Return the orbit's states at times since the scene's start, shifted by forcing periods to the nearest one."""

@@ -213,7 +213,7 @@ def _six_panels(view: View) -> str:
 
 def _distance(orbit: str) -> str:
     scene = load_scene(orbit)
-    away = find_orbit(scene.parameters, scene.structure).approach(printed_scene(orbit))
+    away = find_orbit(scene.parameters, str(scene.structure)).approach(printed_scene(orbit))
     return (
         f"it differs by {number(away.dt, 3)} in t and {number(away.dx, 3)} in x from the orbit's nearest switching "
         f"point, and the motion from it is within {number(away.within)} of the orbit after {away.periods} periods."

@@ -77,7 +77,7 @@ def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) ->
 
 def search_start(scene: Scene) -> list[Nearest]:
     """Leave each number of the start free in turn; the parameters stay as they are printed."""
-    orbit = find_orbit(scene.parameters, scene.structure)
+    orbit = find_orbit(scene.parameters, str(scene.structure))
     t0, x0, gaps = float(scene.t0), float(scene.x0), _gaps(orbit, scene)
     dt, dx = min(gaps, key=lambda gap: abs(gap[1]))
     found = [Nearest("t0", t0 + dt, 0.0, dx, (-inf, inf), True)]
@@ -167,7 +167,7 @@ def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
 def _gap(scene: Scene, name: str, value: float) -> np.ndarray:
     """Return (dt, dx) from the printed start to the nearest switching point of the orbit; inf if there is none."""
     try:
-        orbit = find_orbit(scene.parameters.replace(**{name: value}), scene.structure)
+        orbit = find_orbit(scene.parameters.replace(**{name: value}), str(scene.structure))
     except SymoscError:
         return np.array([inf, inf])
     if not orbit.admissible:

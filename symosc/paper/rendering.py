@@ -10,6 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from symosc.derive.mathml import font_style
 from symosc.paper.typeset import typeset
 
 
@@ -24,6 +25,7 @@ def render(template: str, context: Mapping[str, Any]) -> str:
         keep_trailing_newline=True,
     )
     environment.filters |= {"typeset": _typeset, "md": _markdown, "wrapped": _wrapped}
+    environment.globals["font_style"] = lambda: Markup(font_style())
     return environment.get_template(template).render(context)
 
 

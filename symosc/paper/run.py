@@ -34,8 +34,8 @@ Key = tuple[str, str]
 Tasks = dict[Key, Callable[[], Any]]
 #: Verdict of a check that raised, hung or died.
 ERROR = "error"
-#: Seconds after which a task counts as hanging.
-PICTURE_LIMIT = 300.0
+#: Seconds after which a task counts as hanging; the longest takes one minute on a usual machine.
+TASK_LIMIT = 3600.0
 #: How many pools of processes are tried. One in which a process dies while it takes its task may break down whole.
 POOLS = 3
 
@@ -278,7 +278,7 @@ def _in_a_pool(tasks: Tasks, workers: int) -> Generator[tuple[Key, Done | None],
 
 def _scheduled(pool: ProcessPool, task: Callable[[], Any]) -> Future[Done]:
     try:
-        return pool.schedule(timed, args=(task,), timeout=PICTURE_LIMIT)
+        return pool.schedule(timed, args=(task,), timeout=TASK_LIMIT)
     except RuntimeError as error:  # the pool has already broken down
         future: Future[Done] = Future()
         future.set_exception(BrokenProcessPool(str(error)))
@@ -289,7 +289,7 @@ def _outcome(future: Future[Done]) -> Done | None:
     try:
         return future.result()
     except Overdue:
-        return Done(error=f"no result within {PICTURE_LIMIT:g} s")
+        return Done(error=f"no result within {TASK_LIMIT:g} s")
     except ProcessExpired as death:
         return Done(error=f"the process ended with exit code {death.exitcode}")
     except BrokenProcessPool:

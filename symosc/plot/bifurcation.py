@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from symosc.errors import ParameterError
+from symosc.arguments import public
 from symosc.plot.columns import label, read_axes, read_column, typeset
 from symosc.plot.drawing import one_axes, style_for
 
 if TYPE_CHECKING:
     import xarray
 
-COMPONENTS = ("x", "v")
 COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
 # Points shrink down to this size (points squared) when there are many.
 LARGEST_POINT, LEAST_POINT, ROOMY_POINTS = 6.0, 0.3, 500
 
 
-def bifurcation_figure(dataset: xarray.Dataset, component: str = "x", *, ax: Axes | None = None) -> Figure:
+@public
+def bifurcation_figure(
+    dataset: xarray.Dataset, component: Literal["x", "v"] = "x", *, ax: Axes | None = None
+) -> Figure:
     """Draw the stroboscopic section against a parameter: a point for each recorded period.
 
     Parameters
@@ -48,8 +50,6 @@ def bifurcation_figure(dataset: xarray.Dataset, component: str = "x", *, ax: Axe
     >>> [axes.get_ylabel() for axes in plot.bifurcation_figure(found).axes]
     ['displacement $x$ at whole periods']
     """
-    if component not in COMPONENTS:
-        raise ParameterError("component", component, f"must be {' or '.join(COMPONENTS)}")
     section = read_column(dataset, "section").sel(component=component)
     one = section.isel(start=0) if "start" in section.dims else section
     (name,) = read_axes(one, 1, "a bifurcation diagram")
@@ -64,6 +64,7 @@ def bifurcation_figure(dataset: xarray.Dataset, component: str = "x", *, ax: Axe
     return drawing
 
 
+@public
 def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a column against one parameter: numbers as a curve, words as levels.
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from symosc.errors import ParameterError
+from symosc.arguments import public
 from symosc.orbits.branch import Branch, BranchEnd
 from symosc.orbits.continuation import MOST, NO_CONVERGENCE
 from symosc.orbits.floquet import NEAR_ONE
@@ -42,6 +42,7 @@ UNIT = (0, (1, 2))
 BETWEEN = 24
 
 
+@public
 def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
@@ -71,8 +72,6 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
-    if not isinstance(branch, Branch):
-        raise ParameterError("branch", type(branch).__name__, "must be a Branch; continue_orbit(...) makes one")
     panels = read_panels(panels, tuple(PANELS), ax, alone="b")
     if ax is not None:
         drawing = figure_of(ax)

@@ -45,6 +45,8 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
     ParameterError
         If they are others; the message says how to select.
     """
+    if "component" in column.dims:
+        raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
     axes = axes_of(column)
     if len(axes) != count or any(each not in column.coords for each in axes):
         sizes = ", ".join(f"{each} ({column.sizes[each]})" for each in axes) or "none"

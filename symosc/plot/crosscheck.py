@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from symosc.arguments import public
 from symosc.crosschecks.compare import CrossCheck
-from symosc.errors import ParameterError
 from symosc.plot.drawing import Drawing, figure_of, read_panels, save, style_for
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
@@ -20,6 +20,7 @@ POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d71
 FLOOR = 1e-17
 
 
+@public
 def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a cross-check against time: global errors, defects of the steps, and the velocity.
 
@@ -50,8 +51,6 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    if not isinstance(check, CrossCheck):
-        raise ParameterError("check", type(check).__name__, "must be a CrossCheck; crosscheck(...) makes one")
     panels = read_panels(panels, tuple(PANELS), ax)
     if ax is not None:
         drawing = figure_of(ax)
@@ -95,12 +94,12 @@ def write(check: CrossCheck, path: str | Path) -> Path:
 
 
 def _global_errors(ax: Axes, check: CrossCheck) -> None:
-    _errors(ax, check.t, check.errors, check.scales, check.global_tolerance)
+    _errors(ax, check.t, check.errors, check.scales, check.limits)
     ax.set_ylabel("global error")
 
 
 def _defects(ax: Axes, check: CrossCheck) -> None:
-    _errors(ax, check.t[1:], check.defects, check.scales, check.tolerance)
+    _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
     wrong = check.wrong_steps
     if len(wrong):
         worst = np.max(np.abs(check.defects[wrong]) / check.scales, axis=1)
@@ -108,7 +107,7 @@ def _defects(ax: Axes, check: CrossCheck) -> None:
     ax.set_ylabel("defect of the step")
 
 
-def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, float], tolerance: float) -> None:
+def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, float], limits: np.ndarray) -> None:
     shown: list[np.ndarray] = []
     names, colors = ("$x$, relative", r"$\dot{x}$, relative"), (POSITION, VELOCITY)
     for column, (name, color, style) in enumerate(zip(names, colors, ("-", (0, (4, 1.6))), strict=True)):
@@ -118,9 +117,10 @@ def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, fl
         marker = "." if len(t) < 1000 else None
         shown.append(values)
         ax.plot(t, values, marker=marker, ms=2.5, lw=0.8, color=color, ls=style, label=name)
-    ax.axhline(tolerance, color="black", lw=0.7, ls=(0, (1, 2)), label="tolerance")
+    limit = np.max(limits / scales, axis=1)
+    ax.plot(t, limit, color="black", lw=0.7, ls=(0, (1, 2)), label="tolerance")
     if np.isnan(shown).all():  # nothing to scale by but the tolerance
-        ax.set_ylim(FLOOR, 10 * max(tolerance, FLOOR))
+        ax.set_ylim(FLOOR, 10 * max(float(np.max(limit)), FLOOR))
     ax.set_yscale("log")
 
 

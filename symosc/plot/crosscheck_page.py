@@ -17,20 +17,21 @@ from symosc.crosschecks.causes import CAUSES, Diagnosis
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.report import CrossCheck
-from symosc.files import write_text
+from symosc.files import check_folder_of, write_text
 from symosc.plot.crosscheck import crosscheck_figure
 from symosc.plot.crosscheck_step import step_figure
 from symosc.plot.drawing import STYLE
 from symosc.simulation.trajectory import Event
 
-# Rows of a table.
-MOST_ROWS = 200
+# Rows of a table, and those that are shown before the reader unfolds the rest.
+MOST_ROWS, ROWS_SHOWN = 200, 8
 # Curves of more samples are drawn in pixels: as lines they would be megabytes.
 MOST_LINES, PIXELS_PER_INCH = 4_000, 160.0
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
     """Write the page; raises OutputError if it cannot be written."""
+    check_folder_of(path)
     environment = Environment(
         loader=PackageLoader("symosc.plot", "templates"),
         autoescape=True,
@@ -55,6 +56,7 @@ def page(check: CrossCheck) -> Record:
         "more_events": max(0, len(events) - MOST_ROWS),
         "wrong": [_fault(fault) for fault in check.faults[:MOST_ROWS]],
         "wrong_count": len(check.wrong_steps),
+        "shown": ROWS_SHOWN,
         "parameters": p.as_dict(),
         "notes": check.notes,
     }
@@ -65,11 +67,12 @@ def _verdict(check: CrossCheck) -> str:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
-    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step)."
+    beside = "".join(f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said)
+    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
 
 
 def _facts(check: CrossCheck) -> list[tuple[str, str]]:
-    limits = [check.global_tolerance * scale for scale in check.scales]
+    limits = check.limits_there
     return [
         ("Samples", f"{len(check.t)}, from t = {check.t[0]:.10g} to {check.t[-1]:.10g}"),
         ("Largest error of x", f"{check.max_error_x:.2e} (allowed {limits[0]:.1e})"),
@@ -149,7 +152,13 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     width, height = drawing.get_size_inches()
     if len(drawing.axes) == 1:
         drawing.axes[0].set_title("", loc="left")  # no letter for a single panel
-    drawing.set_size_inches(min(width, 4.0), max(height, 2.9))  # letters that a phone can show
+    for legend in drawing.legends:  # two columns fit the width
+        handles = [handle for handle in legend.legend_handles if handle is not None]
+        labels = [text.get_text() for text in legend.get_texts()]
+        legend.remove()
+        with rc_context(STYLE):
+            drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    drawing.set_size_inches(min(width, 4.0), max(height, 3.3))  # letters that a phone can show
     kind, media = ("png", "png") if pixels else ("svg", "svg+xml")
     options: dict[str, Any] = {"dpi": PIXELS_PER_INCH} if pixels else {"metadata": {"Date": None}}
     data = BytesIO()

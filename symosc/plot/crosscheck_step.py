@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.arguments import public
 from symosc.crosschecks.report import CrossCheck
-from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot.crosscheck import POSITION, VELOCITY, WRONG
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
@@ -18,6 +18,7 @@ from symosc.simulation.trajectory import Trajectory
 SAMPLES_BESIDE, POINTS_OF_EXACT = 3, 400
 
 
+@public
 def step_figure(
     check: CrossCheck, step: int | None = None, panels: str | None = None, *, ax: Axes | None = None
 ) -> Figure:
@@ -51,8 +52,6 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
-    if not isinstance(check, CrossCheck):
-        raise ParameterError("check", type(check).__name__, "must be a CrossCheck; crosscheck(...) makes one")
     panels = read_panels(panels, ("a", "b"), ax)
     if step is None:
         step = check.first_wrong.step if check.first_wrong else 0

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from symosc.errors import ParameterError
+from symosc.arguments import public
 from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.mappings.theorem7_cases import place
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
@@ -21,6 +21,7 @@ ANGLE_TICKS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$
 TURN = 2 * pi
 
 
+@public
 def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a grazing curve.
 
@@ -50,8 +51,6 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     >>> drawing.axes[1].get_title()
     'flight to the grazing point'
     """
-    if not isinstance(curve, GrazingCurve):
-        raise ParameterError("curve", type(curve).__name__, "must be a GrazingCurve; grazing_curve(...) makes one")
     panels = read_panels(panels, tuple(PANELS), ax)
     if ax is not None:
         PANELS[panels](ax, curve)

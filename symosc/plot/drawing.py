@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import ScalarFormatter
 
+from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
 from symosc.plot.panel_axes import PanelAxes
@@ -129,7 +130,7 @@ def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = 
     letters = "".join(known)
     if panels is None:
         panels = letters if ax is None else alone
-    if not (isinstance(panels, str) and panels and not set(panels) - set(known) and len(set(panels)) == len(panels)):
+    if not (panels and not set(panels) - set(known) and len(set(panels)) == len(panels)):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
     if ax is not None:
         figure_of(ax)
@@ -138,6 +139,7 @@ def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = 
     return panels
 
 
+@public
 def check_suffix(path: str | Path) -> None:
     """Raise OutputError unless figures can be written to a file of that name.
 
@@ -163,6 +165,7 @@ def _suffix(path: str | Path) -> str:
     return suffix
 
 
+@public
 def save(drawing: Figure, path: str | Path) -> Path:
     """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all; ``"-"``: SVG to standard output.
 
@@ -181,8 +184,6 @@ def save(drawing: Figure, path: str | Path) -> Path:
     ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
     'motion.svg'
     """
-    if not isinstance(drawing, Figure):
-        raise ParameterError("drawing", drawing, "must be a figure, such as figure(...) returns")
     suffix = _suffix(path)
     kind = suffix.removeprefix(".")
     # No date in the file: drawing it again gives the same bytes.

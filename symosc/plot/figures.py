@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
+from symosc.aliases import NumberLike, SceneName
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot.drawing import STYLE, Drawing, figure_of, read_panels
@@ -35,10 +37,11 @@ MOST_DRAWN_EVENTS = 1000
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
 
 
+@public
 def figure(
-    subject: Trajectory | Scene | str,
+    subject: Trajectory | Scene | SceneName,
     *,
-    t_end: Any = None,
+    t_end: NumberLike | None = None,
     panels: str | None = None,
     boundary: int | None = None,
     columns: int = 2,
@@ -81,7 +84,7 @@ def figure(
     >>> [axes.get_xlabel() for axes in drawing.axes]
     ['time $t$', 'displacement $x$']
     """
-    scene = load_scene(subject) if isinstance(subject, str) else subject
+    scene = subject if isinstance(subject, Scene | Trajectory) else load_scene(subject)
     if panels is None:
         panels = "a" if ax is not None else default_panels(scene) if isinstance(scene, Scene) else "abcd"
     check_panels(panels, ax)
@@ -96,12 +99,10 @@ def figure(
     return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
 
 
-def _motion(subject: object, t_end: Any) -> Trajectory:
+def _motion(subject: Trajectory | Scene, t_end: NumberLike | None) -> Trajectory:
     """Return what is drawn: a trajectory, or the motion of a scene up to t_end, with not too many events."""
     if isinstance(subject, Scene):
         return simulated(subject, t_end)
-    if not isinstance(subject, Trajectory):
-        raise ParameterError("subject", subject, "give a Trajectory, a Scene or the name of one")
     if t_end is not None:
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
     if len(subject.events) > MOST_DRAWN_EVENTS:
@@ -110,7 +111,8 @@ def _motion(subject: object, t_end: Any) -> Trajectory:
     return subject
 
 
-def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
+@public
+def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
     """Return the motion that a figure of a scene shows.
 
     Raises
@@ -134,6 +136,7 @@ def simulated(scene: Scene, t_end: Any = None) -> Trajectory:
     return found
 
 
+@public
 def orbit_figure(
     orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None
 ) -> Figure:
@@ -151,10 +154,6 @@ def orbit_figure(
     >>> [axes.get_ylabel() for axes in plot.orbit_figure(orbit, "c").axes]
     ['velocity $\\\\dot{x}$']
     """
-    from symosc.orbits.periodic_orbit import PeriodicOrbit  # loads mpmath, which other figures do without
-
-    if not isinstance(orbit, PeriodicOrbit):
-        raise ParameterError("orbit", type(orbit).__name__, "must be a PeriodicOrbit; find_orbit(...) makes one")
     if not orbit.admissible:
         raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
     (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
@@ -165,7 +164,8 @@ def orbit_figure(
     return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax)
 
 
-def check_panels(panels: Any, ax: Any = None) -> None:
+@public
+def check_panels(panels: str | None, ax: Axes | None = None) -> None:
     """Raise ParameterError unless these are letters of panels, and one of them for axes of a user's own.
 
     Examples
@@ -187,6 +187,7 @@ def default_end(scene: Scene) -> Any:
     return min(end, scene.t_end) if end > scene.t0 else scene.t_end
 
 
+@public
 def default_panels(scene: Scene) -> str:
     """Return the panels of a scene's figure if nobody says which.
 

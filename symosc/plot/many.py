@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.plot.bifurcation import COMPONENT_LABELS
 from symosc.plot.columns import label, typeset
@@ -20,6 +21,7 @@ ROOMY_MARKS, MOST_BARS, LEAST_BARS = 200, 12, 4
 LEAST_MARK = 0.6
 
 
+@public
 def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     """Draw when which motion has which event: time across, a line of marks for each motion.
 
@@ -46,8 +48,6 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     >>> [axes.get_ylabel() for axes in plot.events_figure(events).axes]
     ['motion']
     """
-    if not isinstance(events, EventTable):
-        raise ParameterError("events", type(events).__name__, "must be an EventTable; simulate_many(...) makes one")
     with style_for(ax):
         drawing, axes = one_axes(ax, (5.0, 3.4))
         scale = max(LEAST_MARK / 5, min(1.0, (ROOMY_MARKS / max(len(events), 1)) ** 0.5))
@@ -68,6 +68,7 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     return drawing
 
 
+@public
 def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw what became of many motions.
 
@@ -99,8 +100,6 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     >>> [axes.get_xlabel() for axes in plot.summary_figure(found).axes]
     ['motions']
     """
-    if not isinstance(summary, Summary):
-        raise ParameterError("summary", type(summary).__name__, "must be a Summary; simulate_many(...) makes one")
     columns = summary.columns()
     if name is None:
         name = next((each for each in ("word", "section", *columns) if each in columns), "word")

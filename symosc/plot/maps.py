@@ -18,6 +18,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.plot.columns import label, read_axes, read_column, typeset, undecided
 from symosc.plot.drawing import one_axes, style_for
@@ -54,6 +55,7 @@ class Classes(NamedTuple):
     hatches: list[str]
 
 
+@public
 def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a map over two axes, the first one across.
 
@@ -102,6 +104,7 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     return drawing
 
 
+@public
 def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw where starts in the phase plane lead: a map over x0 and v0, with the belts.
 

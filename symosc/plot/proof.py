@@ -7,6 +7,7 @@ from decimal import Decimal
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.arguments import public
 from symosc.certificates.certificate import Certificate
 from symosc.errors import ParameterError
 from symosc.plot.drawing import one_axes, style_for
@@ -17,6 +18,7 @@ ENCLOSED = (("time $t$", "#1f3fd6", "o"), ("position $x$", "#d7191c", "s"))
 NO_WIDTH = 1e-30
 
 
+@public
 def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> Figure:
     """Draw how wide the proven enclosures of an orbit's or a motion's events are, against time.
 
@@ -42,8 +44,6 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     >>> plot.certificate_figure(certify("fig6")).axes[0].get_ylabel()
     'width of the enclosure'
     """
-    if not isinstance(certificate, Certificate):
-        raise ParameterError("certificate", type(certificate).__name__, "must be a Certificate; certify(...) makes one")
     events = [event for event in certificate.events if len(event) > 3]
     if not events:
         allowed = "has no enclosed events to draw; those of a trajectory or an orbit with events do"

@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from symosc.aliases import NumberLike
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.plot.drawing import one_axes, style_for
@@ -33,7 +35,14 @@ BELONGS: Any = "solid"
 EXCLUDED: Any = (0, (4, 2))
 
 
-def region_figure(region: ParameterRegion, first: Any = None, second: Any = None, *, ax: Axes | None = None) -> Figure:
+@public
+def region_figure(
+    region: ParameterRegion,
+    first: tuple[NumberLike, NumberLike] | None = None,
+    second: tuple[NumberLike, NumberLike] | None = None,
+    *,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw a region of two parameters, the first one to the right and the second one up.
 
     Parameters
@@ -62,10 +71,6 @@ def region_figure(region: ParameterRegion, first: Any = None, second: Any = None
     >>> [text.get_text() for text in drawing.legends[0].get_texts()]
     ['inside', 'border, not inside', 'given values, outside']
     """
-    from symosc.symbolic.grazing_answers import ParameterRegion
-
-    if not isinstance(region, ParameterRegion):
-        raise ParameterError("region", region, "must be a ParameterRegion, the answer for two parameters")
     names = region.question.names
     spans = [_span(region, name, given) for name, given in zip(names, (first, second), strict=True)]
     x, y = np.meshgrid(*(np.linspace(*span, REGION_POINTS) for span in spans))
@@ -116,8 +121,6 @@ def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]
     """Return the range of an axis; the default reaches past the given value and, for a belt, past the other one."""
     p = region.parameters
     if given is not None:
-        if not isinstance(given, tuple | list) or len(given) != 2:
-            raise ParameterError(name, given, "must be a pair (low, high)")
         low, high = (float(read_exact(name, end)) for end in given)
         if not low < high:
             raise ParameterError(name, given, "must go from a lower to a higher value")

@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symosc.aliases import Record
+from symosc.arguments import public
+from symosc.errors import ParameterError
 from symosc.plot.drawing import STYLE, Drawing
 from symosc.reference.score import CaseScore, Score, by_group
 
@@ -20,6 +22,7 @@ LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT, TOP_OF_ALL = 1e-3, 1e10, 1e12, 1e14, 1e
 SCORE_WIDTH, SCORE_HEIGHT = 10.0, 4.2
 
 
+@public
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
@@ -43,6 +46,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     >>> [label.get_text() for label in drawing.axes[0].get_xticklabels()]
     ['paper']
     """
+    if not len(scores):
+        raise ParameterError("scores", scores, "must be one or more")
     with rc_context(STYLE):
         drawing = Drawing(figsize=(SCORE_WIDTH, SCORE_HEIGHT), layout="constrained")
         ax = drawing.subplots()

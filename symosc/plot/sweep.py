@@ -10,6 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.aliases import NumberLike, Order
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.grazing.sweep import WindowColumns, grazing_windows
@@ -21,7 +23,6 @@ from symosc.mappings.theorem7_cases import (
     EMPTY,
     EVERYTHING,
     WRAPPED_ARC,
-    check_parameters,
     place,
 )
 from symosc.model import Parameters
@@ -34,13 +35,14 @@ LEAST_ROOM, FRAME_ROOM = 0.02, 0.04
 NAMES = {"Omega": r"\Omega", "B0": "B_0", "k": "k", "v1": "v_1", "v2": "v_2"}
 
 
+@public
 def sweep_figure(
     p: Parameters,
     mapping: str,
     name: str,
-    low: Any = None,
-    high: Any = None,
-    order: str = "full",
+    low: NumberLike | None = None,
+    high: NumberLike | None = None,
+    order: Order = "full",
     *,
     ax: Axes | None = None,
 ) -> Figure:
@@ -76,7 +78,7 @@ def sweep_figure(
     >>> drawing.axes[0].get_xlabel()
     '$\\\\Omega$'
     """
-    low, high = _sweep_range(check_parameters(p), mapping, name, low, high)
+    low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     values = _values(low, high, equalities)
     found = grazing_windows(p, mapping, order, **{name: values})

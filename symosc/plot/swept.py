@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.arguments import public
 from symosc.plot.bifurcation import bifurcation_figure, curve_figure
 from symosc.plot.columns import axes_of, read_column
 from symosc.plot.maps import basin_figure, map_figure
@@ -14,8 +15,11 @@ from symosc.plot.maps import basin_figure, map_figure
 if TYPE_CHECKING:
     import xarray
 
+    from symosc.sweeps.dataset import SweptDataset
 
-def swept_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+
+@public
+def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw the result of a sweep, in the form that fits it.
 
     A section over one axis is a bifurcation diagram, anything else over one axis a curve; two axes make a map, and a
@@ -47,7 +51,10 @@ def swept_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
-    dataset = getattr(dataset, "dataset", dataset)  # of the accessor
+    from symosc.sweeps.dataset import SweptDataset
+
+    if isinstance(dataset, SweptDataset):
+        return swept_figure(dataset.dataset, name, ax=ax)
     column = read_column(dataset, name)
     axes = axes_of(column)
     if column.name == "section":

@@ -5,7 +5,7 @@ A full dot belongs to the window, an open dot does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from math import cos, pi, sin
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
@@ -28,6 +29,7 @@ PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 CIRCLE_POINTS = 1441
 
 
+@public
 def window_figure(
     windows: GrazingWindow | Sequence[GrazingWindow],
     plane: Callable[[Axes, GrazingWindow], None] | None = None,
@@ -80,12 +82,11 @@ def window_figure(
     return drawing
 
 
-def _read_windows(windows: object) -> list[GrazingWindow]:
+def _read_windows(windows: GrazingWindow | Sequence[GrazingWindow]) -> list[GrazingWindow]:
     """Return one window, or all of a sequence, as a list."""
-    given = [windows] if isinstance(windows, GrazingWindow) else windows
-    chosen = list(given) if isinstance(given, Iterable) else []
-    if not chosen or not all(isinstance(window, GrazingWindow) for window in chosen):
-        raise ParameterError("windows", "...", "must be a GrazingWindow or a sequence of them, at least one")
+    chosen = [windows] if isinstance(windows, GrazingWindow) else list(windows)
+    if not chosen:
+        raise ParameterError("windows", windows, "must be at least one")
     return chosen
 
 

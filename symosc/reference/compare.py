@@ -11,7 +11,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import isfinite, pi, ulp
 from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
@@ -20,6 +20,8 @@ from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
+#: What `relative_error` is, for readers of tables.
+ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
 #: The error that an event may have in a score.
 SCORE_TOLERANCE = 1e-9
 #: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
@@ -61,7 +63,7 @@ class Comparison:
     Attributes
     ----------
     error_t, error_x : float or None
-        Largest error of time and position over the matched events, relative to max(1, |value|); None if none matched.
+        Largest error of time and position over the matched events, as `relative_error` has it; None if none matched.
     matched : int
         Number of matched events, grazes included.
     missed, invented : int
@@ -97,7 +99,9 @@ def window_of(scene: Scene) -> float:
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
-def compare(found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMiddle], window: float) -> Comparison:
+def compare(
+    found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMiddle], window: float, t0: Number = 0
+) -> Comparison:
     """Compare a solver's events with the reference.
 
     Parameters
@@ -108,6 +112,8 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMidd
         In order of time; t and x may be mpmath numbers, and are compared in their precision.
     window : float
         How far apart in time (> 0) a match may be; see `window_of`.
+    t0 : number
+        When the motion starts.
 
     Examples
     --------
@@ -128,8 +134,8 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMidd
     missed = [times[i] for i in unmatched if reference[i].kind != "graze"]
     invented = [ordered[j].t for j in range(len(ordered)) if j not in matched_found]
     return Comparison(
-        error_t=max((_error(ordered[j].t, reference[i].t) for i, j in pairs), default=None),
-        error_x=max((_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
+        error_t=max((relative_error(ordered[j].t, reference[i].t, t0) for i, j in pairs), default=None),
+        error_x=max((relative_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
         matched=len(pairs),
         missed=len(missed),
         invented=len(invented) + len(given) - len(ordered),
@@ -138,8 +144,18 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMidd
     )
 
 
-def _error(value: float, exact: Number) -> float:
-    return float(abs(exact - value) / max(1, abs(exact)))
+def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
+    """Return |value - exact| relative to max(1, |exact - start|).
+
+    For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no error.
+
+    Examples
+    --------
+    >>> f"{relative_error(1e8 + 12.07, 1e8 + 12, 1e8):.2g}", relative_error(2e8, 1e8)
+    ('0.0058', 1.0)
+    """
+    rounding = ulp(float(start)) if start else 0
+    return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))
 
 
 def align(

@@ -19,8 +19,8 @@ from dataclasses import replace
 from fractions import Fraction
 from math import inf
 
-from symosc.aliases import Number
 from symosc.model import PARAMETER_NAMES
+from symosc.reference.compare import relative_error
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -75,8 +75,8 @@ def conditions(scene: Scene, events: Events = events_of) -> list[float]:
             continue
         certain = min(certain, same)
         for total, before, after in zip(totals, exact[digits][:same], moved, strict=False):
-            total[0] += distance(after.t, before.t) / float(step)
-            total[1] += distance(after.x, before.x) / float(step)
+            total[0] += relative_error(after.t, before.t) / float(step)
+            total[1] += relative_error(after.x, before.x) / float(step)
     return [max(total) for total in totals[:certain]] + [inf] * (len(totals) - certain)
 
 
@@ -98,8 +98,3 @@ def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i
     return min(len(events), len(others))
-
-
-def distance(value: Number, exact: Number) -> float:
-    """Return |value - exact| relative to max(1, |exact|), in the precision of `exact`."""
-    return float(abs(exact - value) / max(1, abs(exact)))

@@ -63,21 +63,8 @@ def write_cases(
 ) -> Path:
     """Write cases into a folder, all or nothing; the same cases give the same bytes.
 
-    Parameters
-    ----------
-    path : str or Path
-        A new folder, or one of an earlier run without other files in it.
-    cases : sequence of ReferenceCase, optional
-        Default: all.
-    workers : int
-        Processes that compute.
-    progress : callable, optional
-        Called with how many cases more are done.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written, or has files of somebody.
+    `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised. `progress`
+    is called with how many cases more are done.
     """
     wanted = reference_cases() if cases is None else cases
     check_folder(path, _of_an_earlier_run)  # before the work
@@ -102,15 +89,7 @@ def _computed(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
 
 
 def case_texts(case: ReferenceCase) -> Record:
-    """Return the files of a case: "texts" by name, and its "row" in the table of cases.
-
-    Examples
-    --------
-    >>> from symosc import reference_cases
-    >>> texts = case_texts(reference_cases()[1])["texts"]
-    >>> sorted(name.partition("/")[2] for name in texts)
-    ['case.toml', 'certificate.json', 'events.csv', 'trajectory.csv']
-    """
+    """Return the files of a case: "texts" by name, and its "row" in the table of cases."""
     events = [_event_row(*each) for each in zip(case.events, case.conditions, strict=True)]
     found = {
         CASE_FILE: _toml(case),

@@ -89,8 +89,8 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if its
     start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and less.
     """
-    p, context = scene.parameters, mp_context(digits + 10)
-    orbit = find_orbit(p, scene.structure, guess=find_orbit(p, scene.structure), digits=digits + 10)
+    p, word, context = scene.parameters, str(scene.structure), mp_context(digits + 10)
+    orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
     start, count = orbit.points[0], len(orbit.points)
     once = simulate(p, t0=start.t, x0=start.x, v0=scene.v0, t_end=start.t + 2 * orbit.period, digits=digits)
     last = context.mpf(scene.t_end.numerator) / scene.t_end.denominator

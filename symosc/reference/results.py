@@ -1,27 +1,44 @@
-"""Somebody's events, read from CSV or JSON: a folder with a file per case, or one file. `formats.txt` has the rules."""
+"""Somebody's events, from files of any kind that `symosc check` reads: a folder with one per case, or one for all.
+
+`formats.txt` has the rules.
+"""
 
 from __future__ import annotations
 
-import csv
-import json
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Container, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
-from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from symosc.aliases import Record
+from symosc.crosschecks.columns import ID_COLUMN, USUAL_NAMES, plain
+from symosc.crosschecks.files import SUFFIXES, read_content, suffix_of
+from symosc.crosschecks.objects import as_table
+from symosc.crosschecks.text_tables import plain_number
 from symosc.errors import ParameterError, ResultError, brief
 from symosc.exact import read_exact
 from symosc.files import read_path
 
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
-#: The kind of a line that says that a case was followed to its end.
-FOLLOWED_TO_END = "end"
-#: Files of a set of cases that are no results.
-NO_RESULTS = ("cases", "manifest")
-LARGEST_FILE = 2 * 10**9
+#: The kind of a line that says how far a case was followed.
+FOLLOWED_TO = "end"
+#: Files of a set of cases that are no results; and kinds of files with a name that must be a case's, in a folder.
+NO_RESULTS, CERTAIN = ("cases", "manifest"), (".csv", ".json")
+#: What the columns are called, in any case, units and signs left out.
+EVENT_COLUMNS = {
+    "case": USUAL_NAMES[ID_COLUMN],
+    "t": USUAL_NAMES["t"],
+    "x": USUAL_NAMES["x"],
+    "kind": {"kind", "event", "type"},
+    "boundary": {"boundary", "belt"},
+    "seconds": {"seconds"},
+    **{f"{name}_{end}": {name + end} for name in "tx" for end in ("low", "high")},
+}
 
 
 class GivenEvent(NamedTuple):
@@ -35,40 +52,32 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """What a solver has for a case: its events in order of time, its seconds if given, or a note why it has none."""
+    """What a solver has for a case: its events in order of time, and where it says that it ended.
+
+    Its seconds if given, and a note why it has nothing.
+    """
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
     note: str = ""
+    end: Fraction | None = None
 
 
 Results = dict[str, CaseResult]
 
 
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case.
-
-    Parameters
-    ----------
-    path : str or Path
-        A folder with a file per case (NAME.csv, NAME.json, NAME/events.csv, NAME/events.json), or one file.
-    names : container of str
-        The cases that there are.
+    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file.
 
     Raises
     ------
     ResultError
-        If a file cannot be read, or names a case that does not exist. The message is one line.
+        If a file cannot be read, or names a case that is not in `names`. The message is one line.
     """
     source = Path(read_path(path))
-    if source.is_dir():
-        found = _of_folder(source, names)
-    elif source.suffix.lower() in RESULT_READERS:
-        found = RESULT_READERS[source.suffix.lower()](source, None)
-    else:
-        raise ResultError(
-            str(source), "must be a folder, a .csv file or a .json file" if source.exists() else NOT_THERE
-        )
+    if not source.exists():
+        raise ResultError(str(source), "does not exist")
+    found = _of_folder(source, names) if source.is_dir() else _of_file(source, None)
     for name in found:
         if name not in names:
             raise ResultError(str(source), f"has results for {brief(name)!r}, which is no case of this set")
@@ -79,157 +88,144 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     return found
 
 
-NOT_THERE = "does not exist"
-
-
 def _of_folder(folder: Path, names: Container[str]) -> Results:
     found: Results = {}
     for path in sorted(folder.iterdir()):
-        inside = [each for each in (path / "events.csv", path / "events.json") if each.is_file()]
-        for file in inside if path.is_dir() else [path]:
-            name = path.name if path.is_dir() else path.stem
-            if file.suffix.lower() not in RESULT_READERS or (name in NO_RESULTS and name not in names):
+        for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
+            name, suffix = path.name if path.is_dir() else path.name.partition(".")[0], suffix_of(file)
+            if suffix not in SUFFIXES or (name not in names and (name in NO_RESULTS or suffix not in CERTAIN)):
                 continue
             if name not in names:
                 raise ResultError(str(file), f"is named {brief(name)!r}, which is no case of this set")
             if name in found:
                 raise ResultError(str(file), f"is the second file with results for {name}")
-            found[name] = RESULT_READERS[file.suffix.lower()](file, name).get(name, CaseResult())
+            found[name] = _of_file(file, name).get(name, CaseResult())
     return found
 
 
-def _text(path: Path) -> str:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise ResultError(str(path), f"is larger than {LARGEST_FILE:.0e} bytes")
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ResultError(str(path), f"cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise ResultError(str(path), "is not UTF-8 text") from None
-    if not text.strip():
-        raise ResultError(str(path), "is empty; a case without events has a header and no lines")
-    return text
-
-
-# -- CSV ---------------------------------------------------------------------------------------------------------------
-
-
-def _read_csv(path: Path, name: str | None) -> Results:
+def _of_file(path: Path, name: str | None) -> Results:
     """Return the results of a file; `name` is the case it is for, None if it names them."""
-    reader = csv.DictReader(_text(path).splitlines(), strict=True, skipinitialspace=True)
     found: Results = {} if name is None else {name: CaseResult()}
     try:
-        reader.fieldnames = [each.strip().lower() for each in reader.fieldnames or ()]
-        _check_columns(path, reader.fieldnames, name is None)
-        for row in reader:
-            where = f"line {reader.line_num}"
-            if None in row or None in row.values():
-                raise ResultError(str(path), f"{where}: has not as many entries as the header")
-            row = {key: value.strip() for key, value in row.items() if value.strip()}
-            _add(path, where, found.setdefault(name or row.get("case", ""), CaseResult()), row)
-    except csv.Error as error:
-        raise ResultError(str(path), f"is not CSV: {error}") from None
+        for case, where, entry in _entries(read_content(path, partial(_columns, needs_case=name is None)), name):
+            _add(where, found.setdefault(case, CaseResult()), entry)
+    except ParameterError as error:
+        raise ResultError(str(path), error.allowed if error.name == "file" else str(error)) from None
     return found
 
 
-def _check_columns(path: Path, columns: Sequence[str], needs_case: bool) -> None:
-    double = next((each for i, each in enumerate(columns) if each in columns[:i]), None)
-    if double is not None:
-        raise ResultError(str(path), f"has two columns named {brief(double)!r}")
-    enclosed = {"t_low", "t_high"} <= set(columns)
-    wanted = [*(["case"] if needs_case else []), *([] if enclosed else ["t"]), "kind"]
-    missing = [each for each in wanted if each not in columns]
-    if missing:
-        has = brief(", ".join(columns))
-        raise ResultError(str(path), f"has no column {missing[0]}; its columns are {has}")
+def _wrong(what: str) -> ParameterError:
+    return ParameterError("file", "", what)
 
 
-# -- JSON --------------------------------------------------------------------------------------------------------------
-
-
-def _read_json(path: Path, name: str | None) -> Results:
-    """Return the results of a file; see `_read_csv`."""
-    try:
-        content = json.loads(_text(path), parse_float=Decimal, parse_constant=_refuse, object_pairs_hook=_object)
-    except ValueError as error:
-        raise ResultError(str(path), f"is not JSON: {brief(str(error))}") from None
-    except RecursionError:
-        raise ResultError(str(path), "is not JSON: nested too deeply") from None
-    if name is None and not isinstance(content, dict):
-        raise ResultError(str(path), "must be an object: names of cases, and their events")
-    parts = content.items() if name is None else [(name, content)]
-    return {case: _json_result(path, case, each) for case, each in parts}
-
-
-def _refuse(constant: str) -> Any:
-    raise ValueError(f"{constant} is no number")
-
-
-def _object(pairs: list[tuple[str, Any]]) -> Record:
-    found: Record = {}
-    for key, value in pairs:
-        if key in found:
-            raise ValueError(f"{brief(key)!r} is there twice")
-        found[key] = value
+def _named(names: Iterable[str]) -> dict[str, str]:
+    """Return the names of the columns of events, by what they are."""
+    found: dict[str, str] = {}
+    there = list(map(str, names))
+    for what, usual in EVENT_COLUMNS.items():
+        fitting = [name for name in there if name.strip().lower() == what]
+        fitting = fitting or [name for name in there if plain(name) in usual]
+        if len(fitting) > 1:
+            raise _wrong(f"has two columns named {brief(fitting[0])!r}")
+        if fitting:
+            found[what] = fitting[0]
     return found
 
 
-def _json_result(path: Path, case: str, content: Any) -> CaseResult:
-    about = content if isinstance(content, dict) else {"events": content}
-    events, result = about.get("events"), CaseResult()
-    if not isinstance(events, list):
-        raise ResultError(str(path), f"{brief(case)}: must be a list of events, or an object with a list 'events'")
-    for number, event in enumerate(events, 1):
-        where = f"{brief(case)}, event {number}"
-        if not isinstance(event, dict):
-            raise ResultError(str(path), f"{where}: must be an object with t and kind")
-        _add(path, where, result, {key.lower(): value for key, value in event.items() if value is not None})
-    if about.get("seconds") is not None:
-        result.seconds = _seconds(path, case, about["seconds"])
-    return result
+def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
+    """Return the columns of a table of events; ParameterError if one is missing."""
+    found = _named(names)
+    for what in [*(["case"] if needs_case else []), *([] if {"t_low", "t_high"} <= set(found) else ["t"]), "kind"]:
+        if what not in found:
+            raise _wrong(f"has no column {what}; its columns are {brief(', '.join(names))}")
+    return found
+
+
+def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
+    """Yield what a file holds: a case, a place for messages, and an event or an end of it; `name` as in `_of_file`."""
+    where = "" if name is None else brief(name)
+    if name is not None:  # a case may be without events
+        yield name, where, {"kind": FOLLOWED_TO}
+    table = None if isinstance(content, dict) and "kind" not in _named(content) else as_table(content)
+    if isinstance(content, list) and content and isinstance(content[0], tuple):  # lines of a text
+        for line, entry in content:
+            yield name or entry.get("case", ""), line, entry
+    elif table is not None:
+        names, column = table
+        columns = {what: np.ravel(column(own)) for what, own in _columns(names, name is None).items()}
+        if len({len(each) for each in columns.values()}) > 1:
+            raise _wrong("has columns of several lengths")
+        for number, row in enumerate(zip(*columns.values(), strict=True), 1):
+            entry = {what: cell for what, cell in zip(columns, map(_cell, row), strict=True) if cell is not None}
+            yield name or str(entry.get("case", "")), f"row {number}", entry
+    elif isinstance(content, list) and (name is not None or content):
+        for number, event in enumerate(content, 1):
+            place = f"{where}, event {number}".lstrip(", ")
+            if not isinstance(event, dict):
+                raise _wrong(f"{place}: must be an object with t and kind")
+            entry = {what: event[own] for what, own in _named(event).items() if event[own] is not None}
+            if name is None and "case" not in entry:
+                raise _wrong(f"{place}: has no case")
+            yield name or str(entry["case"]), place, entry
+    elif name is None and isinstance(content, dict):
+        for case, part in content.items():
+            yield from _entries(part, case)
+    elif name is not None and isinstance(content, dict) and isinstance(content.get("events"), (list, dict)):
+        yield name, where, {"kind": FOLLOWED_TO} | {key: content[key] for key in ("seconds",) if content.get(key)}
+        yield from _entries(content["events"], name)
+    elif name is None:
+        raise _wrong("must be an object: names of cases, and their events")
+    else:
+        raise _wrong(f"{where}: must be a list of events, or an object with a list 'events'")
+
+
+def _cell(value: Any) -> Any:
+    """Return an entry of a column of a library as Python has it; None for an empty one."""
+    value = value.item() if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1 else value
+    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    if isinstance(value, str):
+        return value.strip() or None
+    return None if value is None or value != value else value
 
 
 # -- an event ----------------------------------------------------------------------------------------------------------
 
 
-def _add(path: Path, where: str, result: CaseResult, entry: Record) -> None:
+def _add(where: str, result: CaseResult, entry: Record) -> None:
     """Read an event into a result."""
     if "seconds" in entry:
-        result.seconds = max(result.seconds or 0.0, _seconds(path, where, entry["seconds"]))
+        seconds = _number(where, entry, "seconds")
+        if seconds is None or seconds < 0:
+            raise _wrong(f"{where}: seconds = {brief(str(entry['seconds']))}: must be >= 0")
+        result.seconds = max(result.seconds or 0.0, float(seconds))
     kind = str(entry.get("kind", "")).lower()
-    if kind == FOLLOWED_TO_END:
-        return
-    if kind not in EVENT_WORDS:
+    if kind not in (*EVENT_WORDS, FOLLOWED_TO):
         words = ", ".join(EVENT_WORDS)
-        raise ResultError(str(path), f"{where}: kind is {brief(kind)!r}, and must be one of {words}, {FOLLOWED_TO_END}")
-    t, x = (_number(path, where, entry, each) for each in "tx")
+        raise _wrong(f"{where}: kind is {brief(kind)!r}, and must be one of {words}, {FOLLOWED_TO}")
+    t, x = (_number(where, entry, each) for each in "tx")
+    if kind == FOLLOWED_TO:
+        result.end = t if result.end is None or t is None else max(t, result.end)
+        return
     if t is None:
-        raise ResultError(str(path), f"{where}: has no t")
-    boundary = str(entry.get("boundary", 0))
-    if boundary not in ("0", "1", "2"):
-        raise ResultError(str(path), f"{where}: boundary is {brief(boundary)!r}, and must be 1 or 2")
-    result.events.append(GivenEvent(t, x, kind, int(boundary)))
+        raise _wrong(f"{where}: has no t")
+    belt = str(entry.get("boundary", "0"))
+    with suppress(ParameterError):
+        boundary = int(belt) if belt in ("0", "1", "2") else read_exact("boundary", plain_number(belt))
+        if boundary in (0, 1, 2):
+            result.events.append(GivenEvent(t, x, kind, int(boundary)))
+            return
+    raise _wrong(f"{where}: boundary is {brief(belt)!r}, and must be 1 or 2")
 
 
-def _number(path: Path, where: str, entry: Record, name: str) -> Fraction | None:
+def _number(where: str, entry: Record, name: str) -> Fraction | None:
     """Return a number of an event, the middle of name_low and name_high if it is enclosed; None without one."""
-    try:
-        if f"{name}_low" in entry and f"{name}_high" in entry:
-            return (read_exact(name, entry[f"{name}_low"]) + read_exact(name, entry[f"{name}_high"])) / 2
-        return None if name not in entry else read_exact(name, entry[name])
-    except ParameterError as error:
-        raise ResultError(str(path), f"{where}: {error}") from None
 
+    def exact(value: Any) -> Fraction:
+        try:
+            return read_exact(name, plain_number(value) if isinstance(value, str) else value)
+        except ParameterError as error:
+            raise _wrong(f"{where}: {error}") from None
 
-def _seconds(path: Path, where: str, value: Any) -> float:
-    try:
-        seconds = read_exact("seconds", value)
-    except ParameterError as error:
-        raise ResultError(str(path), f"{where}: {error}") from None
-    if seconds < 0:
-        raise ResultError(str(path), f"{where}: seconds = {brief(str(value))}: must be >= 0")
-    return float(seconds)
-
-
-RESULT_READERS: dict[str, Callable[[Path, str | None], Results]] = {".csv": _read_csv, ".json": _read_json}
+    if f"{name}_low" in entry and f"{name}_high" in entry:
+        return (exact(entry[f"{name}_low"]) + exact(entry[f"{name}_high"])) / 2
+    return exact(entry[name]) if name in entry else None

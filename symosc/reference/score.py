@@ -4,9 +4,10 @@ An event of the reference is found if the results have one of the same kind at t
 the forcing period); `symosc.reference.compare` pairs them in order, as many as possible. One that is left over beside
 an event of another kind or at another belt is a wrong kind. What is left then is missed, or invented.
 
-An error is of time or position, relative to max(1, |value|). Its unit is max(1, condition) * 1e-16: what rounding the
-numbers of the problem to doubles does to that event. A case is right if nothing is missed, invented or of a wrong kind,
-and each error is at most max(tolerance, 100 units).
+An error is that of the time, relative to max(1, t - t0), or that of the position, relative to max(1, |x|). Its unit is
+max(1, condition) * 1e-16: what rounding the numbers of the problem to doubles does to that event; for a time it is
+1e-16 |t| if that is more. A case is right if it was followed to its end, nothing is missed, invented or of a wrong
+kind, each event has a position, and each error is at most max(tolerance, 100 units).
 
 A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
 and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
@@ -26,7 +27,15 @@ from symosc.crosschecks.matching import RETURNS
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent
-from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, FoundEvents, align
+from symosc.reference.compare import (
+    KIND_WINDOW,
+    ROUNDING_UNIT,
+    SCORE_TOLERANCE,
+    UNITS_ALLOWED,
+    FoundEvents,
+    align,
+    relative_error,
+)
 from symosc.reference.results import CaseResult, GivenEvent, Results
 from symosc.reference.stored import StoredCase
 
@@ -41,6 +50,8 @@ class Wrong(NamedTuple):
 
     def __str__(self) -> str:
         """Return the fault in words."""
+        if self.fault == "ends early":
+            return f"ends at t = {self.t:.10g}, before t_end = {self.wanted}"
         said = {"missed": self.wanted, "invented": self.found, "wrong kind": f"{self.found}, not {self.wanted}"}
         return f"{self.fault}: {said.get(self.fault, self.wanted)} at t = {self.t:.10g}"
 
@@ -60,6 +71,10 @@ class CaseScore:
         Whether there are results at all; if not, the other numbers say nothing.
     missed, invented, kinds, late : int
         Events missed, invented, of a wrong kind, and found with too large an error.
+    without_x : int
+        Events found without a position, so that only half of them was judged.
+    stopped : float or None
+        Where the results say that they end, if that is before the case does.
     grazes, grazes_found : int
     error_t, error_x, units : float or None
         Largest errors of time and position, and the largest of both in units; None without any event found. Positions
@@ -80,6 +95,8 @@ class CaseScore:
     invented: int = 0
     kinds: int = 0
     late: int = 0
+    without_x: int = 0
+    stopped: float | None = None
     grazes: int = 0
     grazes_found: int = 0
     error_t: float | None = None
@@ -91,8 +108,8 @@ class CaseScore:
 
     @property
     def right(self) -> bool:
-        """Whether the results are there, with no fault."""
-        return self.given and not (self.missed or self.invented or self.kinds or self.late)
+        """Whether the results are there and complete, with no fault."""
+        return self.given and not self.wrong and not self.without_x
 
     def as_dict(self) -> Record:
         """Return plain data for JSON."""
@@ -123,7 +140,7 @@ class Score:
 
     @property
     def ok(self) -> bool:
-        """Whether all results that are there are right."""
+        """Whether all results that are there are complete and right."""
         return all(case.right for case in self.given)
 
     def as_dict(self) -> Record:
@@ -142,18 +159,7 @@ def read_tolerance(value: object) -> float:
 
 
 def score(name: str, cases: Sequence[StoredCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
-    """Judge results, case by case.
-
-    Parameters
-    ----------
-    name : str
-        The solver's.
-    cases : sequence of StoredCase
-    results : dict
-        From `symosc.reference.results.read_results`.
-    tolerance : float
-        The error that an event may have, if 100 units are less.
-    """
+    """Judge the results of a solver, case by case; an event may have the error `tolerance`, or 100 units if more."""
     return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
 
 
@@ -166,7 +172,9 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
         judged.note = "" if result is None else result.note
         return judged
     judged.seconds = result.seconds
-    _Judge(case, judged, tolerance).judge(result.events)
+    judge = _Judge(case, judged, tolerance)
+    judge.judge(result.events)
+    judge.judge_end(result.end)
     judged.wrong.sort(key=lambda wrong: wrong.t)
     return judged
 
@@ -193,6 +201,13 @@ class _Judge:
             self._fault("missed", self.case.times[i], _words(self.case.events[i]), "")
         for j in extra:
             self._fault("invented", float(found[j].t), "", _words(found[j]))
+
+    def judge_end(self, end: Fraction | None) -> None:
+        """Say so if the results end before the case does."""
+        t_end = self.case.t_end
+        if end is not None and end < t_end and relative_error(end, t_end, self.case.t0) > self.tolerance:
+            self.judged.stopped = float(end)
+            self._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
 
     def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
         """Leave out an event at a start on a belt: it is none, but solvers list it."""
@@ -232,22 +247,27 @@ class _Judge:
         """Measure an event that is there."""
         known, condition, judged = self.case.events[i], self.case.conditions[i], self.judged
         t, x = known.middle
-        error_t = _relative(event.t, t)
+        errors = [relative_error(event.t, t, self.case.t0)]
         if known.kind == "graze":
             judged.grazes_found += 1
-            allowed = sqrt(self.tolerance)
+            allowed = [sqrt(self.tolerance)]
         else:
             unit = max(1.0, condition) * ROUNDING_UNIT
-            allowed = max(self.tolerance, UNITS_ALLOWED * unit) if unit < inf else inf
-            error_x = None if event.x is None else _relative(event.x, x)
-            judged.error_t = max(judged.error_t or 0.0, error_t)
-            judged.error_x = judged.error_x if error_x is None else max(judged.error_x or 0.0, error_x)
-            error_t = max(error_t, error_x or 0.0)
-            judged.units = max(judged.units or 0.0, error_t / unit)
-        if error_t > allowed:
-            self.judged.late += 1
-            words = f"{_words(known)}, error {error_t:.1e}, allowed {allowed:.1e}"
-            judged.wrong.append(Wrong("error", float(t), words, _words(event)))
+            of_clock = ROUNDING_UNIT * float(abs(t)) / max(1.0, float(t - self.case.t0))
+            units = [max(unit, of_clock), unit]
+            judged.error_t = max(judged.error_t or 0.0, errors[0])
+            if event.x is None:
+                judged.without_x += 1
+            else:
+                errors.append(relative_error(event.x, x))
+                judged.error_x = max(judged.error_x or 0.0, errors[1])
+            judged.units = max(judged.units or 0.0, *(e / u for e, u in zip(errors, units, strict=False)))
+            allowed = [max(self.tolerance, UNITS_ALLOWED * each) for each in units]
+        late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
+        if late:
+            error, limit = max(late)
+            what = f"{_words(known)}, error {error:.1e}, allowed {limit:.1e}"
+            self._fault("error", float(t), what, _words(event))
 
     def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:
         """Leave out grazes that are not listed, and the contacts that stand for one."""
@@ -279,17 +299,14 @@ class _Judge:
         ]
 
     def _fault(self, fault: str, t: float, wanted: str, found: str) -> None:
-        name = {"wrong kind": "kinds"}.get(fault, fault)
-        setattr(self.judged, name, getattr(self.judged, name) + 1)
+        name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)
+        if name in ("missed", "invented", "kinds", "late"):
+            setattr(self.judged, name, getattr(self.judged, name) + 1)
         self.judged.wrong.append(Wrong(fault, t, wanted, found))
 
 
 def _words(event: KnownEvent | GivenEvent) -> str:
     return f"{event.kind}{f' at belt {event.boundary}' if event.boundary else ''}"
-
-
-def _relative(value: Fraction, exact: Fraction) -> float:
-    return float(abs(value - exact) / max(Fraction(1), abs(exact)))
 
 
 def by_group(cases: Sequence[CaseScore]) -> Iterator[tuple[str, list[CaseScore]]]:

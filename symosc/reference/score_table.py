@@ -23,6 +23,8 @@ def case_cell(case: CaseScore) -> str:
     --------
     >>> case_cell(CaseScore("a", "g", 3, 1.0, units=2.5)), case_cell(CaseScore("a", "g", 3, 1.0, missed=1, invented=2))
     ('2.5', 'missed 1, invented 2')
+    >>> case_cell(CaseScore("a", "g", 3, 1.0, units=2.5, without_x=3))
+    'no x, 2.5'
     """
     if not case.given:
         return case.note or NO_RESULT
@@ -30,7 +32,11 @@ def case_cell(case: CaseScore) -> str:
     faults = [f"{name} {count}" for name, count in counts.items() if count]
     if case.late:
         faults.append(f"error {max(case.error_t or 0.0, case.error_x or 0.0):.0e}")
-    return ", ".join(faults) or (short_number(case.units) if case.units is not None else "right")
+    if case.stopped is not None:
+        faults.append(f"ends at t = {case.stopped:g}")
+    if not faults:
+        faults = [short_number(case.units) if case.units is not None else "right"]
+    return ", ".join(["no x"] * bool(case.without_x) + faults)
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
@@ -107,21 +113,37 @@ def faults(score: Score) -> list[str]:
 
 
 def verdict(score: Score) -> str:
-    """Return what came of all cases, in a line."""
-    right, given = sum(case.right for case in score.cases), len(score.given)
-    absent = len(score.cases) - given
+    """Return what came of all cases, in a line.
+
+    Examples
+    --------
+    >>> right, wrong = CaseScore("a", "g", 3, 1.0), CaseScore("b", "g", 3, 1.0, missed=1, wrong=["missed"])
+    >>> verdict(Score("mine", 1e-9, [right, wrong, CaseScore("c", "g", 3, 1.0, given=False)]))
+    'mine: right in 1 of 2 cases, wrong in 1; 1 case without results'
+    >>> verdict(Score("mine", 1e-9, [right, right]))
+    'mine: right in all 2 cases'
+    >>> verdict(Score("mine", 1e-9, [right, *[CaseScore("c", "g", 3, 1.0, given=False)] * 2]))
+    'mine: right in 1 of 1 cases; 2 cases without results'
+    """
+    given = score.given
+    right, wrong = sum(case.right for case in given), sum(bool(case.wrong) for case in given)
+    half, absent = len(given) - right - wrong, len(score.cases) - len(given)
+    parts = [f"right in {'all' if right == len(given) > 1 else f'{right} of'} {len(given)} cases"]
+    parts += [f"wrong in {wrong}"] * bool(wrong)
+    parts += [f"half judged in {half}, where x is not given"] * bool(half)
     rest = f"; {absent} case{'s' if absent > 1 else ''} without results" if absent else ""
-    return f"{score.name}: {'right' if score.ok else 'not right'}: {right} of {given} cases{rest}"
+    return f"{score.name}: {', '.join(parts)}{rest}"
 
 
 def legend(score: Score) -> list[str]:
     """Return what the numbers mean."""
     return [
-        "Numbers: the largest error of time and position, relative to max(1, |value|), in units of "
-        "max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': nothing "
-        "happens in the case, and nothing is reported.",
+        "Numbers: the largest error of time, relative to max(1, t - t0), and of position, relative to max(1, |x|), in "
+        "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': "
+        "nothing happens in the case, and nothing is reported. 'no x': positions are not given, and not judged.",
         f"A case is right if no event is missed, invented or of a wrong kind, and no error is above {score.tolerance:g}"
-        f" or {UNITS_ALLOWED:g} units, if that is more. Grazes that are not reported are no faults.",
+        f" or {UNITS_ALLOWED:g} units, if that is more; every event has its x, and the case is followed to its end. "
+        "Grazes that are not reported are no faults.",
     ]
 
 

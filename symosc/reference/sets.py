@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 from math import pi
@@ -15,7 +16,7 @@ from symosc.reference.coulomb import AT_A_TURN, BALANCE, CONTINUUM, COULOMB, CSE
 from symosc.reference.grazes import GRAZES, grazes
 from symosc.reference.hard_cases import GROUPS, hard_cases
 from symosc.reference.rests import RESTS, rests
-from symosc.scenes import Scene, load_scene, scene_names
+from symosc.scenes import Scene, figure_of, load_scene, scene_names
 
 #: One more whenever a case is added or changed, so that scores name what they are scores of.
 SET_VERSION = 1
@@ -52,6 +53,21 @@ def reference_cases() -> Sequence[ReferenceCase]:
     return tuple(found)
 
 
+def reference_case(name: str) -> ReferenceCase:
+    """Return the reference case of a name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none; the message has the names that are nearest to it.
+    """
+    cases = {case.name: case for case in reference_cases()}
+    if name not in cases:
+        near = get_close_matches(name, cases, 3) or ["symosc cases lists all"]
+        raise ParameterError("case", name, f"is no reference case; near it: {', '.join(near)}")
+    return cases[name]
+
+
 def chosen(group: str | None) -> Sequence[ReferenceCase]:
     """Return the cases of a group; all for None.
 
@@ -75,7 +91,7 @@ def _slug(text: str) -> str:
 
 
 def _paper() -> Iterator[ReferenceCase]:
-    for name in scene_names():
+    for name in filter(figure_of, scene_names()):
         scene = load_scene(name)
         reason = AT_A_SLIP if name == "fig10-orbit" else ""
         yield ReferenceCase(f"paper-{name}", PAPER_SCENES, scene, f"the paper's {name}", scene.source, open=reason)

@@ -27,7 +27,7 @@ class StoredCase:
     Attributes
     ----------
     name, group : str
-    Omega, t0 : Fraction
+    Omega, t0, t_end : Fraction
     on_belt : bool
         Whether the start is on a belt.
     events : tuple of KnownEvent
@@ -40,6 +40,7 @@ class StoredCase:
     group: str
     Omega: Fraction
     t0: Fraction
+    t_end: Fraction
     on_belt: bool
     events: tuple[KnownEvent, ...]
     conditions: tuple[float, ...]
@@ -109,6 +110,7 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
         about["reference"]["group"],
         read_exact("Omega", about["parameters"]["Omega"]),
         read_exact("t0", about["start"]["t0"]),
+        read_exact("t_end", about["t_end"]),
         read_exact("v0", about["start"]["v0"])
         in (read_exact(name, about["parameters"][name]) for name in ("v1", "v2")),
         events,
@@ -124,6 +126,7 @@ def stored(case: ReferenceCase) -> StoredCase:
         case.group,
         case.parameters.Omega,
         case.t0,
+        case.t_end,
         case.v0 in (case.parameters.v1, case.parameters.v2),
         case.events,
         case.conditions,

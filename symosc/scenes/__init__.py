@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from math import inf
 from os.path import isfile
 from pathlib import Path
+from typing import Any
 
-from symosc.aliases import Record
-from symosc.errors import ParameterError, SceneError
+from symosc.aliases import NumberLike, SceneName
+from symosc.arguments import public
+from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import Parameters
-from symosc.scenes.reading import SceneFile, read_scene_file
+from symosc.scenes.reading import MOST_CHARACTERS, SceneFile, read_scene_file
 from symosc.words import WordError, read_word
 
 SCENES_FOLDER = Path(__file__).parent
@@ -66,31 +71,38 @@ class Scene:
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("name", "source"):
+        for name in ("name", "source", "structure"):
             value = getattr(self, name)
-            if not isinstance(value, str) or (name == "name" and not value.strip()):
+            is_text = isinstance(value, str) and (name != "name" or value.strip())
+            if not is_text and not (name == "structure" and value is None):
                 raise ParameterError(name, value, "must be text")
         if not isinstance(self.parameters, Parameters):
             raise ParameterError("parameters", self.parameters, "must be Parameters")
         if self.structure is not None:
             read_word(self.structure)
+        if not (isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)):
+            raise ParameterError("notes", self.notes, "must be a tuple of texts")
         object.__setattr__(self, "start_error", read_start_error(self.start_error))
         for name in START_NAMES:
             object.__setattr__(self, name, read_exact(name, getattr(self, name)))
         if self.t_end <= self.t0:
             raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
 
-    def started(self, given: Record) -> Scene:
+    @public
+    def started(self, given: Mapping[str, NumberLike]) -> Scene:
         """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error."""
+        for name in given:
+            if name not in START_NAMES:
+                raise ParameterError(name, given[name], f"is not of a start; give {', '.join(START_NAMES)}")
         errors = self.start_error
         if errors is not None:
             t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
             errors = t0, x0, v0
-        return replace(self, **(given | {"start_error": errors}))
+        return replace(self, **(dict[str, Any](given) | {"start_error": errors}))
 
 
 def scene_names() -> list[str]:
-    """Return the names of the shipped scenes in the order of the paper's figures.
+    """Return the names of the shipped scenes: in the order of the paper's figures, then all others.
 
     Examples
     --------
@@ -99,10 +111,17 @@ def scene_names() -> list[str]:
     ['fig5', 'fig6', 'fig7', 'fig7-exact']
     """
     names = [path.stem for path in SCENES_FOLDER.glob("*.toml")]
-    return sorted(names, key=lambda name: (int(name.removeprefix("fig").partition("-")[0]), len(name), name))
+    return sorted(names, key=lambda name: (figure_of(name) or inf, len(name), name))
 
 
-def load_scene(name_or_path: str | Path) -> Scene:
+def figure_of(name: str) -> int | None:
+    """Return the number of the paper's figure that a scene shows, by its name; None: it is not from the paper."""
+    found = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
+    return int(found[1]) if found else None
+
+
+@public
+def load_scene(name_or_path: SceneName) -> Scene:
     """Load a shipped scene by name, or a TOML file of the same form by path; `symosc new` writes one to begin with.
 
     In a file a number may be an expression such as "3*pi/2", which is read to 40 digits (`Scene.notes` says so, and a
@@ -130,9 +149,11 @@ def load_scene(name_or_path: str | Path) -> Scene:
     if "\0" in text:
         raise SceneError(repr(text), "is not a file name")
     if path.suffix != ".toml" and not isfile(path):
-        raise SceneError(text, f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file")
+        known = f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file"
+        raise SceneError(text, known + meant(text, scene_names()))
     try:
-        content = path.read_text(encoding="utf-8-sig")
+        with path.open(encoding="utf-8-sig") as file:
+            content = file.read(MOST_CHARACTERS + 1)
     except OSError as error:
         raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:

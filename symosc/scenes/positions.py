@@ -5,8 +5,8 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 
-#: A file with more lines is no scene that somebody wrote, and is not searched.
-MOST_READ_LINES = 1000
+#: Characters that may be read in all: a file that takes more is no scene that somebody wrote, and is not searched.
+MOST_READ = 1_000_000
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
@@ -15,12 +15,16 @@ def line_of(text: str, path: Sequence[str]) -> int | None:
     The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
     dotted keys are all read by the same rules as the file itself.
     """
-    lines = text.splitlines(keepends=True)
-    for n in range(1, min(len(lines), MOST_READ_LINES) + 1):
-        if not lines[n - 1].strip():
+    lines, begin, read = text.splitlines(keepends=True), "", 0
+    for n, line in enumerate(lines, 1):
+        begin += line
+        if not line.strip():
             continue
+        read += len(begin)
+        if read > MOST_READ:
+            return None
         try:
-            data = tomllib.loads("".join(lines[:n]))
+            data = tomllib.loads(begin)
         except (ValueError, RecursionError):
             continue
         if _has(data, path):

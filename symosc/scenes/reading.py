@@ -5,12 +5,11 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from decimal import Decimal
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from symosc.aliases import Record
-from symosc.errors import ParameterError, SceneError, SymoscError
+from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
 from symosc.exact import NUMBER, show
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes.positions import line_of
@@ -24,6 +23,9 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 NUMBER_PLACES: list[tuple[str, ...]] = [("t_end",)]
 NUMBER_PLACES += [(table, name) for table in ("parameters", "start") for name in TABLES[table][0]]
 SHOWN_PART = 24
+#: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
+#: for a key of ten thousand parts.
+MOST_CHARACTERS, MOST_DOTS = 100_000, 200
 
 
 class SceneFile(NamedTuple):
@@ -78,10 +80,17 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     ParameterError
         If a value is not a number.
     """
+    if len(text) > MOST_CHARACTERS:
+        raise SceneError(where, f"has more than {MOST_CHARACTERS} characters: it is no scene")
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.count(".") > MOST_DOTS:
+            raise SceneError(where, f"line {number}: has more than {MOST_DOTS} dots: it is no line of a scene")
     try:
         data = tomllib.loads(text, parse_float=Decimal)
     except RecursionError:
         raise SceneError(where, "is not valid TOML: nested too deeply") from None
+    except ArithmeticError:  # of Decimal
+        raise SceneError(where, "is not valid TOML: a number is too large") from None
     except ValueError as error:  # TOMLDecodeError, and an int of more digits than Python converts
         raise SceneError(where, f"is not valid TOML: {error}") from None
     if not data:
@@ -107,11 +116,10 @@ def _check_keys(file: SceneFile, name: str) -> None:
     strange = [key for key in table if key not in known]
     missing = [key for key in required if key not in table]
     for key in strange:  # before what is missing: that may be what was meant
-        near = get_close_matches(key, missing or known, 1)
-        meant = f"; did you mean {near[0]}?" if near else ""
         place = file.place(*filter(None, [name, key]))
         said = f"{place}: " if place else ""
-        raise SceneError(file.where, f"{said}{prefix}{key} is unknown{meant}; known are {', '.join(known)}")
+        hint = meant(key, missing or known)
+        raise SceneError(file.where, f"{said}{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}")
     for key in missing:
         begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
         advice = f": give it in a table [{key}]" if key in TABLES else begins
@@ -125,14 +133,15 @@ def _read_number(file: SceneFile, path: Sequence[str]) -> None:
     if not isinstance(value, str) or NUMBER.fullmatch(value.strip()):
         return
     try:
-        table[name], exact = _number(name, value)
+        table[name], exact = read_number(name, value)
     except ParameterError as error:
         raise file.located(error) from None
     if not exact:
         file.rounded[name] = value
 
 
-def _number(name: str, text: str) -> tuple[Fraction, bool]:
+def read_number(name: str, text: str) -> tuple[Fraction, bool]:
+    """Return the number of an expression or a quantity, and whether it is exact."""
     from symosc.scenes.expressions import read_expression, rounded
     from symosc.scenes.units import is_quantity, read_quantity
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, whole_number
+from symosc.errors import ParameterError, meant
+from symosc.exact import read_exact, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene
+from symosc.simulation.columns import named
 
 SWEPT_STARTS = START_NAMES[:3]
 SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)
@@ -114,7 +115,8 @@ def _axes(over: Any) -> dict[str, np.ndarray]:
 
 def _known(name: Any) -> str:
     if name not in SWEPT_NAMES:
-        raise ParameterError("over", name, f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}")
+        known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
+        raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
     return str(name)
 
 
@@ -152,6 +154,7 @@ def _evenly(name: str, text: str) -> np.ndarray:
 
 def _numbers(name: str, values: Any) -> np.ndarray:
     """Return a row of numbers as doubles."""
+    unmasked(name, values)
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise ParameterError(name, values, AXIS_FORM)
     array = values if isinstance(values, np.ndarray) else np.asarray(list(values), dtype=object)
@@ -180,7 +183,22 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
     return columns
 
 
+def start_rows(starts: Any) -> Any:
+    """Return starts as rows of t0, x0 and v0, one alone as a row; columns with names are put in this order."""
+    columns = named("starts", starts, SWEPT_STARTS)
+    if not isinstance(columns, Mapping):
+        return starts
+    each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+    try:
+        rows = np.stack(np.broadcast_arrays(*each), axis=-1)
+    except ValueError:
+        lengths = [np.shape(column) for column in columns.values()]
+        raise ParameterError("starts", lengths, "the columns must be of one length") from None
+    return rows.ravel() if rows.size == 3 else rows
+
+
 def _starts(starts: Any) -> dict[str, np.ndarray]:
+    unmasked("starts", starts)
     try:
         rows = np.atleast_2d(np.asarray(starts, dtype=object))
     except ValueError:

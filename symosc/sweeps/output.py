@@ -1,20 +1,31 @@
-"""Files of finished sweeps: netCDF, zarr and CSV, written whole, each with the plan that it belongs to."""
+"""Files of finished sweeps: netCDF, zarr and CSV, written whole, each with the plan that it belongs to.
+
+Each has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: behind the netCDF file, where its
+readers do not look, in the attributes of the zarr group, and in the first line of the CSV file. For other readers
+the columns in netCDF and zarr have checksums too, which these formats know.
+"""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
+import re
 import warnings
 from collections.abc import Callable
+from contextlib import nullcontext, suppress
+from functools import partial
+from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from symosc.errors import MissingExtraError, OutputError, SweepError
-from symosc.files import STDOUT, read_path, write_whole
-from symosc.sweeps.dataset import PLAN_ATTRIBUTE, need_xarray
+from symosc.files import STDOUT, read_path
+from symosc.scenes.quantities import QUANTITIES
+from symosc.sweeps.dataset import PLAN_ATTRIBUTE, VARIABLES, need_xarray
+from symosc.sweeps.store import DRAFT, remove
 
 if TYPE_CHECKING:
     import xarray
@@ -22,6 +33,15 @@ if TYPE_CHECKING:
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
+CHECKSUM_ATTRIBUTE, NO_CHECKSUM = "sha256", "0" * 64
+CHECKSUM_FORM, PLAN_FORM = (
+    re.compile(name.encode() + rb'"?: "?([0-9a-f]{64})') for name in (CHECKSUM_ATTRIBUTE, PLAN_ATTRIBUTE)
+)
+MOST_LINE = 1 << 24
+SECTION_NAMES = ("period", "component")
+#: Files of a zarr group that is a sweep's.
+ZARR_NAMES = "|".join((*VARIABLES, *QUANTITIES, *SECTION_NAMES))
+ZARR_FORM = re.compile(rf"zarr\.json|({ZARR_NAMES})/(zarr\.json|c(/\d+)*)")
 
 Columns = dict[str, np.ndarray]
 
@@ -52,29 +72,64 @@ def output_path(path: Any) -> Path:
     return target
 
 
-def plan_of(path: Path) -> str | None:
+def plan_of(path: Path, to_replace: bool = False) -> str | None:
     """Return the name of the plan that a finished output belongs to; None if there is no output.
+
+    Parameters
+    ----------
+    path : Path
+    to_replace : bool
+        Whether it is to be removed: then it must have nothing else in it.
 
     Raises
     ------
     SweepError
-        If there is a file that is no output of a sweep.
+        If there is a file or a folder that is no output of a sweep.
     """
-    if not path.exists():
+    if not os.path.lexists(path):
         return None
     try:
-        key = READERS[path.suffix.lower()](path, False)
-    except Exception:  # whatever the libraries raise for files that are not theirs
-        key = None
-    if not isinstance(key, str):
+        found = PLAN_FORM.findall(_about(path)) if path.is_file() or path.is_dir() else []
+    except OSError:
+        found = []
+    if not found or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
         raise SweepError(f"{path} exists and is no output of a sweep: name another file")
-    return key
+    return str(found[-1].decode())
+
+
+def _about(path: Path) -> bytes:
+    """Return the part of an output that has the plan; without the libraries, which do not fail well."""
+    suffix = path.suffix.lower()
+    with (path / "zarr.json" if suffix == ".zarr" else path).open("rb") as file:
+        if suffix == ".nc":
+            size = len(_end_of_netcdf(NO_CHECKSUM, NO_CHECKSUM))
+            file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
+        return file.readline(MOST_LINE) if suffix == ".csv" else file.read()
+
+
+def _end_of_netcdf(plan: str, checksum: str) -> bytes:
+    """Return what is behind the HDF5 part of a netCDF file."""
+    return f"\n{PLAN_ATTRIBUTE}: {plan}\n{CHECKSUM_ATTRIBUTE}: {checksum}\n".encode()
+
+
+def _files_in(path: Path) -> dict[str, Path]:
+    """Return the files of a folder, by their names in it, in order; there are none in a file."""
+    found = (each for each in path.rglob("*") if each.is_symlink() or not each.is_dir())
+    return dict(sorted((each.relative_to(path).as_posix(), each) for each in found))
 
 
 def read_columns(path: Path) -> Columns:
-    """Return the columns of a finished output, over all cells."""
-    columns: Columns = READERS[path.suffix.lower()](path, True)
-    return columns
+    """Return the columns of a finished output, over all cells.
+
+    Raises
+    ------
+    SweepError
+        If it is not as it was written.
+    """
+    found, stated, _ = _checksum(path)
+    if found != stated:
+        raise SweepError(f"{path} is damaged, or was changed after it was written: start anew, or name another file")
+    return READERS[path.suffix.lower()](path)
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
@@ -84,35 +139,94 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
     ------
     OutputError
         If it cannot be written.
+    SweepError
+        If there is something else in its place.
     """
     suffix = path.suffix.lower()
-    draft = folder / f"whole{suffix}"
+    draft = folder / f"{DRAFT}{suffix}"
     try:
-        if draft.is_dir():
-            shutil.rmtree(draft)
-        WRITERS[suffix](dataset, draft)
-        if path.is_dir():
-            shutil.rmtree(path)
+        remove(draft)
+        WRITERS[suffix](dataset.assign_attrs({CHECKSUM_ATTRIBUTE: NO_CHECKSUM}), draft)
+        _set_checksum(draft)
+        for each in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
+            _to_disk(each)
+        if plan_of(path, to_replace=True) is not None and path.is_dir():
+            remove(path)
         os.replace(draft, path)
-    except OutputError as error:
-        raise OutputError(str(path), error.reason) from None
+        _to_disk(path.parent)
     except OSError as error:
         raise OutputError(str(path), error.strerror or str(error)) from None
+    finally:
+        with suppress(OSError):
+            remove(draft)
+
+
+def _to_disk(path: Path) -> None:
+    """Let the system write a file, or the names in a folder, to the disk: its chunks are about to be removed."""
+    with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _checksum_place(path: Path) -> Path:
+    """Return the file that has the checksum."""
+    return path / "zarr.json" if path.is_dir() else path
+
+
+def _checksum(path: Path) -> tuple[str, str, int]:
+    """Return the checksum of a file or a folder, the one that it has ("" if none), and where in its file that is."""
+    place, stated, begin, found = _checksum_place(path), "", 0, sha256()
+    for name, file in (_files_in(path) or {"": path}).items():
+        content = memoryview(file.read_bytes())
+        found.update(f"{name} {len(content)}\n".encode())
+        if file == place and (places := list(CHECKSUM_FORM.finditer(content))):
+            begin, end = places[-1].span(1)  # before it, a scene may have any name
+            stated = bytes(content[begin:end]).decode()
+            found.update(content[:begin])
+            found.update(NO_CHECKSUM.encode())
+            content = content[end:]
+        found.update(content)
+    return found.hexdigest(), stated, begin
+
+
+def _set_checksum(draft: Path) -> None:
+    checksum, _, begin = _checksum(draft)
+    with _checksum_place(draft).open("r+b") as file:
+        file.seek(begin)
+        file.write(checksum.encode())
 
 
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
-    write_whole(draft, lambda path: dataset.to_netcdf(path, engine=NETCDF_ENGINE))
+    """Make the file in memory: where the disk is full, HDF5 ends the program with a segmentation fault."""
+    import h5netcdf
+
+    content = BytesIO()
+    checksum = dataset.attrs.pop(CHECKSUM_ATTRIBUTE)
+    checked = {name: {"fletcher32": True} for name, each in dataset.items() if each.dtype.kind != "U"}
+    with h5netcdf.File(content, "w") as file:
+        store = need_xarray().backends.H5NetCDFStore(file)
+        dataset.dump_to_store(store, encoding=checked)
+        store.sync()
+    content.seek(0, os.SEEK_END)
+    content.write(_end_of_netcdf(dataset.attrs[PLAN_ATTRIBUTE], checksum))
+    draft.write_bytes(content.getbuffer())
 
 
 def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
     plain = dataset.copy()
+    checked = {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in dataset.variables}
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "U":  # texts of fixed width have no place in zarr's specification yet
             plain[name] = variable.astype(object)
     with warnings.catch_warnings():
         # Readers expect the metadata in one piece, which is not in zarr's specification yet either.
         warnings.filterwarnings("ignore", message="Consolidated metadata|.*not part in the Zarr format 3")
-        plain.to_zarr(draft, mode="w", consolidated=True)
+        plain.to_zarr(draft, mode="w", consolidated=True, encoding=checked)
 
 
 def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
@@ -120,30 +234,24 @@ def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
     kept = [name for name in frame.columns if name in dataset.coords or name not in dataset.dims]
     kinds = {str(name): "U" if each.dtype.kind == "U" else str(each.dtype) for name, each in dataset.items()}
     head = json.dumps(dataset.attrs | {"types": kinds})
-
-    def fill(path: Path) -> None:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            file.write(f"{COMMENT}{head}\n")
-            frame[kept].to_csv(file, index=False, lineterminator="\n", na_rep="nan")
-
-    write_whole(draft, fill)
+    with draft.open("w", encoding="utf-8", newline="") as file:
+        file.write(f"{COMMENT}{head}\n")
+        frame[kept].to_csv(file, index=False, lineterminator="\n", na_rep="nan")
 
 
 def _flat(dataset: xarray.Dataset) -> xarray.Dataset:
     """Return a dataset without sections in it: each of their points is two columns."""
     if "section" not in dataset:
         return dataset
-    flat = dataset.drop_vars(["section", "period", "component"])
+    flat = dataset.drop_vars(["section", *SECTION_NAMES])
     for i in range(dataset.sizes["period"]):
         for j, component in enumerate("xv"):
             flat[f"section_{component}_{i}"] = dataset["section"].isel(period=i, component=j, drop=True)
     return flat
 
 
-def _read_dataset(path: Path, whole: bool, **options: Any) -> Any:
+def _read_dataset(path: Path, **options: Any) -> Columns:
     with need_xarray().open_dataset(path, **options) as dataset:
-        if not whole:
-            return dataset.attrs.get(PLAN_ATTRIBUTE)
         dimensions = dataset["status"].dims
         cells = int(np.prod([dataset.sizes[name] for name in dimensions]))
         columns = {}
@@ -153,19 +261,9 @@ def _read_dataset(path: Path, whole: bool, **options: Any) -> Any:
         return columns
 
 
-def _read_netcdf(path: Path, whole: bool) -> Any:
-    return _read_dataset(path, whole, engine=NETCDF_ENGINE)
-
-
-def _read_zarr(path: Path, whole: bool) -> Any:
-    return _read_dataset(path, whole, engine="zarr")
-
-
-def _read_csv(path: Path, whole: bool) -> Any:
+def _read_csv(path: Path) -> Columns:
     with path.open(encoding="utf-8") as file:
         head = json.loads(file.readline().removeprefix(COMMENT))
-    if not whole:
-        return head[PLAN_ATTRIBUTE]
     from pandas import read_csv
 
     frame = read_csv(path, skiprows=1, dtype=str, na_filter=False)  # as text: numpy reads every digit
@@ -178,4 +276,8 @@ def _read_csv(path: Path, whole: bool) -> Any:
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": _write_csv}
-READERS: dict[str, Callable[[Path, bool], Any]] = {".nc": _read_netcdf, ".zarr": _read_zarr, ".csv": _read_csv}
+READERS: dict[str, Callable[[Path], Columns]] = {
+    ".nc": partial(_read_dataset, engine=NETCDF_ENGINE),
+    ".zarr": partial(_read_dataset, engine="zarr"),
+    ".csv": _read_csv,
+}

@@ -15,7 +15,7 @@ import numpy as np
 
 import symosc
 from symosc.aliases import Record
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import Scene
@@ -83,6 +83,11 @@ class SweepPlan:
     skip: Duration
 
     @property
+    def column_names(self) -> tuple[str, ...]:
+        """The columns of a chunk: those that are recorded, and always the status."""
+        return tuple(dict.fromkeys((*self.record, "status")))
+
+    @property
     def record_names(self) -> tuple[str, ...]:
         """The columns as a user names them, the points of a section with it."""
         return tuple(f"{name}:{self.sections}" if name == "section" else name for name in self.record)
@@ -145,14 +150,15 @@ def read_plan(scene: Scene, grid: Grid, record: Any, t_end: Any, skip: Any) -> S
 
 def read_record(record: Any) -> tuple[tuple[str, ...], int]:
     """Return the names of columns and the number of points of a section, from names such as "word" and "section:64"."""
-    names = [record] if isinstance(record, str) else list(record) if isinstance(record, (tuple, list)) else None
-    if not names or not all(isinstance(name, str) for name in names):
+    names = [record] if isinstance(record, str) else list(record)
+    if not names:
         raise ParameterError("record", record, f"give names out of {', '.join(RECORDED)}")
     columns, sections = [], 0
     for name in names:
         column, colon, count = name.partition(":")
         if column not in RECORDED or (colon and column != "section"):
-            raise ParameterError("record", name, f"is not recorded; what is is {', '.join(RECORDED)}")
+            known = f"is not recorded; what is is {', '.join(RECORDED)}"
+            raise ParameterError("record", name, known + meant(column, RECORDED))
         if column in columns:
             raise ParameterError("record", column, "is there twice")
         if column == "section":

@@ -1,4 +1,7 @@
-"""Finished chunks on disk: each is a file that is written whole, so that a program may be killed at any moment."""
+"""Finished chunks on disk: each is a file that is written whole, so that a program may be killed at any moment.
+
+A chunk ends with a checksum over its content, its range and its plan: what was changed since is computed anew.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,10 @@ import json
 import os
 import re
 import shutil
-import zipfile
-import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
+from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +20,15 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.errors import OutputError, SweepError
-from symosc.files import write_text, write_whole
+from symosc.files import DRAFT_PREFIX, write_text, write_whole
 
 #: The folder of the chunks is beside the output, and has its name with this behind it.
 FOLDER_SUFFIX = ".parts"
 PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{begin:012d}-{end:012d}.npz"
 CHUNK_FORM = re.compile(r"(\d{12})-(\d{12})\.npz")
-#: What reading a damaged archive raises.
-DAMAGED = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
+PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")
+#: What a finished output is called, with its suffix, before it goes to its place.
+DRAFT = "whole"
 
 Columns = dict[str, np.ndarray]
 
@@ -42,61 +46,84 @@ class Store:
         self.output = output
         self.folder = output.with_name(output.name + FOLDER_SUFFIX)
         self._lock: Any = None
+        self._key = ""
 
     def key(self) -> str | None:
         """Return the plan's name that the chunks belong to; None if there are none, "" if it cannot be read."""
         try:
-            return str(json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"])
-        except FileNotFoundError:
+            found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError):
             return ""
+        return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Make the folder or go on in it, alone; without `resume` take away what is in it.
+        """Make the folder or go on in it, alone; without `resume` take away the chunks that are in it.
 
         Raises
         ------
         SweepError
-            If it belongs to another plan, or another program works in it.
+            If it belongs to another plan or is no folder of a sweep, or another program works in it.
         OutputError
             If it cannot be made.
         """
         try:
             self.folder.mkdir(exist_ok=True)
+            self._check_owner()
             self._take_lock()
         except OSError as error:
             raise OutputError(str(self.folder), error.strerror or str(error)) from None
         if not resume:
-            self._clear()
+            self._clear(PLAN_FILE)
         there = self.key()
         if there not in (None, key):
             raise self.strange()
-        for draft in self.folder.glob(".symosc-*"):  # of a program that was killed while it wrote
-            draft.unlink()
+        self._clear_drafts()
         if there is None:
             write_text(self.folder / PLAN_FILE, json.dumps({"key": key} | content, indent=1) + "\n")
+        self._key = key
 
     def strange(self) -> SweepError:
         """Return what is wrong if the chunks are another plan's."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
-    def _clear(self) -> None:
+    def _check_owner(self) -> None:
+        """Raise SweepError if the folder has a plan that is none of ours, or files but no plan."""
+        key = self.key()
+        files = os.listdir(self.folder)
+        if key == "" or (key is None and not all(_is_ours(name) for name in files)):
+            raise SweepError(f"{self.folder} is no folder of a sweep, or is damaged: remove it, or name another output")
+
+    def _clear(self, *names: str) -> None:
+        """Take away the chunks, and files of these names."""
         for path in self.folder.iterdir():
-            if path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name):
+            if path.name in names or CHUNK_FORM.fullmatch(path.name):
                 path.unlink()
+
+    def _clear_drafts(self) -> None:
+        """Take away what a program that was killed has left of a file that it wrote."""
+        for path in self.folder.iterdir():
+            if _is_draft(path.name):
+                remove(path)
 
     def _take_lock(self) -> None:
         """Take the folder's lock, which the system releases when the program ends, however it ends."""
-        self._lock = (self.folder / LOCK_FILE).open("w")
+        path = self.folder / LOCK_FILE
+        self._lock = path.open("a")
+        in_use = SweepError(f"{self.folder} is in use: another program computes this sweep")
         try:
             import fcntl
 
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise SweepError(f"{self.folder} is in use: another program computes this sweep") from None
+            self.close()
+            raise in_use from None
         except (ImportError, OSError):  # no such locks on this system, or on this file system
-            pass
+            return
+        if not path.exists() or not os.path.samestat(os.fstat(self._lock.fileno()), path.stat()):
+            self.close()  # the other program has just finished, and removed it
+            raise in_use
 
     def close(self) -> None:
         """Let others work in the folder."""
@@ -114,10 +141,14 @@ class Store:
         """Keep a chunk."""
 
         def fill(draft: Path) -> None:
-            with draft.open("wb") as file:
-                np.savez(file, allow_pickle=False, **columns)
+            content = BytesIO()
+            np.savez(content, allow_pickle=False, **columns)
+            draft.write_bytes(content.getvalue() + self._checksum(begin, end, content.getvalue()))
 
         write_whole(self.folder / CHUNK_NAME.format(begin=begin, end=end), fill)
+
+    def _checksum(self, begin: int, end: int, content: bytes) -> bytes:
+        return sha256(f"{self._key} {begin} {end}\n".encode() + content).digest()
 
     def ranges(self) -> list[tuple[int, int]]:
         """Return the ranges of cells that are there."""
@@ -125,26 +156,62 @@ class Store:
         found = (CHUNK_FORM.fullmatch(name) for name in names)
         return sorted((int(match[1]), int(match[2])) for match in found if match)
 
-    def chunks(self) -> Iterator[tuple[int, int, Columns]]:
-        """Yield the chunks that can be read; one that a power failure has damaged is taken away."""
+    def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
+        """Yield the chunks that have these columns; one that was damaged or changed is taken away."""
         for begin, end in self.ranges():
             path = self.folder / CHUNK_NAME.format(begin=begin, end=end)
-            try:
-                with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                    columns = {name: archive[name] for name in archive.files}
-                if any(len(column) != end - begin for column in columns.values()):
-                    raise ValueError(path)
-            except DAMAGED:
+            columns = self._read(path, begin, end)
+            if columns.keys() == set(names) and all(len(column) == end - begin for column in columns.values()):
+                yield begin, end, columns
+            else:
                 with suppress(OSError):
                     path.unlink()
-            else:
-                yield begin, end, columns
+
+    def _read(self, path: Path, begin: int, end: int) -> Columns:
+        """Return the columns of a chunk; none if it is not as it was written."""
+        try:
+            whole = path.read_bytes()
+        except OSError:
+            return {}
+        size = sha256().digest_size
+        content, checksum = whole[:-size], whole[-size:]
+        if checksum != self._checksum(begin, end, content):
+            return {}
+        with np.load(BytesIO(content), allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
 
     def remove(self, key: str) -> None:
-        """Take the chunks of a plan away."""
-        self.close()
-        if self.key() == key:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Take the chunks of a plan away, unless another program works on them; what is not ours stays."""
+        with self, suppress(OSError, SweepError):
+            if self.key() != key:
+                return
+            if self._lock is None:
+                self._take_lock()
+            self._clear_drafts()
+            self._clear(PLAN_FILE)
+            lock = self.folder / LOCK_FILE
+            try:
+                lock.unlink()  # while it is ours
+            except PermissionError:  # some systems keep what is open
+                self.close()
+                lock.unlink()
+            self.folder.rmdir()  # unless it has something else
+
+
+def _is_draft(name: str) -> bool:
+    return name.startswith((DRAFT_PREFIX, f"{DRAFT}."))
+
+
+def _is_ours(name: str) -> bool:
+    return name in (PLAN_FILE, LOCK_FILE) or _is_draft(name) or CHUNK_FORM.fullmatch(name) is not None
+
+
+def remove(path: Path) -> None:
+    """Take away a file, or a folder with all that is in it."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def missing(ranges: list[tuple[int, int]], count: int) -> list[tuple[int, int]]:

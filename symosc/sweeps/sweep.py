@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
+from symosc.arguments import public
 from symosc.display.progress import Report, reporting
 from symosc.errors import SweepError
-from symosc.exact import true_or_false
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps import output
 from symosc.sweeps.collected import Collected
 from symosc.sweeps.dataset import dataset_of, need_xarray
-from symosc.sweeps.grid import SWEPT_STARTS, read_grid
+from symosc.sweeps.grid import SWEPT_STARTS, read_grid, start_rows
 from symosc.sweeps.plan import SweepPlan, read_plan
 from symosc.sweeps.run import carried_out, engine
 from symosc.sweeps.store import Store, missing
@@ -25,19 +28,20 @@ if TYPE_CHECKING:
     import xarray
 
 
+@public
 def sweep(
-    scene: Scene | str | Path,
-    over: Any,
+    scene: Scene | SceneName,
+    over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
-    t_end: Any = None,
-    skip: Any = 0,
-    starts: Any = None,
+    t_end: NumberLike | None = None,
+    skip: NumberLike = 0,
+    starts: ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     workers: int | None = None,
-    executor: Any = None,
+    executor: Executor | None = None,
     path: str | Path | None = None,
     resume: bool = True,
-    progress: Any = False,
+    progress: Progress = False,
 ) -> xarray.Dataset:
     """Follow one motion for each cell of a grid, or row of a table, of parameters and starts (extra `sweep`).
 
@@ -77,7 +81,7 @@ def sweep(
     need_xarray()
     plan, given = planned(scene, over, record, t_end, skip, starts)
     target = None if path is None else output.output_path(path)
-    going_on, (who, under_way) = true_or_false("resume", resume), engine(executor, workers)
+    going_on, (who, under_way) = resume, engine(executor, workers)
     if target is not None and _is_finished(plan, target, going_on):
         Store(target).remove(plan.key)  # stopped before it could do that itself
         return dataset_of(plan, output.read_columns(target), given)
@@ -92,7 +96,7 @@ def _computed(
 ) -> xarray.Dataset:
     """Compute what is missing, and write the output."""
     results, there = Collected(len(plan.grid)), []
-    for begin, end, columns in store.chunks() if store is not None else ():
+    for begin, end, columns in store.chunks(plan.column_names) if store is not None else ():
         results.fill(begin, end, columns)
         there.append((begin, end))
     gaps = missing(there, results.count)
@@ -125,6 +129,7 @@ def _fill(results: Collected, chunks: Any, store: Store | None, done: int, repor
 def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any) -> tuple[SweepPlan, dict[str, Any]]:
     """Return the plan of a call, and what of the call is not in it."""
     problem = scene if isinstance(scene, Scene) else load_scene(scene)
+    starts = start_rows(starts)
     if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
         problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
     grid = read_grid(problem, over, starts)
@@ -132,11 +137,11 @@ def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: A
 
 
 def _is_finished(plan: SweepPlan, target: Path, going_on: bool) -> bool:
-    """Tell whether the output is there already."""
-    there = output.plan_of(target) if going_on else None
-    if there not in (None, plan.key):
+    """Tell whether the output is there already, to be used."""
+    there = output.plan_of(target, to_replace=not going_on)
+    if going_on and there not in (None, plan.key):
         raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
-    return there is not None
+    return going_on and there is not None
 
 
 class SweepStatus(NamedTuple):
@@ -163,14 +168,15 @@ class SweepStatus(NamedTuple):
     written: bool
 
 
+@public
 def sweep_status(
-    scene: Scene | str | Path,
-    over: Any,
+    scene: Scene | SceneName,
+    over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
-    t_end: Any = None,
-    skip: Any = 0,
-    starts: Any = None,
+    t_end: NumberLike | None = None,
+    skip: NumberLike = 0,
+    starts: ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     path: str | Path,
 ) -> SweepStatus:
     """Tell how far the sweep with the same arguments is, without computing anything; it may be running meanwhile.

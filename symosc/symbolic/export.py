@@ -71,7 +71,7 @@ def export(
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files of `export` to a folder and return their paths.
+    """Write the files of `export` to a folder, which is made if needed, and return their paths.
 
     Raises
     ------
@@ -79,12 +79,17 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
         If a file cannot be written, or is there with another content (with `force` it is replaced); and what `export`
         raises.
     """
-    texts = {Path(read_path(folder)) / name: text for name, text in export(*arguments, **options).items()}
+    folder = read_path(folder)
+    texts = {Path(folder) / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
         if isdir(path):
             raise OutputError(str(path), "is a folder")
         if not force and isfile(path) and not _holds(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
     return [write_text(path, text) for path, text in texts.items()]
 
 

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.aliases import Expr
+from symosc.aliases import Expr, NumberLike
+from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
@@ -197,8 +198,12 @@ class ParameterValues:
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
 
-    def __contains__(self, value: Any) -> bool:
-        exact = value if isinstance(value, sp.Basic) else rational(read_exact(self.question.names[0], value))
+    @public
+    def __contains__(self, value: NumberLike) -> bool:
+        name = self.question.names[0]
+        if isinstance(value, sp.Basic) and value.free_symbols:
+            raise ParameterError(name, value, "must be a number")
+        exact = value if isinstance(value, sp.Basic) else rational(read_exact(name, value))
         return bool(self.values.contains(exact) == sp.true)
 
     def __getattr__(self, name: str) -> Any:
@@ -264,7 +269,8 @@ class ParameterRegion(Drawable):
         first, second = (QUERY_LETTERS[name] for name in self.question.names)
         return first, second
 
-    def contains(self, **values: Any) -> bool:
+    @public
+    def contains(self, **values: NumberLike) -> bool:
         """Return whether a point of the plane is in the region, decided exactly.
 
         Raises

@@ -18,14 +18,15 @@ For two parameters the same inequalities are a region (`symosc.symbolic.grazing_
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.aliases import Expr
+from symosc.aliases import Expr, NumberLike, Order
+from symosc.arguments import public
 from symosc.errors import ParameterError
-from symosc.mappings.theorem7_cases import Place, check_order, check_parameters, place
+from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.symbolic.grazing_answers import (
     ASKS_EVERYTHING,
@@ -60,7 +61,14 @@ class _Problem(NamedTuple):
         return self.where.side * self.letters["k"] * self.letters["v"]
 
 
-def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any = None, order: str = "full") -> Any:
+@public
+def values_containing(
+    p: Parameters | None,
+    mapping: str,
+    name: str | Sequence[str],
+    theta: NumberLike | tuple[NumberLike, NumberLike] | sp.Interval | None = None,
+    order: Order = "full",
+) -> Any:
     """Return for which values of a parameter, or of two, the window of a map contains a phase, or an interval of them.
 
     Parameters
@@ -98,7 +106,7 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
     >>> values_containing(p, "P2", "Omega", ("pi", "5*pi/4"))
     Interval.open(0, sqrt(2)/3)
     """
-    where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
+    where, names, full = place(mapping), _names(mapping, name, p), order == "full"
     phases = THETA if theta is None and p is None else read_phases("theta", theta)
     if p is None and isinstance(phases, PhaseInterval):
         raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
@@ -113,7 +121,8 @@ def values_containing(p: Parameters | None, mapping: str, name: Any, theta: Any 
     return _collected(problem, question, _containing(problem, phases, full))
 
 
-def values_empty(p: Parameters | None, mapping: str, name: Any) -> Any:
+@public
+def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) -> Any:
     """Return for which values of a parameter, or of two, the window of a map is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
@@ -132,7 +141,8 @@ def values_empty(p: Parameters | None, mapping: str, name: Any) -> Any:
     return _collected(problem, question, _reaching(problem, -where.side, closed=True, at_zero=True))
 
 
-def values_everything(p: Parameters | None, mapping: str, name: Any, order: str = "full") -> Any:
+@public
+def values_everything(p: Parameters | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
     """Return for which values of a parameter, or of two, every phase is in the window; see `values_containing`.
 
     Examples
@@ -141,7 +151,7 @@ def values_everything(p: Parameters | None, mapping: str, name: Any, order: str 
     >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
     Interval.open(0, 1/3)
     """
-    where, names, full = place(mapping), _names(mapping, name, p), check_order(order) == "full"
+    where, names, full = place(mapping), _names(mapping, name, p), order == "full"
     question = GrazingQuestion(mapping, names, ASKS_EVERYTHING)
     if len(names) == 2:
         return region(p, where, question, full)
@@ -151,8 +161,6 @@ def values_everything(p: Parameters | None, mapping: str, name: Any, order: str 
 
 def _names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
     """Return the names of one parameter or two; the belt is "v" among letters, v1 or v2 among numbers."""
-    if p is not None:
-        check_parameters(p)
     belt = f"v{place(mapping).boundary}"
     known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)

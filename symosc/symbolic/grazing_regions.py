@@ -10,7 +10,7 @@ import sympy as sp
 
 from symosc.aliases import Expr
 from symosc.errors import ParameterError
-from symosc.mappings.theorem7_cases import Place, check_parameters
+from symosc.mappings.theorem7_cases import Place
 from symosc.model import Parameters
 from symosc.symbolic.grazing_answers import (
     ASKS_EVERYTHING,
@@ -31,7 +31,6 @@ def region(p: Parameters | None, where: Place, question: GrazingQuestion, full: 
     """Return the region of two parameters in which the answer to a question is yes."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
-    check_parameters(p)
     belt = f"v{where.boundary}"
     letters = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
     letters |= {name: QUERY_LETTERS[name] for name in question.names}

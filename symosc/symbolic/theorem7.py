@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from symosc.aliases import Expr, NumberLike
+from symosc.aliases import Expr, NumberLike, Order
+from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
 from symosc.mappings.latex import table
@@ -28,7 +29,6 @@ from symosc.mappings.theorem7_cases import (
     WRAPPED_ARC,
     Place,
     case_label,
-    check_order,
     place,
     window_kind,
 )
@@ -108,8 +108,9 @@ def _label_latex(label: str) -> str:
     return rf"{number}\text{{, shifted by }}\pi" if shifted else number
 
 
+@public
 def theorem7(
-    mapping: str, gamma: NumberLike = GAMMA, amplitude: NumberLike = AMPLITUDE, order: str = "full"
+    mapping: str, gamma: NumberLike = GAMMA, amplitude: NumberLike = AMPLITUDE, order: Order = "full"
 ) -> Expr | Theorem7Cases:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
@@ -143,7 +144,7 @@ def theorem7(
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """
-    where, full = place(mapping), check_order(order) == "full"
+    where, full = place(mapping), order == "full"
     gamma, amplitude = real("gamma", gamma), real("amplitude", amplitude)
     if gamma.free_symbols or amplitude.free_symbols:
         return _cases(where, gamma, amplitude, full)

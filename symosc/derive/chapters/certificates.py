@@ -129,8 +129,10 @@ def _steps() -> Iterator[Any]:
         r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is "
         r"how orbits are proven, and all motions once more by the checker. It takes "
         r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is concave in $u$, "
-        r"so that its ends decide; and for the last step, up to a time with "
-        r"$g > 0 > \dot{g}$, that $\dot{g} < 0$ or $\ddot{g} > 0$ on it. What happens at the event follows from "
+        r"so that its ends decide; for the last step also the same backwards from its end. In a flight "
+        r"$u = \ddot{g}$ solves $\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with $|r| \le D = |B_0|\Omega^3/m$, so its "
+        r"energy bounds it, at resonance too: $|u(h)| \le (u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ "
+        r"is small, two integrations do. What happens at the event follows from "
         r"certain signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; "
         r"its image is enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over "
         r"the whole set."
@@ -165,8 +167,8 @@ def _touches() -> Iterator[Any]:
     yield from block(
         "proposition",
         r"Let $g(t, s)$ be the gap of the flights from starts with $s$ from $a$ to $b$. Let $\ddot{g} > 0$ for all of "
-        r"them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g > 0$ at its end. Exactly one of "
-        r"these flights touches the belt in the interval, and does not cross it, if one of the following holds. "
+        r"them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g, \dot{g} > 0$ at its end. "
+        r"Exactly one of these flights touches the belt in the interval, and does not cross it, if one of these holds. "
         r"(i)~Krawczyk's operator of $(g, \dot{g})$ maps a box of times and of $s$ between $a$ and $b$, which contains "
         r"all zeros of $\dot{g}$, into its interior. (ii)~The least gap of the interval has different signs at $s = a$ "
         r"and at $s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.",

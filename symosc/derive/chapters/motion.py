@@ -113,7 +113,7 @@ def _balance() -> Iterator[Any]:
         "fig:motion-friction",
         r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the speed of a belt its friction "
         r"can take every value of an interval (thick).",
-        0.62,
+        0.75,
     )
 
 

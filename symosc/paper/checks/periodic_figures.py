@@ -49,7 +49,7 @@ def orbit_of(scene: Scene) -> PeriodicOrbit | None:
 @cache
 def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
     try:
-        found = find_orbit(scene.parameters, scene.structure, digits=CONTACT_DIGITS)
+        found = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
     except ConvergenceError:
         return None
     return found if found.admissible else None

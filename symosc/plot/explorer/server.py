@@ -1,13 +1,15 @@
-"""The server of the page. It listens on this machine only, and answers who asks for this machine by name."""
+"""The server of the page. It listens on this machine only, and answers its own page and who asks for it by name."""
 
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from functools import cache, partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
+from socket import SHUT_RDWR, socket
 from threading import Lock
 from typing import Any
 from urllib.parse import urlsplit
@@ -31,6 +33,8 @@ HOST, PORT = "127.0.0.1", 8519
 HOST_NAMES = (HOST, "localhost")
 #: A scene file has about 500 bytes.
 MOST_BYTES = 100_000
+#: Seconds for which a connection may say nothing, and how many may be open; a browser has six.
+IDLE_SECONDS, MOST_CONNECTIONS = 30.0, 32
 TYPES = {".css": "text/css", ".js": "text/javascript", ".toml": "application/toml"}
 #: The page loads nothing from elsewhere.
 POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
@@ -56,6 +60,9 @@ class ExplorerServer(ThreadingHTTPServer):
 
     def __init__(self, scene: Scene, port: int = PORT) -> None:
         self.scene, self.busy = scene, Lock()
+        # Open connections, and whether each waits for what its client says; the oldest of these are first.
+        self.waiting: dict[socket, bool] = {}
+        self._guard = Lock()
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -67,6 +74,35 @@ class ExplorerServer(ThreadingHTTPServer):
         """The link of the page."""
         return f"http://{HOST}:{self.server_address[1]}/"
 
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a new connection; if there are too many, end the one that has been waiting longest, or the new one."""
+        with self._guard:
+            full = len(self.waiting) >= MOST_CONNECTIONS
+            oldest = next((each for each, waits in self.waiting.items() if waits), request) if full else None
+            if oldest is not None:
+                self.waiting.pop(oldest, None)
+            if oldest is not request:
+                self.waiting[request] = True
+        if oldest is request:
+            self.shutdown_request(request)
+            return
+        if oldest is not None:
+            with suppress(OSError):
+                oldest.shutdown(SHUT_RDWR)  # its thread closes it
+        super().process_request(request, client_address)
+
+    def set_waiting(self, connection: socket, waits: bool) -> None:
+        """Note whether a connection waits for its client; it is then the youngest of those."""
+        with self._guard:
+            if self.waiting.pop(connection, None) is not None:
+                self.waiting[connection] = waits
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection."""
+        with self._guard:
+            self.waiting.pop(request, None)
+        super().shutdown_request(request)
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing if a browser hangs up."""
 
@@ -74,6 +110,7 @@ class ExplorerServer(ThreadingHTTPServer):
 class _Handler(BaseHTTPRequestHandler):
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
+    timeout = IDLE_SECONDS
     disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
 
     def do_GET(self) -> None:
@@ -87,7 +124,9 @@ class _Handler(BaseHTTPRequestHandler):
             "/page.js": partial(self._static, "page.js"),
             "/bokeh.js": partial(self._send, _bokeh_script(), TYPES[".js"], "max-age=3600"),
         }
+        self.server.set_waiting(self.connection, False)
         self._reply(replies.get(url.path))
+        self.server.set_waiting(self.connection, True)
 
     def do_POST(self) -> None:
         """Read a scene file, and return the link of its page."""
@@ -98,13 +137,22 @@ class _Handler(BaseHTTPRequestHandler):
         """Say nothing of requests."""
 
     def _reply(self, reply: Any) -> None:
-        host = self.headers.get("Host", "").rpartition(":")[0]
-        if host not in HOST_NAMES:  # a page of another site must not ask through a name that it points here
+        if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif reply is None:
             self.send_error(HTTPStatus.NOT_FOUND)
         else:
             reply()
+
+    def _is_for_us(self) -> bool:
+        """Return whether a request asks for this machine, and comes from our page, from a link, or from no browser."""
+        host = self.headers.get("Host", "").lower()
+        if host.partition(":")[0] not in HOST_NAMES:
+            return False  # a page of another site may point a name of its own here
+        if self.headers.get("Origin", f"http://{host}").lower() != f"http://{host}":
+            return False
+        site, mode = (self.headers.get(f"Sec-Fetch-{name}") for name in ("Site", "Mode"))
+        return site in (None, "same-origin", "none") or mode == "navigate"
 
     def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
         content = text.encode()
@@ -132,18 +180,25 @@ class _Handler(BaseHTTPRequestHandler):
     def _file(self, query: str) -> None:
         scene, errors = scene_of(read_link(query, self.server.scene)[0])
         if scene is None:
-            self.send_error(HTTPStatus.BAD_REQUEST, "; ".join(f"{name} {said}" for name, said in errors.items()))
+            said = "; ".join(f"{name} {said}" for name, said in errors.items())
+            self.send_error(HTTPStatus.BAD_REQUEST, explain=said)
             return
         self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
 
     def _read_file(self, name: str) -> None:
         length = self.headers.get("Content-Length", "")
-        size = int(length) if length.isdecimal() else 0
-        if size > MOST_BYTES:
+        if not (length.isascii() and length.isdecimal()):
+            self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
+            return
+        if len(length) > len(str(MOST_BYTES)) or int(length) > MOST_BYTES:
             self.close_connection = True
             self._json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
             return
-        content = self.rfile.read(size)
+        try:
+            content = self.rfile.read(int(length))
+        except TimeoutError:
+            self.send_error(HTTPStatus.REQUEST_TIMEOUT)
+            return
         try:
             scene = read_scene(content.decode("utf-8-sig"), "of this file")
         except UnicodeDecodeError:
