@@ -42,7 +42,7 @@ def test_a_scene_of_wrong_types(name: str, value: Any) -> None:
         (b"", "is empty"),
         (b"# nothing\n", "is empty"),
         (b"t_end = 5\n", r"start is missing: give it in a table \[start\]"),
-        (b"a = " + b"[" * 100_000, "nested too deeply"),
+        (b"a = " + b"[" * 50_000, "nested too deeply"),
         (b"t_end = " + b"1" * 5000, "is not valid TOML"),
         (b"\xff\xfea", "is not UTF-8"),
     ],
@@ -61,7 +61,7 @@ def test_a_scene_file_may_begin_with_a_byte_order_mark(tmp_path: Any) -> None:
     assert load_scene(path) == load_scene("fig5")
 
 
-@pytest.mark.parametrize("value", [None, 5, "", "a\0b", "a\0.toml", [], ".", "n" * 5000])
+@pytest.mark.parametrize("value", ["", "a\0b", "a\0.toml", ".", "n" * 5000])
 def test_names_of_scenes(value: Any) -> None:
     with pytest.raises(SceneError) as caught:
         load_scene(value)

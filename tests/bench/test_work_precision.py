@@ -34,10 +34,20 @@ def test_our_row_has_times_and_errors(work: dict[str, Any]) -> None:
         pytest.skip("needs numba")
     assert (row["failure"], row["missed"], row["invented"], row["compared"]) == ("", 0, 0, 9)
     assert row["error"] < 1e-14
-    assert row["us_fastest"] <= row["us_per_event"] <= row["us_slowest"]
     assert row["over_ours"] == 1
     assert row["floor_ns"] >= work["floor_ns"] > 1
-    assert 0 < row["over_floor"] <= 1e3 * row["us_slowest"] / row["floor_ns"] * (1 + 1e-12)
+    assert 0 < row["over_floor"] <= 1e9 * max(row["times_s"]) / row["timed_events"] / row["floor_ns"] * (1 + 1e-12)
+
+
+@pytest.mark.slow
+def test_times_and_ratios_of_a_table_agree(work: dict[str, Any]) -> None:
+    """Whatever the pace of the machine was when each was measured: 17 times our microseconds is not 11 times ours."""
+    ours = {row["scene"]: row for row in work["rows"] if row["solver"] == OURS[0].name}
+    timed = [row for row in work["rows"] if row["over_ours"]]
+    assert len(timed) > 6
+    for row in timed:
+        quotient = row["us_per_event"] / ours[row["scene"]]["us_per_event"]
+        assert row["over_ours"] == pytest.approx(quotient, rel=1e-12)
 
 
 @pytest.mark.slow
@@ -75,7 +85,7 @@ def test_quick_takes_the_finest_tolerance_and_no_raw_peers() -> None:
 @pytest.mark.parametrize("markdown", [False, True])
 def test_the_table_shows_all_rows(work: dict[str, Any], markdown: bool) -> None:
     text = work_table.table(work, markdown)
-    assert text.count("hang: more than 1 s") == 2
+    assert text.count("hang: more than 600 s") == 2
     assert "too far (in 12 events, not in 6)" in text
     assert "absent: skipped, no_such_module is not installed" in text
     lines = [line.replace("|", " ").split() for line in text.splitlines()]

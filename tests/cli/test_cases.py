@@ -26,7 +26,7 @@ def test_a_folder(tmp_path: Path) -> None:
     assert (target / "easy-fig9" / "events.csv").is_file()
     answer = json.loads(good("cases", "--group", "easy", "-o", str(target), "--json"))
     assert answer == {"folder": str(target), "cases": ["easy-fig9", "easy-fig10"]}
-    assert good("score", str(target), str(target)).splitlines()[-1] == "cases: right: 2 of 2 cases"
+    assert good("score", str(target), str(target)).splitlines()[-1] == "cases: right in all 2 cases"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from symosc import simulate
+from symosc import reference_cases, simulate
 from symosc.cli.app import CommandLine
 from symosc.cli.check import check
 
@@ -22,6 +22,11 @@ def run(*words: Any) -> Result:
     return CliRunner().invoke(main, ["check", *map(str, words)])
 
 
+def run_part(*words: Any) -> Result:
+    """Check samples that end before the scene does."""
+    return run(*words, "--partial")
+
+
 def write(path: Path, t: Any, x: Any, v: Any, head: str = "t,x,v") -> Path:
     np.savetxt(path, np.column_stack([t, x, v]), fmt="%.17g", delimiter=",", header=head, comments="")
     return path
@@ -29,15 +34,53 @@ def write(path: Path, t: Any, x: Any, v: Any, head: str = "t,x,v") -> Path:
 
 @pytest.fixture
 def samples() -> tuple[Any, Any, Any]:
+    """To t = 6, where the scene goes on to 10."""
     t = np.linspace(0.1324, 6, 400)
     return (t, *simulate("fig9", t_end=6)(t))
 
 
+def test_start_and_end_are_those_of_the_scene(tmp_path: Path, samples: Any) -> None:
+    t, x, v = samples
+    short = write(tmp_path / "short.csv", t, x, v)
+    result = run("fig9", short)
+    assert result.exit_code == 1
+    assert "early end: the solution ends at t = 6; the motion of fig9 goes on to t = 10" in result.output
+    assert run("fig9", short, "--partial").exit_code == 0
+    assert run("fig9", short, "--t-end", "6").exit_code == 0
+    other = write(tmp_path / "other.csv", t, *simulate("fig9", x0="4.6447", t_end=6)(t))
+    result = run("fig9", other, "--partial")
+    assert result.exit_code == 1
+    assert "wrong start: the solution starts at t0 = 0.1324, x0 = 4.6447" in result.output
+    assert run("fig9", other, "--partial", "--own-start").exit_code == 0
+
+
 def test_a_right_solution_passes(tmp_path: Path, samples: Any) -> None:
-    result = run(write(tmp_path / "run.csv", *samples), "--scene", "fig9")
+    result = run(write(tmp_path / "run.csv", *samples), "--scene", "fig9", "--t-end", "6")
     assert result.exit_code == 0, result.output
     assert result.output.startswith("ok: 400 samples")
     assert "7 matched, 0 missed, 0 invented" in result.output
+
+
+@pytest.mark.parametrize("name", ["weak-spring-k-0", "late-start-t0-1e8-fig9"])
+def test_a_reference_case_is_taken_by_its_name(name: str, tmp_path: Path) -> None:
+    (case,) = (each for each in reference_cases() if each.name == name)
+    motion = simulate(case.scene)
+    t = np.linspace(float(case.t0), float(case.t_end), 300)
+    x, v = motion(t)
+    assert run(write(tmp_path / "run.csv", t, x, v), "--case", name).exit_code == 0
+    assert run(write(tmp_path / "bad.csv", t, x * (1 + 1e-3), v), "--case", name).exit_code == 1
+
+
+def test_a_case_that_is_none_and_a_case_beside_a_scene(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text("t,x,v\n0,1,2\n1,1,2\n")
+    for words, says in (
+        (("--case", "free-decay"), "is no reference case; near it: free-decay-"),
+        (("--case", "free-decay-2", "--scene", "fig9"), "give --scene or --case, not both"),
+    ):
+        result = run(path, *words)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert says in result.stderr
 
 
 @pytest.mark.slow
@@ -46,13 +89,13 @@ def test_a_wrong_one_fails_and_is_drawn(tmp_path: Path, samples: Any) -> None:
     v[200] += 0.5
     figure = tmp_path / "errors.pdf"
     words = (write(tmp_path / "run.csv", t, x, v), "--scene", "fig9", "-o", figure)
-    result = run(*words)
+    result = run_part(*words)
     assert result.exit_code == 1
     assert result.output.startswith("FAILED")
     assert "first wrong step: 199" in result.output
     assert "a sample off by itself" in result.output
     assert figure.read_bytes().startswith(b"%PDF-")
-    data = json.loads(run(*words, "--json").output)
+    data = json.loads(run_part(*words, "--json").output)
     assert data["ok"] is False
     assert data["wrong_steps"] == [199, 200]
     assert data["first_wrong"]["reason"] == "outlier"
@@ -64,12 +107,12 @@ def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
     t, x, v = samples
     path = write(tmp_path / "run.csv", t, x + 1e-6 * np.sin(1e3 * t), v, "time,pos,v")
     names = ("--columns", "t=time,x=pos")
-    assert run(path, "--scene", "fig9", *names).exit_code == 1
-    assert run(path, "--scene", "fig9", *names, "--tolerance", "1e-5").exit_code == 0
+    assert run_part(path, "--scene", "fig9", *names).exit_code == 1
+    assert run_part(path, "--scene", "fig9", *names, "--tolerance", "1e-5").exit_code == 0
     events = [[5.5, "stick"]]
     listed = tmp_path / "run.json"
     listed.write_text(json.dumps({"t": t.tolist(), "x": x.tolist(), "v": v.tolist(), "events": events}))
-    result = run(listed, "--scene", "fig9")
+    result = run_part(listed, "--scene", "fig9")
     assert result.exit_code == 1
     assert "invented: stick at t = 5.5" in result.output
 
@@ -133,7 +176,7 @@ def test_json_has_no_nan(tmp_path: Path) -> None:
 def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
     path = tmp_path / "run.csv"
     np.savetxt(path, np.column_stack(samples), fmt="%.6g", delimiter=",", header="t,x,v", comments="")
-    result = run(path, "--scene", "fig9")
+    result = run_part(path, "--scene", "fig9")
     assert result.exit_code == 0, result.output
     assert "x to 6 significant digits, v to 6 significant digits; they are judged" in result.output
 
@@ -148,15 +191,15 @@ def test_help_has_an_example() -> None:
 @pytest.mark.slow
 def test_a_scene_may_be_the_first_word_and_be_changed(tmp_path: Path, samples: Any) -> None:
     path = write(tmp_path / "run.csv", *samples)
-    assert run("fig9", path).exit_code == 0
-    assert run("fig9", path, "--set", "k=3").exit_code == 0  # as it is
-    assert run("fig9", path, "--set", "k=3.1").exit_code == 1
+    assert run_part("fig9", path).exit_code == 0
+    assert run_part("fig9", path, "--set", "k=3").exit_code == 0  # as it is
+    assert run_part("fig9", path, "--set", "k=3.1").exit_code == 1
 
 
 def test_standard_input(samples: Any, tmp_path: Path) -> None:
     text = write(tmp_path / "run.csv", *samples).read_text()
     for words in (("fig9", "-"), ("-", "--scene", "fig9")):
-        result = CliRunner().invoke(main, ["check", *words], input=text)
+        result = CliRunner().invoke(main, ["check", *words, "--partial"], input=text)
         assert result.exit_code == 0, result.output
     result = CliRunner().invoke(main, ["check", "fig9", "-"], input="")
     assert (result.exit_code, "is empty" in result.stderr) == (2, True)
@@ -166,15 +209,15 @@ def test_standard_input(samples: Any, tmp_path: Path) -> None:
 def test_several_files_and_a_column_of_ids(tmp_path: Path, samples: Any) -> None:
     t, x, v = samples
     good, bad = write(tmp_path / "good.csv", t, x, v), write(tmp_path / "bad.csv", t, x, v + 0.1 * (t > 3))
-    result = run("fig9", good, bad)
+    result = run_part("fig9", good, bad)
     assert result.exit_code == 1
     assert result.stdout.startswith("FAILED: 2 solutions, 1 failed")
     assert f"\n{bad}: " in result.stdout
-    data = json.loads(run("fig9", good, bad, "--json").stdout)
+    data = json.loads(run_part("fig9", good, bad, "--json").stdout)
     assert [each["ok"] for each in data["checks"]] == [True, False]
     lines = [f"{name},{line}" for name in "ab" for line in good.read_text().splitlines()[1:]]
     (tmp_path / "both.csv").write_text("which,t,x,v\n" + "\n".join(lines))
-    assert run("fig9", tmp_path / "both.csv", "--columns", "id=which").stdout.startswith("ok: 2 solutions")
+    assert run_part("fig9", tmp_path / "both.csv", "--columns", "id=which").stdout.startswith("ok: 2 solutions")
     result = run("fig9", tmp_path / "both.csv", "--columns", "id=which", "-o", tmp_path / "both.svg")
     assert (result.exit_code, "shows one solution" in result.stderr) == (2, True)
 
@@ -203,7 +246,6 @@ def test_a_solver_is_run(tmp_path: Path) -> None:
         (("fig9",), "give SCENE FILE"),
         (("--scene", "fig9"), "give a file of samples"),
         (("fig9", "run.csv", "--solver", "a:b"), "not both"),
-        (("fig9", "run.csv", "--t-end", "3"), "--t-end is for --solver"),
         (("fig9", "--solver", "nothing"), "must be MODULE:FUNCTION"),
         (("fig9", "none.parquet"), "cannot be read"),
         (("fig9", "."), "folder"),

@@ -15,10 +15,10 @@ from symosc.symbolic.export import export
 
 
 def test_command_writes_files(tmp_path: Path) -> None:
-    result = CliRunner().invoke(codegen, ["P32", "-l", "c", "--fix", "fig9", "-o", str(tmp_path), "--json"])
+    result = CliRunner().invoke(codegen, ["P32", "-l", "c", "--fix", "fig9", "-o", str(tmp_path / "a" / "b"), "--json"])
     assert result.exit_code == 0
     assert [Path(path).name for path in json.loads(result.stdout)] == ["p32.h", "p32.c"]
-    assert (tmp_path / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
+    assert (tmp_path / "a" / "b" / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
 
 
 @pytest.mark.slow

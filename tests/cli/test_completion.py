@@ -9,7 +9,10 @@ from pathlib import Path
 from shutil import which
 
 import pytest
+from click.shell_completion import ShellComplete
 from terminals import ROOT
+
+from symosc.cli.app import main
 
 #: What each shell is told to complete a line, printing what it offers.
 TRY = {
@@ -44,3 +47,27 @@ def test_a_shell_completes(shell: str, line: str, offered: str, tmp_path: Path) 
     }
     run = subprocess.run([shell, "-c", command], capture_output=True, text=True, env=environment, cwd=tmp_path)
     assert offered in {word for each in run.stdout.splitlines() for word in each.replace(":", " ").split()}, run
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("simulate fig9 --set Om", {"Omega="}),
+        ("grazing --set v", {"v1=", "v2="}),
+        ("sweep fig9 --over x", {"x0="}),
+        ("sweep fig9 --record word,st", {"word,sticks", "word,stuck", "word,status"}),
+        ("orbit fig9 --continue FN", {"FN="}),
+        ("certify fig9 --branch FN", {"FN="}),
+        ("certify fig9 --window P", {"P2", "P3", "P5", "P6"}),
+        ("grazing fig9 --map P", {"P2", "P3", "P5", "P6"}),
+        ("check fig9-", {"fig9-orbit"}),
+        ("codegen P32 --fix fig8-", {"fig8-exact"}),
+        ("derive sticks --scene fig8-", {"fig8-exact"}),
+        ("derive sw", {"switching"}),
+        ("explore fig9-", {"fig9-orbit"}),
+    ],
+)
+def test_names_are_completed(line: str, offered: set[str]) -> None:
+    *before, begun = line.split()
+    found = ShellComplete(main, {}, "symosc", "_SYMOSC_COMPLETE").get_completions(before, begun)
+    assert {item.value for item in found} == offered

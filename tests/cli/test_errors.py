@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 import click
 import pytest
 from cli_runs import COMMANDS, PROGRAM, good, run, shell
+from effort import PATIENCE
 
 from symosc.cli.app import main
 
@@ -22,6 +24,33 @@ from symosc.cli.app import main
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_has_an_example(command: str) -> None:
     assert re.search(rf"Examples?:\n +symosc {command}", good(command, "--help"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [[], ["simulate"], ["sweep"]])
+def test_help_is_the_same_without_docstrings(command: list[str]) -> None:
+    """With -OO Python leaves them out."""
+    usual, bare = ([sys.executable, *options, "-m", "symosc", *command, "--help"] for options in ((), ("-OO",)))
+    assert subprocess.check_output(bare) == subprocess.check_output(usual)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command", ["simulate fig5", "--help", "--version", "simulate fig5 --json", "figure fig5 -o -"]
+)
+def test_results_that_nobody_can_get_are_no_success(command: str) -> None:
+    def in_shell(redirection: str) -> tuple[int, str]:
+        program = shlex.join([*PROGRAM, *command.split()])
+        result = subprocess.run(f"{program} {redirection}", shell=True, capture_output=True, text=True, check=False)
+        return result.returncode, result.stderr
+
+    assert in_shell(">&-") == (2, "symosc: error: standard output is closed\n")
+    assert in_shell(">&- 2>&-")[0] == 2
+    if Path("/dev/full").exists():
+        code, said = in_shell("> /dev/full")
+        assert (code, said.count("\n")) == (2, 1)
+        assert "No space left on device" in said
+    assert in_shell("| head -c 1") == (0, "")
 
 
 BROKEN = {
@@ -90,7 +119,6 @@ BAD = [
     (["figure", "fig5", "-o", ""], "name of a file"),
     (["simulate", "fig5", "--csv", ""], "name of a file"),
     (["simulate", "fig5", "--csv", "-", "--json"], "standard output"),
-    (["simulate", "fig5", "--set", "Omega=2*pi"], "is an expression"),
     (["simulate", "fig5", "--set", "k=1_000"], "k = '1_000'"),
     (["simulate", "fig5", "--set", "k=１"], "k = '１'"),
     (["simulate", "empty.toml"], "is empty"),
@@ -198,7 +226,7 @@ runpy.run_module("symosc", run_name="__main__", alter_sys=True)
 
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
 def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
-    arguments = ["simulate", "fig8", "--digits", "4000", "--t-end", "150", "--csv", "events.csv"]
+    arguments = ["simulate", "fig8", "--digits", "4000", "--t-end", "4000", "--csv", "events.csv"]
     command = [sys.executable, "-c", TELLS_WHEN_IT_BEGINS, *arguments]
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell's background job is told to ignore it
     pipe = subprocess.PIPE
@@ -206,7 +234,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     assert process.stdout is not None
     assert process.stdout.readline() == "begins\n"
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, out, err) == (130, "", "")
     assert list(tmp_path.iterdir()) == []
 
@@ -238,17 +266,23 @@ def test_simulate_loads_nothing_heavy() -> None:
     assert not loaded & {"sympy", "matplotlib", "numba", "scipy"}
 
 
-@pytest.mark.slow
-def test_a_cold_start_costs_little_more_than_numpy(tmp_path: Path) -> None:
-    """In processor time, with everything compiled to bytecode before: the ratio does not depend on the machine."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    environment["PYTHONPYCACHEPREFIX"] = str(tmp_path)
+#: Says, when the program ends, how many functions it has called.
+COUNTED = """
+import atexit, sys
+calls = 0
+def count(frame, event, argument):
+    global calls
+    calls += event in ("call", "c_call")
+atexit.register(lambda: print(calls, file=sys.stderr))
+sys.setprofile(count)
+"""
 
-    def seconds(*command: str) -> float:
-        start = sum(os.times()[2:4])
-        subprocess.run(command, check=True, capture_output=True, env=environment)
-        return sum(os.times()[2:4]) - start
 
-    commands = (*PROGRAM, "simulate", "fig5"), (sys.executable, "-c", "import numpy")
-    ours, numpy = (min(times) for times in zip(*([seconds(*each) for each in commands] for _ in range(6)), strict=True))
-    assert ours <= 3 * numpy, (ours, numpy)
+def test_a_cold_start_costs_little_more_than_numpy() -> None:
+    """In calls of functions, which do not depend on the machine."""
+    main = "from symosc.cli.app import main\nmain(['simulate', 'fig5'])"
+    ours, numpy = (
+        int(subprocess.run([sys.executable, "-c", COUNTED + code], capture_output=True, check=True).stderr)
+        for code in (main, "import numpy")
+    )
+    assert ours <= 2.5 * numpy, (ours, numpy)

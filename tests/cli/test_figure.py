@@ -31,7 +31,7 @@ def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
     [
         ["orbit", "fig9", "-o"],
         ["grazing", "fig9", "--map", "P2", "--plot"],
-        ["check", "s.csv", "--scene", "fig6", "-o"],
+        ["check", "s.csv", "--scene", "fig6", "--partial", "-o"],
     ],
     ids=lambda arguments: arguments[0],
 )

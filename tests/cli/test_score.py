@@ -37,8 +37,8 @@ def results(folder: Path, path: Path, change: dict[str, str] | None = None) -> P
 def test_right_results(folder: Path, tmp_path: Path) -> None:
     lines = good("score", str(folder), str(results(folder, tmp_path / "mine.csv"))).splitlines()
     assert lines[0].split()[:4] == ["case", "events", "condition", "mine"]
-    assert lines[-1] == f"mine: right: {len(NAMES)} of {len(NAMES)} cases"
-    assert good("score", str(folder), str(folder)).splitlines()[-1].startswith("cases: right")
+    assert lines[-1] == f"mine: right in all {len(NAMES)} cases"
+    assert good("score", str(folder), str(folder)).splitlines()[-1].startswith("cases: right in all")
 
 
 def test_wrong_results_are_named_and_the_exit_code_is_1(folder: Path, tmp_path: Path) -> None:
@@ -46,7 +46,7 @@ def test_wrong_results_are_named_and_the_exit_code_is_1(folder: Path, tmp_path: 
     result = run("score", str(folder), str(path))
     assert (result.exit_code, result.stderr) == (1, "")
     assert "paper-fig6: error: stick at belt 1, error 2.9e-06, allowed 1.0e-09 at t = 3.39156" in result.stdout
-    assert result.stdout.splitlines()[-1] == f"mine: not right: {len(NAMES) - 1} of {len(NAMES)} cases"
+    assert result.stdout.splitlines()[-1] == f"mine: right in {len(NAMES) - 1} of {len(NAMES)} cases, wrong in 1"
     assert run("score", str(folder), str(path), "--tolerance", "1e-5").exit_code == 0
     data = json.loads(run("score", str(folder), str(path), "--json").stdout)
     (score,) = data["scores"]

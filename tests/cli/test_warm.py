@@ -47,4 +47,4 @@ def test_without_numba_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyP
 def test_what_was_compiled_is_there() -> None:
     pytest.importorskip("numba")
     warm.warm()
-    assert [(row.was_there, row.seconds < 20) for row in warm.warm()] == [(True, True)] * 3
+    assert [row.was_there for row in warm.warm()] == [True] * 3

@@ -9,6 +9,7 @@ import runpy
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 import sympy as sp
 from chapters import chapter, unchecked_items
@@ -172,13 +173,12 @@ def test_command(tmp_path: Path) -> None:
         assert "\\subsection" not in text
 
 
-@pytest.mark.slow
-def test_without_latex_one_line_says_how(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_latex_there_is_no_work_for_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = run("events", "-o", str(tmp_path), "--pdf")
-    assert result.exit_code == 0
-    assert (tmp_path / "derivations.tex").is_file()
-    assert "pdflatex" in result.stderr
+    error = run("all", "--pdf", "-o", str(tmp_path / "derived")).exception
+    assert isinstance(error, click.BadParameter)  # exit code 2
+    assert "no pdflatex here" in error.message
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import re
+import shutil
 from functools import cache
+from io import BytesIO
+from itertools import takewhile
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from browsing import chromium
 from chapters import unchecked_items
+from matplotlib import get_data_path
+from matplotlib.image import imread
 from samples import few
 
 from symosc.derive import blocks, document
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.document import Checked, Part
+from symosc.derive.html import STYLE
+from symosc.derive.mathml import font_style, formula
 from symosc.derive.scope import Scope
 from symosc.derive.steps import StepEvidence
 
@@ -66,3 +77,24 @@ def test_markdown_is_complete(key: str) -> None:
     text = document.as_markdown(unchecked(key), Scope())
     assert text.startswith(f"# {list(CHAPTERS).index(key) + 1}. ")
     assert not re.findall(r"\\(?:eqref|ref|cite|emph|textbf|texttt|label|begin\{(?!aligned)(?!enumerate))", text)
+
+
+@pytest.mark.slow
+def test_formulas_are_read_where_no_font_for_them_is_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One dot over the letter of a velocity, two over that of an acceleration, at the size of text."""
+    for name in ("DejaVuSans.ttf", "DejaVuSerif.ttf"):
+        shutil.copy(Path(get_data_path()) / "fonts" / "ttf" / name, tmp_path)
+    config = f"<fontconfig><dir>{tmp_path}</dir><cachedir>{tmp_path}</cachedir></fontconfig>"
+    (tmp_path / "fonts.conf").write_text(f'<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd">{config}')
+    monkeypatch.setenv("FONTCONFIG_FILE", str(tmp_path / "fonts.conf"))
+
+    def dots(page: Any, latex: str) -> int:
+        page.set_content(f"<style>{STYLE}{font_style()}</style><p>{formula(latex)}</p>")
+        page.evaluate("document.fonts.ready")
+        dark = imread(BytesIO(page.locator("math").screenshot()))[..., 0] < 0.5
+        above = takewhile(np.any, dark[dark.any(axis=1).argmax() :])  # the letter begins after an empty row
+        return max(int(np.diff(row, prepend=False, append=False).sum()) // 2 for row in above)
+
+    with chromium() as browser:
+        page = browser.new_page()
+        assert [dots(page, latex) for latex in (r"\dot{x}", r"\ddot{x}")] == [1, 2]

@@ -6,7 +6,6 @@ import io
 import sys
 
 import pytest
-from bad_values import refused
 
 from symosc.display import progress as module
 from symosc.display.progress import late_bar, pace, reporting
@@ -54,15 +53,6 @@ def test_a_function_of_ones_own() -> None:
     assert calls == [(4, 9)]
 
 
-@pytest.mark.parametrize("progress", [None, 1, "yes"])
-def test_what_is_refused(progress: object) -> None:
-    def enter() -> None:
-        with reporting(progress, 0, 1):
-            pass
-
-    refused(enter, "progress")
-
-
 class Clock:
     """A clock that is put forward by hand."""
 
@@ -76,6 +66,7 @@ def on_terminal(monkeypatch: pytest.MonkeyPatch) -> tuple[Clock, Terminal]:
     clock, terminal = Clock(), Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(module, "monotonic", clock)
+    monkeypatch.delenv("SYMOSC_PROGRESS_DELAY", raising=False)
     return clock, terminal
 
 
@@ -90,6 +81,23 @@ def test_a_bar_comes_after_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
             advance(part, count)
     shown = terminal.getvalue()
     assert all(text in shown for text in ("simulate", "50 %", "100 events/s, 0:00:04 left"))
+
+
+@pytest.mark.parametrize(
+    ("said", "shows"), [("0", (True, True)), ("100", (False, False)), ("x", (False, True)), ("nan", (False, True))]
+)
+def test_the_delay_is_a_setting(said: str, shows: tuple[bool, bool], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seconds until work shows that it goes on; what is no number counts as the usual two."""
+    clock, terminal = on_terminal(monkeypatch)
+    monkeypatch.setenv("SYMOSC_PROGRESS_DELAY", said)
+    with late_bar(True, "simulate", "events") as advance:
+        assert advance is not None
+        for clock.now, shown in zip((1.0, 3.0), shows, strict=True):
+            advance(0.1, 1)
+            assert ("simulate" in terminal.getvalue()) is shown
+    if said == "0":
+        with module.working("waits"):
+            assert "waits" in terminal.getvalue()
 
 
 def test_work_that_is_begun_anew_is_told_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,12 +128,3 @@ def test_a_part_goes_to_a_function_of_ones_own() -> None:
         assert advance is not None
         advance(0.5, 7)
     assert calls == [(0.5, 1.0)]
-
-
-@pytest.mark.parametrize("progress", [None, 1, "yes"])
-def test_what_a_late_bar_refuses(progress: object) -> None:
-    def enter() -> None:
-        with late_bar(progress, "simulate", "events"):
-            pass
-
-    refused(enter, "progress")

@@ -23,7 +23,6 @@ from symosc import (
     theorem7,
 )
 from symosc.grazing.sweep import grazing_windows
-from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
 
 P = load_scene("fig10").parameters
 NAN = float("nan")
@@ -32,18 +31,6 @@ NUMBERS: list[Any] = [
     np.array([1.0, 2.0]), np.array(["a"]), sympy.I, sympy.zoo, sympy.nan, sympy.oo, sympy.Matrix([[1]]),
     sympy.Interval(0, 1), "pi/0", "pi pi", "(" * 100 + "pi", "9" * 6000 + "*pi",
 ]  # fmt: skip
-WITH_MAP: dict[str, Callable[[Any, Any], Any]] = {
-    "window": grazing_window,
-    "start": lambda p, mapping: grazing_start(p, mapping, 4),
-    "solve": lambda p, mapping: solve_grazing(p, mapping, x_i=1, n=8),
-    "curve": lambda p, mapping: grazing_curve(p, mapping, 8),
-    "check": lambda p, mapping: check_grazing(p, mapping, n=1),
-    "state": lambda p, mapping: is_grazing(p, mapping, 1, 1),
-    "windows": lambda p, mapping: grazing_windows(p, mapping, k=[1.0]),
-    "containing": lambda p, mapping: values_containing(p, mapping, "k", 1),
-    "empty": lambda p, mapping: values_empty(p, mapping, "k"),
-    "everything": lambda p, mapping: values_everything(p, mapping, "k"),
-}
 WITH_NUMBER: dict[str, Callable[[Any], Any]] = {
     "theta": lambda value: grazing_start(P, "P6", value),
     "t_m": lambda value: grazing_start(P, "P6", t_m=value),
@@ -73,17 +60,6 @@ def assert_refused(name: str, call: Callable[[], Any]) -> None:
     assert len(str(caught.value).splitlines()) == 1
 
 
-@pytest.mark.parametrize("function", list(WITH_MAP))
-def test_what_is_no_map_and_no_parameters(function: str) -> None:
-    call = WITH_MAP[function]
-    for mapping in (["P2"], ("P2",), None, 5, b"P2", "p2", "P1", np.array(["P2"]), {}):
-        assert_refused("mapping", lambda mapping=mapping: call(P, mapping))
-    for p in ("fig9", 5, {}, [P], load_scene("fig9")):
-        assert_refused("p", lambda p=p: call(p, "P2"))
-    if function not in ("containing", "empty", "everything"):  # there None stands for letters
-        assert_refused("p", lambda: call(None, "P2"))
-
-
 @pytest.mark.parametrize("name", list(WITH_NUMBER))
 def test_what_is_no_number(name: str) -> None:
     for value in NUMBERS:
@@ -95,18 +71,6 @@ def test_what_is_no_count(function: str) -> None:
     for n in COUNTS:
         assert_refused("n", lambda n=n: WITH_COUNT[function](n))
     WITH_COUNT[function](np.int64(8))
-
-
-@pytest.mark.parametrize("order", [["full"], None, 1, True, np.array(["full", "x"]), "first"], ids=str)
-def test_what_is_no_order(order: Any) -> None:
-    for call in (
-        lambda: grazing_window(P, "P6", order),
-        lambda: grazing_windows(P, "P6", order, k=[1.0]),
-        lambda: values_containing(P, "P6", "k", 1, order),
-        lambda: values_everything(P, "P6", "k", order),
-        lambda: theorem7("P6", 1, 2, order),
-    ):
-        assert_refused("order", call)
 
 
 def test_phases_of_a_window() -> None:

@@ -8,7 +8,6 @@ import pickle
 import random
 import subprocess
 import sys
-import time
 from fractions import Fraction
 from typing import Any
 
@@ -16,6 +15,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from effort import at_most
 from samples import sample_of
 from sympy import Interval, Rational, S, asin, pi
 from window_samples import parameters
@@ -236,7 +236,7 @@ def test_arrays_with_nan() -> None:
         grazing_window(FIG9, "P2").contains(np.array([1.0, math.nan]))
 
 
-@pytest.mark.parametrize("mapping", ["P1", "P4", "P7", "P8", "P", "", None, "P23"])
+@pytest.mark.parametrize("mapping", ["P1", "P4", "P7", "P8", "P", "", "P23"])
 def test_maps_without_grazing(mapping: Any) -> None:
     with pytest.raises(ParameterError, match="P2, P3, P5, P6"):
         grazing_window(FIG9, mapping)
@@ -246,7 +246,7 @@ def test_maps_without_grazing(mapping: Any) -> None:
 
 def test_bad_orders_and_parameters() -> None:
     for order in ("first", "", None, 1):
-        with pytest.raises(ParameterError, match="full, paper"):
+        with pytest.raises(ParameterError, match="'full' or 'paper'"):
             grazing_window(FIG9, "P2", order)  # type: ignore[arg-type]
     for name in ("Omega", "B0"):
         with pytest.raises(ParameterError, match=name):
@@ -358,12 +358,12 @@ def test_numbers_need_neither_sympy_nor_numba() -> None:
 
 def test_an_exact_query_takes_milliseconds() -> None:
     rng = random.Random(11)
-    times = []
+    calls = []
     for _ in range(60):
         p = FIG9.replace(B0=Fraction(rng.randint(200, 999), 7), k=Fraction(rng.randint(1, 99), rng.randint(1, 99)))
-        start = time.process_time()
-        window = grazing_window(p, "P2")
-        asked = window.phases, window.theta_cr, window.intervals
-        times.append(time.process_time() - start)
+        with at_most(1_000_000) as effort:
+            window = grazing_window(p, "P2")
+            asked = window.phases, window.theta_cr, window.intervals
+        calls.append(effort.calls)
         assert None not in asked
-    assert sorted(times)[30] < 5e-3
+    assert sorted(calls)[30] < 20_000

@@ -9,24 +9,9 @@ import numpy as np
 import pytest
 
 from symosc import ParameterError
-from symosc.mappings.arguments import columns_of, four_numbers, is_array, is_mp, real_array, scalar, text_or_booleans
+from symosc.mappings.arguments import columns_of, is_array, is_mp, real_array, scalar, text_or_booleans
 
 RAGGED = [[1, 2], [3]]
-
-
-def test_pairs_are_four_numbers() -> None:
-    assert four_numbers((1, 2), [3, 4]) == [1, 2, 3, 4]
-    assert four_numbers(np.array([1.0, 2.0]), (3, 4)) == [1, 2, 3, 4]
-    for start, end in (
-        ((1, 2, 3), (4,)),
-        ((1,), (2, 3, 4)),
-        ("ab", (1, 2)),
-        ((1, 2), {3: 1, 4: 1}),
-        (1, 2),
-        ({1, 2}, [3, 4]),
-    ):
-        with pytest.raises(ParameterError, match="must be two pairs"):
-            four_numbers(start, end)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-from itertools import product
 from math import isclose, pi, sin
 from typing import Any
 
@@ -18,8 +16,6 @@ from symosc.mappings.theorem7_cases import (
     PLACES,
     WRAPPED_ARC,
     case_label,
-    check_order,
-    check_parameters,
     place,
     window_kind,
 )
@@ -101,14 +97,3 @@ def test_places_are_where_the_maps_begin_and_end() -> None:
         assert (row.mode, row.start.boundary, row.end.boundary) == (domain, boundary, boundary)
         assert side == (1 if domain == boundary else -1)
     assert [where.equation for where in PLACES.values()] == [55, 56, 57, 58]
-
-
-def test_arguments() -> None:
-    assert check_parameters(P) is P
-    for wrong in (None, "fig9", 3, Fraction(1), load_scene("fig9")):
-        with pytest.raises(ParameterError, match="must be Parameters"):
-            check_parameters(wrong)
-    for order, wrong in product(("full", "paper"), ("", "Full", None, 1)):
-        assert check_order(order) == order
-        with pytest.raises(ParameterError, match="must be one of full, paper"):
-            check_order(wrong)  # type: ignore[arg-type]

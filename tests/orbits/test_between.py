@@ -202,10 +202,7 @@ def test_the_reason_of_an_end_is_0_there():
 
 
 def test_arguments_in_the_wrong_place_are_named():
-    orbit = find_orbit(FIG9, "P32")
-    with pytest.raises(ParameterError, match=r"continue_orbit\(orbit\.parameters, 'P32'"):
-        continue_orbit(orbit, "Omega", 3, 5)  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match="give Parameters"):
+    with pytest.raises(ParameterError, match="must be Parameters"):
         continue_orbit("fig9", "P32", "Omega", (3, 5))  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="pair"):
         continue_orbit(FIG9, "P32", "Omega", "35")  # type: ignore[arg-type]

@@ -106,6 +106,9 @@ def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
         assert f'<a id="claim-{claim.id}"></a>' in markdown
         assert f'id="claim-{claim.id}">' in html
     assert len(html) < 8e6
+    numbers = [str(erratum.number) for erratum in read_errata()]  # in the order of the page
+    assert re.findall(r'id="erratum-[^"]*"><b>(\d+)\.', html) == numbers
+    assert re.findall(r'id="erratum-[^"]*"></a>\*\*(\d+)\.', markdown) == numbers
 
 
 @pytest.mark.slow

@@ -124,7 +124,7 @@ def test_a_pool_that_breaks_down_is_replaced(read: Any, monkeypatch: pytest.Monk
 
 @pytest.mark.slow
 def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symosc.paper.run.PICTURE_LIMIT", 0.5)
+    monkeypatch.setattr("symosc.paper.run.TASK_LIMIT", 0.5)
     (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
     assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
 
@@ -132,7 +132,7 @@ def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.slow
 def test_tasks_share_the_processors(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("symosc.paper.run._processors", lambda: 2)
-    claims = read("".join(CLAIM.format(id=f"slow-{i}", check="slow") for i in range(4)))
+    claims = read("".join(CLAIM.format(id=f"shared-{i}", check="shared") for i in range(4)))
     done = run(Plan(claims, {}))
     processes = {each.numbers["process"] for each in done.judged}
     assert len(processes) == 2

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from careful_solver import TIGHT, Run, solve
+from excerpts import crosscheck
 
 from symosc import load_scene
-from symosc.crosschecks.compare import CrossCheck, crosscheck
+from symosc.crosschecks.compare import CrossCheck
 from symosc.plot.crosscheck import crosscheck_figure as figure
 from symosc.plot.crosscheck import write
 

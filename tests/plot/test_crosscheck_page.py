@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 
-from symosc import OutputError, crosscheck, load_scene, simulate
+from symosc import OutputError, load_scene, simulate
 from symosc.crosschecks.report import CrossCheck
 
 T = np.linspace(0, 12, 120)
@@ -52,6 +53,19 @@ def test_the_page_is_whole_and_needs_nothing_else(tmp_path: Path) -> None:
         assert words in said
     for event in check.missed:
         assert f"{float(event.t):.10g}" in said
+
+
+@pytest.mark.slow
+def test_long_tables_are_folded(tmp_path: Path) -> None:
+    """A reader sees the first wrong steps; the rest, a page of 15,000 pixels, is one click away."""
+    check = wrong()
+    assert len(check.wrong_steps) > 40
+    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
+    unfolded = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
+    assert 4 <= unfolded.count('<td class="words">') <= 10
+    assert text.count('<td class="words">') == len(check.wrong_steps)
+    hidden = len(check.wrong_steps) - unfolded.count('<td class="words">')
+    assert f"<summary>{hidden} more</summary>" in text
 
 
 @pytest.mark.slow

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from excerpts import crosscheck
 from matplotlib.figure import Figure
 
-from symosc import ParameterError, crosscheck, plot, simulate
+from symosc import ParameterError, plot, simulate
 from symosc.crosschecks.report import CrossCheck
 
 

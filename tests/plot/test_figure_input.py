@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 import pytest
 from bad_values import refused
+from effort import at_most
 
 import symosc
 from symosc import load_scene, simulate
 
 P = load_scene("fig5").parameters
-
-
-@pytest.mark.parametrize("value", [None, 5, [], P, 1j, {}])
-def test_the_subject_of_a_figure(value: Any) -> None:
-    refused(lambda: symosc.plot.figure(value), "subject")
 
 
 @pytest.mark.parametrize(
@@ -35,10 +30,9 @@ def test_options_of_a_figure(name: str, values: list[Any]) -> None:
 
 
 def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
-    start = time.process_time()
-    message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
+    with at_most(10_000_000):
+        message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
     assert "earlier end" in message
-    assert time.process_time() - start < 5
     long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
     refused(lambda: symosc.plot.figure(long), "subject")
 

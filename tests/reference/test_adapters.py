@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from effort import PATIENCE
 
 from symosc.reference.results import read_results
 from symosc.reference.score import Score, score
@@ -22,7 +23,7 @@ def judged(written: Path, command: list[str], tmp_path: Path) -> Score:
     """Run an adapter on the small set and judge its results, with a tolerance that a good solver keeps."""
     results = tmp_path / "theirs.csv"
     run = [*command, str(written / "cases.csv"), str(results)]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=300, cwd=tmp_path)
+    done = subprocess.run(run, capture_output=True, text=True, timeout=PATIENCE, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-500:]
     _, cases = read_set(written)
     return score("theirs", cases, read_results(results, {case.name for case in cases}))
@@ -38,7 +39,7 @@ def assert_good(found: Score) -> None:
 def test_the_program_in_cpp(written: Path, tmp_path: Path) -> None:
     program, source = tmp_path / "dopri", ADAPTERS / "dopri.cpp"
     flags = ["-O2", "-std=c++17", "-Wall", "-Wextra", "-Werror"]
-    subprocess.run(["g++", *flags, "-o", str(program), str(source)], check=True, timeout=120)
+    subprocess.run(["g++", *flags, "-o", str(program), str(source)], check=True, timeout=PATIENCE)
     assert_good(judged(written, [str(program)], tmp_path))
     wrong = subprocess.run([str(program), "nothing", str(tmp_path / "out")], capture_output=True, text=True)
     assert wrong.returncode == 2

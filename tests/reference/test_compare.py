@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -29,6 +30,17 @@ def test_the_right_events_are_right() -> None:
     assert (result.matched, result.first_wrong) == (len(EXACT), None)
     assert result.error is not None
     assert result.error < 1e-15
+
+
+@pytest.mark.parametrize("t0", [10**8, 10**10])
+def test_of_a_late_start_times_as_doubles_are_right_and_late_ones_are_not(t0: int) -> None:
+    """Relative to |t| an event that is 1e-3 late was 1e-11 or less off."""
+    reference = [replace(event, t=event.t + t0) for event in EXACT]
+    rounded = [event._replace(t=float(known.t)) for event, known in zip(RIGHT, reference, strict=True)]
+    assert compare(rounded, reference, WINDOW, t0).error_t == 0.0
+    result = compare([moved(event, 1e-3) for event in rounded], reference, WINDOW, t0)
+    assert result.error_t is not None
+    assert 0.9e-3 < result.error_t < 1.1e-3
 
 
 def test_errors_are_relative_to_at_least_one() -> None:

@@ -166,11 +166,52 @@ def test_an_event_at_a_start_on_a_belt_is_none() -> None:
     assert counts(judged(case_of("paper-fig5"), [start, *right(case_of("paper-fig5")).events])) == {"invented": 1}
 
 
-def test_belts_and_positions_may_be_left_out() -> None:
+def test_belts_may_be_left_out_and_without_positions_half_is_judged() -> None:
     case = case_of("paper-fig6")
-    found = judged(case, [event._replace(x=None, boundary=0) for event in right(case).events])
+    events = right(case).events
+    assert judged(case, [event._replace(boundary=0) for event in events]).right
+    found = judged(case, [event._replace(x=None) for event in events])
+    assert (found.right, found.wrong, found.without_x) == (False, [], len(events))
+    assert (found.error_t, found.error_x, case_cell(found)) == (0.0, None, "no x, 0")
+    whole = score("mine", [case], {case.name: CaseResult([events[0]._replace(x=None), *events[1:]])})
+    assert not whole.ok
+    assert verdict(whole) == "mine: right in 0 of 1 cases, half judged in 1, where x is not given"
+
+
+@pytest.mark.parametrize("t0", [0, 10**4, 10**8, 10**10])
+def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
+    """Each time as a double is right, and right events that are 1e-3 late are not; of t0 = 1e8 that is 1e-11."""
+    case = case_of("paper-fig5")
+    events = tuple(event._replace(t=(str(Fraction(event.t[0]) + t0),) * 2) for event in case.events)
+    late = replace(case, t0=case.t0 + t0, t_end=case.t_end + t0, events=events)
+    rounded = [event._replace(t=Fraction(float(event.t))) for event in right(late).events]
+    found = judged(late, rounded)
     assert found.right
-    assert (found.error_t, found.error_x) == (0.0, None)
+    assert found.units is not None
+    assert found.units < 2
+    # Doubles round Omega t0, which shifts all events: 1e-16 t0 is a unit of their times.
+    for units, wrong in ((50, 0), (300, len(events))):
+        shift = Fraction(units * t0, 10**16)
+        found = judged(late, [event._replace(t=event.t + shift) for event in rounded])
+        assert found.late == (wrong if t0 > 10**6 else 0)
+    found = judged(late, [event._replace(t=event.t + Fraction(1, 1000)) for event in rounded])
+    assert counts(found) == {"late": len(events)}
+    assert found.error_t is not None
+    assert 1e-5 < found.error_t < 2e-3
+
+
+def test_results_that_end_early_are_not_right() -> None:
+    """Also where nothing more happens after their end."""
+    case = case_of("paper-fig6")
+    last = float(case.events[-1].middle[0])
+    for end, ok in ((float(case.t_end), True), (100.0, True), ((last + float(case.t_end)) / 2, False), (3.0, False)):
+        given = [event for event in right(case).events if event.t < end]
+        found = judge_case(case, CaseResult(given, end=Fraction(end)), SCORE_TOLERANCE)
+        assert found.right == ok
+        assert (found.stopped is None) == ok
+        if not ok:
+            assert f"ends at t = {end:.10g}, before t_end = 20" in [str(wrong) for wrong in found.wrong]
+            assert case_cell(found).endswith(f"ends at t = {end:g}")
 
 
 def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -> None:
@@ -190,7 +231,7 @@ def test_cases_without_results_are_no_faults() -> None:
     found = score("mine", cases, {cases[0].name: right(cases[0])})
     assert found.ok
     assert len(found.given) == 1
-    assert verdict(found) == f"mine: right: 1 of 1 cases; {len(cases) - 1} cases without results"
+    assert verdict(found) == f"mine: right in 1 of 1 cases; {len(cases) - 1} cases without results"
     noted = score("mine", cases, {cases[0].name: CaseResult(note="> 4 s")})
     assert case_cell(noted.cases[0]) == "> 4 s"
     assert group_cell(noted.cases[1:2]) == "no result"
@@ -209,7 +250,7 @@ def test_tables_say_what_is_wrong_in_every_form() -> None:
     bad = score("<c>", cases, {cases[0].name: CaseResult([*events[1:3], *events[4:]], seconds=0.25)})
     assert len(faults(bad)) == 2
     text = as_text([good, bad])
-    assert "a|b: right" in text
+    assert f"a|b: right in all {len(cases)} cases" in text
     assert f"{cases[0].name}: missed: stick at belt 1 at t = 0.1223031923" in text
     page = as_markdown([good, bad], "Scores", 1)
     assert "| missed 2" in page

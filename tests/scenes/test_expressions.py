@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import random
-import time
 from fractions import Fraction
 
 import mpmath
 import pytest
 from bad_values import refused
+from effort import at_most
 
 from symosc.exact import read_exact
 from symosc.scenes.expressions import KNOWN_DIGITS, read_expression
@@ -69,6 +69,5 @@ def test_fractions_stay_exact(text: str, value: str) -> None:
     ],
 )  # fmt: skip
 def test_what_is_refused_is_refused_at_once(text: str) -> None:
-    begin = time.process_time()
-    refused(lambda: read_expression("x0", text), "x0")
-    assert time.process_time() - begin < 0.5
+    with at_most(10_000):
+        refused(lambda: read_expression("x0", text), "x0")

@@ -57,4 +57,4 @@ def test_lines_of_random_files(seed: int) -> None:
             places[table, key] = len("\n".join(lines).split("\n"))
     for path, line in places.items():
         assert line_of("\n".join(lines), path) == line
-    assert line_of("\n" * 5000 + "a = 1", ("a",)) is None
+    assert line_of("b = 1\n" + "# much\n" * 5000 + "a = 1", ("a",)) is None

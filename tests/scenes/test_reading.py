@@ -43,7 +43,7 @@ def test_a_commented_scene_is_the_scene(name: str, tmp_path: Path) -> None:
     [
         ("m", "-1", "must be > 0"),
         ("k", '"x"', "give a number"),
-        ("mu1", "true", "give an int"),
+        ("mu1", "true", "must be a number"),
         ("v1", "30", "less than v2 = 25"),
         ("t0", "[1]", "give an int"),
         ("t_end", '"pi - pi"', "40 digits"),
@@ -77,6 +77,36 @@ def test_keys_that_are_wrong(tmp_path: Path) -> None:
         file.write_text(TEXT.replace(f"\n{old}", f"\n{new}"), encoding="utf-8")
         with pytest.raises(SymoscError, match=re.escape(message)):
             load_scene(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a." * 20_000 + "a = 1", "line 1: has more than 200 dots"),
+        ("[start]\n['" + "'.'".join("a" * 500) + "']", "line 2: has more than 200 dots"),
+        ("#" * 200_000, "has more than 100000 characters"),
+        ("x = " + "[" * 50_000, "nested too deeply"),
+        ("t_end = 1e" + "9" * 30, "is not valid TOML"),
+        ("k" * 90_000 + " = 1", "is unknown"),
+    ],
+    ids=lambda text: text[:12],
+)
+def test_hostile_files_are_refused_in_a_line_before_they_cost_much(text: str, message: str, tmp_path: Path) -> None:
+    """The first one took twelve seconds and 1.5 GB."""
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    with pytest.raises(SymoscError) as caught:
+        load_scene(file)
+    assert message in str(caught.value)
+    assert len(str(caught.value)) < 400 + len(str(file))
+
+
+def test_a_file_without_an_end_is_refused(tmp_path: Path) -> None:
+    if not Path("/dev/zero").exists():
+        pytest.skip("no /dev/zero")
+    (tmp_path / "mine.toml").symlink_to("/dev/zero")
+    with pytest.raises(SymoscError, match="has more than 100000 characters"):
+        load_scene(tmp_path / "mine.toml")
 
 
 def test_expressions_are_noted_and_their_starts_have_an_error(tmp_path: Path) -> None:

@@ -7,8 +7,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from excerpts import crosscheck
 
-from symosc import continue_orbit, crosscheck, find_orbit, grazing_window, load_scene, simulate, simulate_many
+from symosc import continue_orbit, find_orbit, grazing_window, load_scene, simulate, simulate_many
 from symosc.certificates.certificate import Certificate
 
 P = load_scene("fig9").parameters

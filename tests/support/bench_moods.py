@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from typing import Any
 
 from symosc.bench import ours
@@ -19,8 +18,6 @@ def moody(scene: Scene, tolerance: float) -> Any:
 
     def run() -> list[FoundEvents]:
         found = ours.multiprecision(scene, 1e-20)()
-        if scene.name == "sleeps":
-            time.sleep(60)
         if scene.name == "dies":
             os._exit(3)
         if scene.name == "chatters":

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-import shutil
 import subprocess
-import tempfile
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -13,6 +10,7 @@ from typing import Any
 
 import mpmath
 from oracle import OracleEvent, OracleRun, exact, simulate_oracle
+from programs import built
 
 SOURCE = Path(__file__).with_suffix(".cpp")
 DIGITS = 33  # runs that need more are left to oracle.py
@@ -20,21 +18,9 @@ WRITTEN = 40
 MOST_TURNS = 3e5  # of the fastest rate; some ten seconds
 
 
-@cache
 def program() -> Path | None:
     """Return the compiled oracle, or None without a compiler."""
-    compiler = shutil.which("g++")
-    if compiler is None:
-        return None
-    mark = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:16]
-    path = Path(tempfile.gettempdir()) / f"symosc-fast-oracle-{mark}"
-    if not path.exists():
-        draft = Path(tempfile.mkdtemp()) / "oracle"
-        command = [compiler, "-O2", "-std=gnu++17", "-o", str(draft), str(SOURCE), "-lquadmath"]
-        if subprocess.run(command, capture_output=True).returncode != 0:
-            return None
-        shutil.move(draft, path)
-    return path
+    return built(SOURCE, "-std=gnu++17", "-lquadmath")
 
 
 @cache

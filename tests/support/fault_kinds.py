@@ -1,12 +1,14 @@
-"""Twenty kinds of fault in somebody's solution: samples that are wrong in a known way, and what that is called."""
+"""Forty-three kinds of fault in somebody's solution: samples that are wrong in a known way, and what that is called."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
+from types import SimpleNamespace
 from typing import Any
 
+import careful_solver
 import numpy as np
 from fault_scenes import Case
 from faulty_solver import CURVES, METHODS, Flaw, Solver, smoothed, without_events
@@ -190,7 +192,7 @@ def drift(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
 
 
 def fixed_step(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
-    method, joints = str(rng.choice(list(METHODS))), sampling == "own steps"
+    method, joints = str(rng.choice(["euler", "heun", "rk4"])), sampling == "own steps"
     n = 1 if joints else {"coarse": 20}.get(sampling, int(rng.choice([1, 2, 4])))
     return flawed(case, case.times(sampling, rng), n, Flaw(method=method), joints, (("truncation", ""),))
 
@@ -224,6 +226,175 @@ def listed_events(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt
     return Spoilt(t, *exact(case, t), ((cause, ""),), events=events, always=True)
 
 
+def replaced(case: Case, sampling: str, rng: np.random.Generator, **values: Any) -> Spoilt | None:
+    """Return the motion of a system that is far from the scene's: with one coefficient (or sign) of another size."""
+    p, t = case.scene.parameters, case.times(sampling, rng)
+    ((name, value),) = values.items()
+    there = p.replace(**values)
+    if there == p:
+        return None
+    return Spoilt(t, *other(case, t, there), (("coefficient", name), ("sign", name)), float(value))
+
+
+def far_frequency(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    factor = float(rng.choice([2 * pi, 1 / (2 * pi), pi / 180, 180 / pi]))
+    return replaced(case, sampling, rng, Omega=float(case.scene.parameters.Omega) * factor)
+
+
+def mass_twice(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    return replaced(case, sampling, rng, m=case.scene.parameters.m**2)
+
+
+def no_friction(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    found = replaced(case, sampling, rng, FN=0)
+    # Where one belt alone acts, or the motion keeps to one side of it, it is that belt's friction, or a force.
+    return found and replace(found, causes=(*found.causes, ("coefficient", "mu1"), ("coefficient", "mu2")), value=None)
+
+
+def half_damping(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    return replaced(case, sampling, rng, c=case.scene.parameters.c / 2)
+
+
+def factor_of_two(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    name = str(rng.choice(["FN", "k", "B0", "A0", "m"]))
+    return replaced(case, sampling, rng, **{name: getattr(case.scene.parameters, name) * int(rng.choice([2, 3])) / 2})
+
+
+def sign_of_b0(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    found = replaced(case, sampling, rng, B0=-case.scene.parameters.B0)
+    return found and replace(found, causes=(("sign", "B0"), ("phase", ""), ("time shift", "")), value=None)
+
+
+class PushingSpring:
+    """Parameters with -k, which are no system."""
+
+    def __init__(self, p: Parameters) -> None:
+        self.p, self.k = p, -p.k
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.p, name)
+
+
+def sign_of_k(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    """Only as long as the motion stays near: it is thrown out."""
+    p = case.scene.parameters
+    t = case.times(sampling, rng)
+    end = float(t[0]) + 4.0 / max(float(p.k / p.m) ** 0.5, 0.1)
+    t = t[t <= end]
+    if not p.k or len(t) < 12:
+        return None
+    scene = SimpleNamespace(parameters=PushingSpring(p), t0=t[0], x0=case.scene.x0, v0=case.scene.v0)
+    run = careful_solver.solve(scene, float(t[-1]), joined=True, **careful_solver.TIGHT)  # type: ignore[arg-type]
+    return Spoilt(*(np.array(column) for column in (run.t, run.x, run.v)), (("sign", "k"),))
+
+
+def never_moves(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    return Spoilt(t, np.full(len(t), case.start[0]), np.zeros(len(t)), (("columns", "x and v"),))
+
+
+def late_velocity(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    x, v = exact(case, t)
+    return Spoilt(t[1:], x[1:], v[:-1], (("columns", "v"),))
+
+
+def half_late_velocity(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    middle = 0.5 * (t[1:] + t[:-1])
+    return Spoilt(t[1:], exact(case, t[1:])[0], exact(case, middle)[1], (("columns", "v"),))
+
+
+def velocity_by_differences(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    x = exact(case, t)[0]
+    if rng.random() < 0.5:
+        return Spoilt(t, x, np.gradient(x, t), (("columns", "v"),))
+    return Spoilt(t[1:], x[1:], np.diff(x) / np.diff(t), (("columns", "v"),))
+
+
+def single_times(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    return Spoilt(t.astype(np.float32).astype(float), *exact(case, t), (("columns", "t"),), always=False)
+
+
+def other_times(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t, Omega = case.times(sampling, rng), float(case.scene.parameters.Omega)
+    factor = float(rng.choice([1000.0, Omega if Omega != 1 else 1000.0, Omega / (2 * pi), 180 / pi * Omega]))
+    return Spoilt(t * factor, *exact(case, t), (("columns", "t"),), factor, always=True)
+
+
+def other_units(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t, factor = case.times(sampling, rng), float(rng.choice([1000.0, 100.0, 0.01, 0.001]))
+    x, v = exact(case, t)
+    how = str(rng.choice(["x", "v", "x and v"]))
+    return Spoilt(t, x * factor if "x" in how else x, v * factor if "v" in how else v, (("columns", how),), factor)
+
+
+def swapped_columns(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    return Spoilt(t, *exact(case, t)[::-1], (("columns", "x and v"),))
+
+
+def frozen_sticks(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt | None:
+    t = case.times(sampling, rng)
+    x, v = (column.copy() for column in exact(case, t))
+    for part in case.exact.segments:
+        if part.mode.startswith("belt"):
+            held = np.flatnonzero((t > float(part.t_start)) & (t < float(part.t_end)))
+            x[held[1:]] = x[held[:1]]
+    return Spoilt(t, x, v, (("columns", "x"),))
+
+
+def resampled(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    few = case.times(sampling, rng)
+    x, v = exact(case, few)
+    t = finer(few, 4) if rng.random() < 0.5 else np.linspace(few[0], few[-1], 5 * len(few))
+    return Spoilt(t, np.interp(t, few, x), np.interp(t, few, v), (("resampling", ""),))
+
+
+def noise(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    x, v = exact(case, t)
+    size = 10.0 ** rng.uniform(-5, -2)
+    x, v = (column + size * np.max(np.abs(column)) * rng.standard_normal(len(t)) for column in (x, v))
+    return Spoilt(t, x, v, (("noise", ""),))
+
+
+def leapfrog(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    joints = sampling == "own steps"
+    n = 1 if joints else {"coarse": 20}.get(sampling, int(rng.choice([1, 2])))
+    flaw = Flaw(method=str(rng.choice(["leapfrog", "verlet"])))
+    return flawed(case, case.times(sampling, rng), n, flaw, joints, (("truncation", ""),))
+
+
+def wrong_weights(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    joints = sampling == "own steps"
+    n = 1 if joints or rng.random() < 0.5 else 2
+    flaw = Flaw(method=str(rng.choice(["rk4 1111", "rk4 2112", "rk4 1221/5"])))
+    return flawed(case, case.times(sampling, rng), n, flaw, joints, (("truncation", ""),))
+
+
+def interpolated_events(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    t = case.times(sampling, rng)
+    return flawed(case, t, 1, Flaw(linear=True), False, (("event interpolation", ""),))
+
+
+def no_events(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    """A fixed step over the events, with the friction at the beginning of each step or of each stage."""
+    n = {"coarse": 10}.get(sampling, int(rng.choice([1, 3])))
+    t, method = case.times(sampling, rng), str(rng.choice(["euler", "heun", "rk4", "leapfrog"]))
+    x, v = without_events(case.scene.parameters, finer(t, n), *case.start, METHODS[method], rng.random() < 0.5)[1:]
+    return Spoilt(t, x[::n], v[::n], (("late events", ""), ("chatter", ""), ("truncation", "")))
+
+
+def loose_tolerance(case: Case, sampling: str, rng: np.random.Generator) -> Spoilt:
+    rtol = 10.0 ** rng.uniform(-6, -3)
+    options = {"method": str(rng.choice(["RK45", "RK23"])), "rtol": rtol, "atol": 0.1 * rtol, "max_step": 0.2}
+    run = careful_solver.solve(case.scene, case.t_end, joined=True, **options)
+    return Spoilt(*(np.array(column) for column in (run.t, run.x, run.v)), (("truncation", ""),))
+
+
 KINDS: dict[str, Maker] = {
     "coefficient": coefficient,
     "drive frequency": drive_frequency,
@@ -245,6 +416,29 @@ KINDS: dict[str, Maker] = {
     "fixed step": fixed_step,
     "precision": precision,
     "list of events": listed_events,
+    "far frequency": far_frequency,
+    "mass divided twice": mass_twice,
+    "no friction": no_friction,
+    "half damping": half_damping,
+    "factor of two": factor_of_two,
+    "sign of B0": sign_of_b0,
+    "sign of k": sign_of_k,
+    "no motion": never_moves,
+    "v a sample late": late_velocity,
+    "v half a sample late": half_late_velocity,
+    "v by differences": velocity_by_differences,
+    "times in single precision": single_times,
+    "times in other units": other_times,
+    "x or v in other units": other_units,
+    "x and v swapped": swapped_columns,
+    "x frozen in sticks": frozen_sticks,
+    "linear resampling": resampled,
+    "noise": noise,
+    "leapfrog": leapfrog,
+    "wrong weights": wrong_weights,
+    "events by interpolation": interpolated_events,
+    "no events located": no_events,
+    "loose tolerance": loose_tolerance,
 }
 
 

@@ -8,10 +8,11 @@ from collections import Counter
 from collections.abc import Iterable
 from itertools import product
 
+from evidence import false_sentences
+from excerpts import crosscheck
 from fault_kinds import KINDS, Spoilt, spoil
 from fault_scenes import SAMPLINGS, Case, cases
 
-from symosc import crosscheck
 from symosc.crosschecks.compare import CrossCheck
 
 
@@ -38,11 +39,11 @@ def judge(kind: str, case: Case, sampling: str, seed: int) -> tuple[bool, bool, 
 
 def table(counts: Counter[tuple[str, str]]) -> str:
     """Return the counts of each kind as lines of text."""
-    rows = [f"{'kind of fault':20} {'faults':>7} {'found':>7} {'named':>7} {'first':>7}"]
-    for kind in (*KINDS, "all"):
+    rows = [f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7}"]
+    for kind in (kind for kind in (*KINDS, "all") if counts[kind, "faults"]):
         total = counts[kind, "faults"]
-        parts = (counts[kind, what] / max(total, 1) for what in ("found", "named", "first"))
-        rows.append(f"{kind:20} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
+        parts = (counts[kind, what] / max(total, 1) for what in ("found", "named", "first", "false"))
+        rows.append(f"{kind:25} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
     return "\n".join(rows)
 
 
@@ -55,11 +56,15 @@ def run(seed: int, chosen: Iterable[tuple[str, Case, str]], talk: bool = False) 
         if judged is None:
             continue
         found, named, check, spoilt = judged
+        false = false_sentences(check)
+        if talk and false:
+            print(f"FALSE {kind} | {case.scene.name} | {sampling} | {false}", flush=True)
         for name in (kind, "all"):
             counts[name, "faults"] += 1
             counts[name, "found"] += found
             counts[name, "named"] += named
             counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
+            counts[name, "false"] += bool(false)
         if talk and not named:
             said = "; ".join(f"{one.cause} {one.subject} {one.share:.2f}" for one in check.diagnosis[:2])
             took = time.process_time() - begin

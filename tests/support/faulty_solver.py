@@ -39,7 +39,9 @@ class Flaw:
     drift : float
         In a stick the velocity runs away from the belt's by this acceleration.
     method : str or None
-        Flights are integrated by "euler", "heun" or "rk4", one step from one point of the grid to the next.
+        Flights are integrated by one of METHODS, one step from one point of the grid to the next.
+    linear : bool
+        A belt is met where a straight line in v between two points of the grid meets it, at the x of such a line.
     """
 
     force: tuple[float, float, float] | None = None
@@ -48,6 +50,7 @@ class Flaw:
     static: float = 1.0
     drift: float = 0.0
     method: str | None = None
+    linear: bool = False
 
 
 @dataclass
@@ -180,7 +183,11 @@ class Solver:
             None,
         )  # fmt: skip
         tau = 0.0 if start is None else brentq(gap, start, end - t, xtol=1e-15, rtol=1e-15)
-        x = self.flight(domain, t, x, v, tau)[0]
+        if self.flaw.linear and start == 0.0:
+            part = (speed - v) / (after[1] - v)
+            tau, x = part * (end - t), x + part * (after[0] - x)
+        else:
+            x = self.flight(domain, t, x, v, tau)[0]
         return t + tau, x, self.decide(b, t + tau, x, speed, domain)
 
 
@@ -204,20 +211,62 @@ def rk4(a: Acceleration, t: float, x: float, v: float, h: float) -> tuple[float,
     return x + h * v + h * h * (k1 + k2 + k3) / 6, v + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
 
 
-METHODS: dict[str, Any] = {"euler": euler, "heun": heun, "rk4": rk4}
+def leapfrog(a: Acceleration, t: float, x: float, v: float, h: float) -> tuple[float, float]:
+    half = v + h / 2 * a(t, x, v)
+    return x + h * half, half + h / 2 * a(t + h, x + h * half, half)
 
 
-def without_events(p: Parameters, grid: np.ndarray, x: float, v: float) -> tuple[np.ndarray, ...]:
-    """Integrate by RK4 with the sign of v - v_belt as it is at each stage: it chatters about a belt that holds."""
+def verlet(a: Acceleration, t: float, x: float, v: float, h: float) -> tuple[float, float]:
+    first = a(t, x, v)
+    ahead = x + h * v + h * h / 2 * first
+    return ahead, v + h / 2 * (first + a(t + h, ahead, v + h * first))
+
+
+def weighted(*w: float) -> Any:
+    """Return RK4 with other weights."""
+
+    def step(a: Acceleration, t: float, x: float, v: float, h: float) -> tuple[float, float]:
+        k1 = a(t, x, v)
+        k2 = a(t + h / 2, x + h / 2 * v, v + h / 2 * k1)
+        k3 = a(t + h / 2, x + h / 2 * (v + h / 2 * k1), v + h / 2 * k2)
+        k4 = a(t + h, x + h * (v + h / 2 * k2), v + h * k3)
+        u = v, v + h / 2 * k1, v + h / 2 * k2, v + h * k3
+        return (x + h * sum(w[i] * u[i] for i in range(4)),
+                v + h * sum(w[i] * k for i, k in enumerate((k1, k2, k3, k4))))  # fmt: skip
+
+    return step
+
+
+METHODS: dict[str, Any] = {
+    "euler": euler,
+    "heun": heun,
+    "rk4": rk4,
+    "leapfrog": leapfrog,
+    "verlet": verlet,
+    "rk4 1111": weighted(1 / 4, 1 / 4, 1 / 4, 1 / 4),
+    "rk4 2112": weighted(1 / 3, 1 / 6, 1 / 6, 1 / 3),
+    "rk4 1221/5": weighted(1 / 5, 2 / 5, 2 / 5, 1 / 5),
+}
+
+
+def without_events(
+    p: Parameters, grid: np.ndarray, x: float, v: float, method: Any = rk4, held: bool = False
+) -> tuple[np.ndarray, ...]:
+    """Integrate with the sign of v - v_belt as it is at each stage: it chatters about a belt that holds.
+
+    `held`: with the sign at the beginning of each step.
+    """
     solver = Solver(p, Flaw())
     belts = solver.belts
-
-    def a(t: float, x: float, v: float) -> float:
-        return solver.force(1 + (v > belts[0]) + (v > belts[1]), t, x, v)
-
     rows = [(x, v)]
     for t, end in zip(grid[:-1].tolist(), grid[1:].tolist(), strict=True):
-        rows.append(rk4(a, t, *rows[-1], end - t))
+        begin = rows[-1][1]
+
+        def a(t: float, x: float, v: float, begin: float = begin) -> float:
+            sign = begin if held else v
+            return solver.force(1 + (sign > belts[0]) + (sign > belts[1]), t, x, v)
+
+        rows.append(method(a, t, *rows[-1], end - t))
     return grid, *np.array(rows).T
 
 

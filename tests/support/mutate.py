@@ -17,7 +17,6 @@ import importlib
 import json
 import os
 import random
-import re
 import resource
 import shutil
 import signal
@@ -31,9 +30,6 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).parents[2]
-#: Modules without a test file of their name, and that which tests them. It is read: nothing of the package is imported.
-LAYOUT = (ROOT / "tests" / "test_layout.py").read_text(encoding="utf-8")
-ELSEWHERE = dict(re.findall(r'"([a-z_.*]+)": \("([a-z_0-9/]+\.py)"', LAYOUT))
 COPIED = ("symosc", "tests", "docs", "derivations", "pyproject.toml", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 COPIED += ("CITATION.cff", "LICENSE", "noxfile.py", ".ci", ".pre-commit-config.yaml")
 #: What takes long to import is imported once: each run of tests is a fork of this process.
@@ -181,8 +177,6 @@ def test_files(path: str) -> list[list[str]]:
     """Return arguments of runs of pytest: quick tests of the module, its package, what uses it; slow ones."""
     package, name = Path(path).parts[1], Path(path).stem
     own = sorted(str(f.relative_to(ROOT)) for f in (ROOT / "tests" / package).glob(f"test_{name}*.py"))
-    if name and not own and f"{package}.{name}" in ELSEWHERE:
-        own = [f"tests/{ELSEWHERE[f'{package}.{name}']}"]
     others = sorted(str(f.relative_to(ROOT)) for f in (ROOT / "tests" / package).glob("test_*.py"))
     others = [f for f in others if f not in own]
     above = [f"tests/{user}" for user in users_of(package) if (ROOT / "tests" / user).is_dir()]

@@ -11,7 +11,7 @@ from pathlib import Path
 #: The environment variable that names the folder which all workers share; the first process makes it.
 SHARED = "SYMOSC_TESTS_SHARED"
 #: Seconds after which a process goes on alone: what it waits for was not made, or its maker hangs.
-LONGEST_WAIT = 240
+LONGEST_WAIT = 3600
 
 
 @contextmanager

@@ -25,4 +25,5 @@ def stored_set() -> tuple[StoredCase, ...]:
 
 def right(case: StoredCase) -> CaseResult:
     """Return the results of a perfect solver."""
-    return CaseResult([GivenEvent(*event.middle, event.kind, event.boundary) for event in case.events])
+    events = [GivenEvent(*event.middle, event.kind, event.boundary) for event in case.events]
+    return CaseResult(events, end=case.t_end)

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 CHECKS = """
 import os
 import time
+from pathlib import Path
 from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED, Evidence
 def right(): return Evidence(CONFIRMED, "It is 1 <2>.", {"a|b": "1e-20", "F(1)": "-3"})
 def wrong(): return Evidence(NOT_AS_PRINTED, "It is 3.", {"x": "3"})
@@ -14,7 +15,13 @@ def raises(): raise ZeroDivisionError("by nothing")
 def dies(): os._exit(7)
 def no_evidence(): return True
 def hangs(): time.sleep(600)
-def slow(): time.sleep(1); return Evidence(CONFIRMED, "Done.", {"process": str(os.getpid())})
+def shared():
+    own = Path(__file__).with_name(f"process-{os.getpid()}")
+    own.touch()
+    until = time.monotonic() + 600
+    while len(list(own.parent.glob("process-*"))) < 2 and time.monotonic() < until:
+        time.sleep(0.01)
+    return Evidence(CONFIRMED, "Done.", {"process": str(os.getpid())})
 """
 
 CLAIM = """

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import os
 import pty
+import re
 import select
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from cli_runs import PROGRAM
+from effort import PATIENCE
 
 import symosc
 
-#: Seconds that a command may take.
-LONGEST = 90.0
 ROOT = Path(symosc.__file__).parents[1]
 
 
@@ -30,23 +29,27 @@ class Shown(NamedTuple):
     code: int
 
 
-def on_terminal(
-    *arguments: str, folder: Path, interrupt: float | str | None = None, columns: int = 120, **environment: str
-) -> Shown:
-    """Run a command in a folder on a terminal; `interrupt`: Ctrl-C after these seconds, or when a text is shown."""
+def on_terminal(*arguments: str, folder: Path, interrupt: str = "", columns: int = 120, **environment: str) -> Shown:
+    """Run a command in a folder on a terminal.
+
+    interrupt : a pattern; when it is shown, Ctrl-C. Then late bars come at once, else never: on any machine alike.
+    """
     process, master = pty.fork()
     if process == 0:  # pragma: no cover
-        os.chdir(folder)
-        size = {"COLUMNS": str(columns), "LINES": "30", "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
-        os.execve(PROGRAM[0], [*PROGRAM, *arguments], {**os.environ, **size, **environment})
-    shown, begin = b"", time.monotonic()
+        try:
+            os.chdir(folder)
+            settings = {"COLUMNS": str(columns), "LINES": "30", "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
+            settings |= {"SYMOSC_PROGRESS_DELAY": "0" if interrupt else "86400"}
+            os.execve(PROGRAM[0], [*PROGRAM, *arguments], {**os.environ, **settings, **environment})
+        finally:
+            os._exit(127)
+    shown = b""
     try:
         for piece in _pieces(master):
             shown += piece
-            late = isinstance(interrupt, float) and time.monotonic() - begin > interrupt
-            if late or (isinstance(interrupt, str) and interrupt.encode() in shown):
+            if interrupt and re.search(interrupt.encode(), shown):
                 os.write(master, b"\x03")
-                interrupt = None
+                interrupt = ""
     finally:
         os.close(master)  # what still runs then is told that its terminal is gone
     _, status = os.waitpid(process, 0)
@@ -55,16 +58,13 @@ def on_terminal(
 
 
 def _pieces(master: int) -> Iterator[bytes]:
-    """Yield what is shown, or nothing for a moment, until the program ends."""
-    begin = time.monotonic()
-    while time.monotonic() - begin < LONGEST:
-        piece = b""
-        if select.select([master], [], [], 0.05)[0]:
-            try:
-                piece = os.read(master, 65536)
-            except OSError:  # the program has closed its terminal
-                return
-            if not piece:
-                return
+    """Yield what is shown until the program ends."""
+    while select.select([master], [], [], PATIENCE)[0]:
+        try:
+            piece = os.read(master, 65536)
+        except OSError:  # the program has closed its terminal
+            return
+        if not piece:
+            return
         yield piece
-    raise AssertionError(f"it takes more than {LONGEST} s")
+    raise AssertionError(f"it has shown nothing for {PATIENCE} s")

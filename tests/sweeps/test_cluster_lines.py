@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from effort import PATIENCE
 
 PAGE = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
 
@@ -27,7 +28,7 @@ def test_a_job_of_slurm_has_a_worker_for_each_core() -> None:
     code = lines_of("dask_jobqueue").replace('"01:00:00")', quiet)
     assert quiet in code
     code += "if __name__ == '__main__':\n    print(cluster.job_script())\n    cluster.close()\n"
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE)
     shown = re.search(r"job_script\(\)\)` shows(.*?)\.\n", PAGE, re.S)
     assert shown
     for option in re.findall(r"`(-.*?)`", shown[1]):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from small_sweeps import identical, made_up
 
-from symosc import MissingExtraError, OutputError
+from symosc import MissingExtraError, OutputError, SweepError
 from symosc.sweeps import output
 
 xarray = pytest.importorskip("xarray")
@@ -56,7 +56,7 @@ def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path
     dataset, path = example(3), tmp_path / f"map{suffix}"
     output.write_output(dataset, path, tmp_path)
     with xarray.open_dataset(path, engine=engine) as found:
-        assert found.attrs == dataset.attrs
+        assert {name: found.attrs[name] for name in dataset.attrs} == dataset.attrs
         assert found.FN.attrs == dataset.FN.attrs
         assert found.word.values.tolist() == dataset.word.values.tolist()
         np.testing.assert_array_equal(found.section.values, dataset.section.values)
@@ -82,6 +82,54 @@ def test_it_replaces_what_is_there(suffix: str, tmp_path: Path) -> None:
     for seed in (5, 6):
         output.write_output(example(seed), path, tmp_path)
     assert output.read_columns(path)["stuck"].tobytes() == example(6).stuck.values.tobytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_no_flipped_bit_of_an_output_is_read(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"map{suffix}"
+    dataset = made_up({"k": [1, 2]}, word=lambda cells: np.array(["P32", ""]), x=lambda cells: cells["k"] / 3)
+    output.write_output(dataset, path, tmp_path)
+    for file in [path] if path.is_file() else filter(Path.is_file, path.rglob("*")):
+        whole = file.read_bytes()
+        for place in range(len(whole)):
+            with file.open("r+b") as opened:
+                opened.seek(place)
+                opened.write(bytes([whole[place] ^ 1 << place % 8]))
+            with pytest.raises(SweepError, match="is damaged"):
+                output.read_columns(path)
+        file.write_bytes(whole)
+    assert output.read_columns(path)["x"].tolist() == [1 / 3, 2 / 3]
+
+
+@pytest.mark.parametrize(("suffix", "engine"), [(".nc", "h5netcdf"), (".zarr", "zarr")])
+def test_other_readers_too_notice_a_flipped_bit_of_a_number(suffix: str, engine: str, tmp_path: Path) -> None:
+    path = tmp_path / f"map{suffix}"
+    dataset = made_up({"k": np.arange(500) / 7}, x=lambda cells: np.sin(cells["k"]))
+    output.write_output(dataset, path, tmp_path)
+    (file,) = [path] if suffix == ".nc" else (path / "x" / "c").iterdir()
+    content = bytearray(file.read_bytes())
+    content[content.index(dataset.x.values[:64].tobytes()) + 100 if suffix == ".nc" else 1000] ^= 4
+    file.write_bytes(content)
+    with pytest.raises((OSError, ValueError, RuntimeError)), xarray.open_dataset(path, engine=engine) as found:
+        found.x.load()
+
+
+def test_only_an_output_is_replaced(tmp_path: Path) -> None:
+    """Also if it came while the sweep ran; and nothing that somebody has put into a folder of ours is removed."""
+    path = tmp_path / "map.zarr"
+    (path / "thesis").mkdir(parents=True)
+    (path / "thesis" / "chapter.tex").write_text("mine")
+    with pytest.raises(SweepError, match="is no output of a sweep"):
+        output.write_output(example(5), path, tmp_path)
+    (path / "thesis").rename(tmp_path / "thesis")
+    path.rmdir()
+    output.write_output(example(5), path, tmp_path)
+    for put in (lambda: (path / "a").symlink_to(tmp_path / "thesis"), lambda: (path / "a").write_text("mine")):
+        put()
+        with pytest.raises(SweepError, match="is no output of a sweep"):
+            output.write_output(example(6), path, tmp_path)
+        (path / "a").unlink()
 
 
 def test_a_result_can_be_written_with_xarrays_own_functions(tmp_path: Path) -> None:

@@ -105,8 +105,6 @@ def test_what_is_no_time(given: Any) -> None:
         ({"record": "section:0"}, "section"),
         ({"record": "section:"}, "section"),
         ({"record": "section:x"}, "section"),
-        ({"record": 5}, "record"),
-        ({"record": [5]}, "record"),
     ],
 )
 def test_what_is_refused(options: Any, name: str) -> None:

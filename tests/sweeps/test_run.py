@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bad_values import refused
+from effort import PATIENCE
 from small_sweeps import OPTIONS, OVER, SCENE, identical, in_small_chunks
 
 from symosc import SweepError, sweep, sweep_status
@@ -162,6 +163,7 @@ def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
         path = tmp_path / "map.nc"
         identical(sweep(SCENE, OVER, **OPTIONS, path=path, executor=client, progress=kill), whole)
         assert killed
+        monkeypatch.setattr(run, "CONNECT_SECONDS", PATIENCE)
         with dask_client(cluster.scheduler_address) as again, again.get_executor() as executor:
             few = {"Omega": [3], "FN": [5, 10]}
             identical(sweep(SCENE, few, **OPTIONS, executor=executor, workers=2), sweep(SCENE, few, **OPTIONS))

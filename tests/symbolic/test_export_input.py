@@ -19,8 +19,9 @@ def test_errors(tmp_path: Path) -> None:
         export("P32", "c", name="3 d")
     with pytest.raises(WordError, match="P5 cannot follow P2"):
         export("P52")
+    (tmp_path / "file").write_text("")
     with pytest.raises(OutputError):
-        write_export(tmp_path / "nowhere", "P32")
+        write_export(tmp_path / "file" / "folder", "P32")
     with pytest.raises(WordError, match="P3 cannot follow P3"):
         export("P33")
     for fix in ("fig9", {}, load_scene("fig9")):

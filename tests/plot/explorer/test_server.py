@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from http.client import HTTPConnection, HTTPResponse
 from queue import Queue
-from socket import IPPROTO_TCP, TCP_NODELAY
+from socket import IPPROTO_TCP, TCP_NODELAY, create_connection
 from socketserver import StreamRequestHandler
 from urllib.parse import urlsplit
 
 import pytest
+from effort import PATIENCE
 
 from symosc import ParameterError, load_scene
 from symosc.plot.explorer.inputs import link_of, state_of
 from symosc.scenes import read_scene
 from symosc.scenes.writing import as_toml
 
+GOOD = as_toml(load_scene("fig5"))
+
 
 def ask(address: str, target: str, body: bytes | None = None, **headers: str) -> tuple[HTTPResponse, str]:
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=20)
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=PATIENCE)
     connection.request("GET" if body is None else "POST", target, body, headers)
     response = connection.getresponse()
     text = response.read().decode()
@@ -52,9 +56,50 @@ def test_only_this_machine_is_answered(address: str) -> None:
     assert urlsplit(address).hostname == "127.0.0.1"
     port = urlsplit(address).port
     assert ask(address, "/answer", Host=f"localhost:{port}")[0].status == 200
+    assert ask(address, "/answer", Host="127.0.0.1")[0].status == 200
     for name in (f"example.org:{port}", "example.org", f"127.0.0.1.example.org:{port}", ""):
         assert ask(address, "/answer", Host=name)[0].status == 403
         assert ask(address, "/scene", b"", Host=name)[0].status == 403
+
+
+def test_only_its_own_page_may_send_it_files(address: str) -> None:
+    own = address.rstrip("/")
+    assert ask(address, "/scene", GOOD.encode(), Origin=own)[0].status == 200
+    for origin in ("http://example.org", "null", "https" + own[4:], "http://127.0.0.1:1", f"{own}.example.org"):
+        assert ask(address, "/scene", GOOD.encode(), Origin=origin)[0].status == 403
+        assert ask(address, "/answer", Origin=origin)[0].status == 403
+    picture = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"}
+    assert ask(address, "/answer", **picture)[0].status == 403
+    assert ask(address, "/", **picture | {"Sec-Fetch-Mode": "navigate"})[0].status == 200  # a link to it
+
+
+@pytest.mark.parametrize("length", ["x", "-5", "", "1e3", "٣", "1" * 5000 + "x", None])
+def test_a_bad_length_is_a_bad_request(address: str, length: str | None) -> None:
+    header = "" if length is None else f"Content-Length: {length}\r\n"
+    with create_connection((urlsplit(address).hostname, urlsplit(address).port), 20) as connection:
+        connection.sendall(f"POST /scene HTTP/1.1\r\nHost: 127.0.0.1\r\n{header}\r\n".encode())
+        assert connection.recv(1000).startswith(b"HTTP/1.1 400 ")
+
+
+def test_who_says_nothing_is_not_waited_for(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from symosc.plot.explorer import server
+
+    monkeypatch.setattr(server._Handler, "timeout", 0.05)
+    for said in (b"", b"GET / HT", b"POST /scene HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\nhalf"):
+        with create_connection((urlsplit(address).hostname, urlsplit(address).port), 20) as connection:
+            connection.sendall(said)
+            assert connection.recv(1000).startswith(b"HTTP/1.1 408 " if said.startswith(b"POST") else b"")
+            while connection.recv(1000):
+                pass
+
+
+def test_connections_without_a_request_keep_nobody_out(address: str) -> None:
+    """Each has a thread: the oldest are closed."""
+    where = (urlsplit(address).hostname, urlsplit(address).port)
+    with ExitStack() as stack:
+        idle = [stack.enter_context(create_connection(where, 20)) for _ in range(100)]
+        assert ask(address, "/answer")[0].status == 200
+        assert [connection.recv(1) for connection in idle[:60]] == [b""] * 60
 
 
 def test_answers_are_json(address: str) -> None:
@@ -74,7 +119,7 @@ def test_no_answer_is_held_back(address: str, monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(StreamRequestHandler, "finish", noted)
     ask(address, "/answer")
-    assert found.get(timeout=20)
+    assert found.get(timeout=PATIENCE)
 
 
 def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
@@ -83,10 +128,8 @@ def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
     assert read_scene(text, "file") == load_scene("fig9-orbit")
     _, back = ask(address, "/scene", text.encode())
     assert json.loads(back)["state"] == state_of(load_scene("fig9-orbit"))
-    assert ask(address, "/scene.toml?k=x")[0].status == 400
-
-
-GOOD = as_toml(load_scene("fig5"))
+    for wrong in ("x", "%CF%80", "%0D%0AX:1"):
+        assert ask(address, f"/scene.toml?k={wrong}")[0].status == 400
 
 
 @pytest.mark.parametrize(
