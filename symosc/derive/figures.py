@@ -73,16 +73,8 @@ def windows() -> Figure:
     critical = np.arcsin(-0.5)
     axes.axhline(-0.5, color=GREY, linewidth=0.8, linestyle="--", label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$")
     axes.fill_between(theta, -0.5, np.sin(theta), where=np.sin(theta) > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
-    axes.fill_between(
-        theta,
-        -0.5,
-        np.sin(theta),
-        where=np.sin(theta) < -0.5,
-        facecolor="white",
-        edgecolor=GREY,
-        hatch="////",
-        label="$P_3$, $P_6$ graze",
-    )
+    hatched = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
+    axes.fill_between(theta, -0.5, np.sin(theta), where=np.sin(theta) < -0.5, label="$P_3$, $P_6$ graze", **hatched)
     places = [0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi]
     names = ["0", r"$\pi/2$", r"$\pi$", r"$\pi-\Theta^{\mathrm{cr}}$", r"$2\pi+\Theta^{\mathrm{cr}}$", r"$2\pi$"]
     axes.set_xticks(places, names)
@@ -116,11 +108,8 @@ def _axes(width: float, height: float) -> tuple[Figure, Axes]:
 
 #: Key -> what draws it.
 FIGURES: dict[str, Callable[[], Figure]] = {
-    "friction": friction,
-    "stick-exits": stick_exits,
-    "windows": windows,
-    "quartic": quartic,
-}
+    "friction": friction, "stick-exits": stick_exits, "windows": windows, "quartic": quartic,
+}  # fmt: skip
 
 
 @cache
@@ -130,10 +119,8 @@ def figure(key: str) -> Figure:
 
     from symosc.plot.figures import STYLE
 
-    letters = dict.fromkeys(
-        ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), LETTERS
-    )
-    with rc_context(STYLE | letters):
+    sized = ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize")
+    with rc_context(STYLE | dict.fromkeys(sized, LETTERS)):
         return FIGURES[key]()
 
 

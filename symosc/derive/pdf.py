@@ -18,12 +18,7 @@ RUNS = 3
 
 
 class LatexError(SymoscError):
-    """LaTeX failed, or complained.
-
-    Attributes
-    ----------
-    complaints : tuple of str
-    """
+    """LaTeX failed, or complained."""
 
     def __init__(self, complaints: tuple[str, ...]) -> None:
         self.complaints = complaints
@@ -41,10 +36,7 @@ def has_latex() -> bool:
 def make_pdf(main: Path) -> Path:
     """Compile a document, which may read files in folders beside it, and return the PDF's path.
 
-    Raises
-    ------
-    LatexError
-        For an error, a warning, or a box that is overfull by more than `OVERFULL` points.
+    LatexError for an error, a warning, or a box that is overfull by more than `OVERFULL` points.
     """
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
