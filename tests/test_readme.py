@@ -96,12 +96,3 @@ def test_the_readme_is_short() -> None:
     lines = README.splitlines()
     assert len(lines) <= 150
     assert max(map(len, lines)) <= 120
-
-
-def test_where_things_are() -> None:
-    """What the map of the code names is there."""
-    map_of_code = README[README.index("## Where things are") :]
-    for name in re.findall(r"`((?:symosc|tests)/[^`]+)`", map_of_code):
-        assert (ROOT / name).exists(), name
-    for row in re.findall(r"^\| (`.*?) \|", map_of_code, re.MULTILINE):
-        assert all((ROOT / "symosc" / name.strip(" `")).is_dir() for name in row.split(",")), row
