@@ -18,6 +18,7 @@ from symosc.cli.app import main
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDE = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^```python\n(.*?)^```$\s*prints\s*^```text\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
 
 
 def blocks(language: str, text: str = README) -> list[str]:
@@ -96,3 +97,15 @@ def test_the_readme_is_short() -> None:
     lines = README.splitlines()
     assert len(lines) <= 150
     assert max(map(len, lines)) <= 120
+
+
+def test_every_example_of_the_guide_says_what_it_prints() -> None:
+    assert len(EXAMPLES) == GUIDE.count("```python") > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(EXAMPLES)))
+def test_an_example_of_the_guide(number: int, tmp_path: Path) -> None:
+    code, expected = EXAMPLES[number]
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.stderr, result.stdout) == ("", expected)
