@@ -14,8 +14,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from symosc.display.progress import QUIET, level, pause_working
-from symosc.display.tables import plain_table
-from symosc.display.terminal import print_table
+from symosc.display.tables import plain_table, print_table
 from symosc.exact import read_exact, read_start_error
 from symosc.files import STDOUT, drop_stdout
 from symosc.model import PARAMETER_NAMES, Parameters
