@@ -71,10 +71,9 @@ class StepEvidence(NamedTuple):
 
 
 class Check:
-    """Base class of the checks."""
+    """Base class of the checks: called with a statement they return the evidence, or raise StepError."""
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """Return the evidence for a statement, or raise StepError."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         raise NotImplementedError
 
 
@@ -93,7 +92,7 @@ class Step:
 
     def verify(self) -> StepEvidence:
         """Run the check."""
-        return self.check.run(self.statement)
+        return self.check(self.statement)
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, **options: Any) -> Step:
@@ -214,8 +213,7 @@ class Exact(Check):
     tidy: Callable[[Expr], Expr] = sp.expand
     independent: bool = True
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         if self.independent:
             _refute(statement, difference)
@@ -229,9 +227,8 @@ class Each(Check):
 
     checks: tuple[Check, ...]
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
-        kinds = {each.run(statement).kind for each in self.checks}
+    def __call__(self, statement: Relation) -> StepEvidence:
+        kinds = {each(statement).kind for each in self.checks}
         kind = next(kind for kind in ("numeric", "sign", "exact") if kind in kinds)
         return StepEvidence(kind, f"{len(self.checks)} cases")
 
@@ -253,8 +250,7 @@ class Solves(Check):
     general: bool = False
     meaning: dict[Expr, Expr] = field(default_factory=dict)
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         y = resolve(statement.right + self.shift, self.meaning)
         differentiate = solution.time_derivative if self.general else lambda expr: expr.diff(solution.tau)
         first = differentiate(y)
@@ -289,8 +285,7 @@ class Sign(Check):
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         difference = sp.factor(sp.simplify(difference))
         holds = {
@@ -311,8 +306,7 @@ class Close(Check):
     value: Callable[[], Any]
     decimals: int
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
         return _within(statement, off, CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"))
 
@@ -330,8 +324,7 @@ class AtRoot(Check):
     meaning: Callable[[], dict[Expr, Any]]
     tolerance: Any = STEP_AGREEMENT
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         values = self.meaning()
         left, right = (evaluate(side, values) for side in (statement.left, statement.right))
         if statement.op == "=":
@@ -347,8 +340,7 @@ class Near(Check):
 
     decimals: int
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         left, right = (evaluate(side, {}) for side in (statement.left, statement.right))
         return _within(statement, abs(left - right), CONTEXT.mpf(10) ** -self.decimals * max(abs(right), 1))
 

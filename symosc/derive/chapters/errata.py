@@ -85,12 +85,11 @@ class SlipTime(Check):
     scene: str
     target: str
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         event = first_slip(self.scene)
         if event.target != self.target:
             raise StepError(str(statement), f"the mass slips into {event.target}")
-        return Close(lambda: event.t, 20).run(statement)
+        return Close(lambda: event.t, 20)(statement)
 
 
 @cache
@@ -196,8 +195,7 @@ class FirstStick(Check):
 
     scene: str
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         first, second = simulate(load_scene(self.scene), digits=30, max_events=2).events
         length = second.t - first.t
         if (first.kind, second.kind) != ("stick", "slip") or statement.op != "<" or not 0 < length < statement.right:

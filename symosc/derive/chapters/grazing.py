@@ -213,8 +213,7 @@ class Window(Check):
     amplitude: Any
     names: tuple[tuple[Any, Any], ...] = ()
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         through_0 = any(isinstance(part, sp.Interval) and part.args[0] == 0 and not part.args[2] for part in parts)
         for part in parts:

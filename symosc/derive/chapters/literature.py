@@ -335,9 +335,8 @@ class Ran(Check):
 
     value: Value
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
-        Close(lambda: number(self.value.package), self.value.decimals).run(statement)
+    def __call__(self, statement: Relation) -> StepEvidence:
+        Close(lambda: number(self.value.package), self.value.decimals)(statement)
         off = abs(self.value.difference)
         if not off <= self.value.tolerance:
             raise StepError(str(statement), f"formula and package differ by {MP.nstr(off, 3)}")

@@ -298,8 +298,7 @@ class Followed(Check):
     parameters: Parameters
     word: str
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         orbit = find_orbit(self.parameters, self.word, digits=STEP_DIGITS)
         (t, x), belt = orbit.points[0], read_word(self.word).maps[0].start.boundary
         end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
