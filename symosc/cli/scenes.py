@@ -15,7 +15,7 @@ from symosc.errors import OutputError
 from symosc.exact import show
 from symosc.files import write_text
 from symosc.scenes import START_NAMES, Scene, figure_of, load_scene, scene_names
-from symosc.scenes.writing import as_toml
+from symosc.scenes.files import as_toml
 
 
 @click.command()

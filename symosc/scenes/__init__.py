@@ -16,7 +16,7 @@ from symosc.arguments import public
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import Parameters
-from symosc.scenes.reading import MOST_CHARACTERS, SceneFile, read_scene_file
+from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word
 
 SCENES_FOLDER = Path(__file__).parent
@@ -163,14 +163,11 @@ def load_scene(name_or_path: SceneName) -> Scene:
 
 def read_scene(text: str, where: str) -> Scene:
     """Return a scene from the text of a TOML file; `where` is what messages call it. See `load_scene`."""
-    return _scene_from(read_scene_file(text, where), default_name=Path(where).stem)
-
-
-def _scene_from(file: SceneFile, default_name: str) -> Scene:
+    file = read_scene_file(text, where)
     data = file.data
     try:
         return Scene(
-            name=data.get("name", default_name),
+            name=data.get("name", Path(where).stem),
             parameters=Parameters(**data["parameters"]),
             t_end=data["t_end"],
             structure=data.get("structure"),

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from project_files import ROOT
+from scratch import Scratch
 
-pytestmark = pytest.mark.slow
 CHAPTER = r'''"""The energy of the mass."""
 
 from symosc.derive.latex import named
@@ -47,49 +42,19 @@ REFERENCE = """@book{newton1687,
 """
 
 
+@pytest.mark.slow
 def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
-    for name in ("symosc", "tests", "derivations"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "CITATION.cff", "README.md"):
-        shutil.copy(ROOT / name, tmp_path)
-    derive = tmp_path / "symosc" / "derive"
-
-    def insert(path: str, before: str, text: str) -> None:
-        old = (derive / path).read_text(encoding="utf-8")
-        assert before in old
-        (derive / path).write_text(old.replace(before, text + before, 1), encoding="utf-8")
-
-    def run(*command: str) -> str:
-        env = os.environ | {"PYTHONPATH": str(tmp_path)}
-        code = f"import sys, runpy; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = {list(command)!r}; "
-        code += f"runpy.run_module({command[0]!r}, run_name='__main__', alter_sys=True)"
-        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=env, capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
-        return done.stdout
-
-    (derive / "chapters" / "energy.py").write_text(CHAPTER, encoding="utf-8")
-    insert("chapters/__init__.py", "}\n", '    "energy": "the energy of the mass",\n')
-    insert(
-        "notation.py",
-        '"""\nNOTATION',
-        r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\" + "\n",
-    )
-    insert("references.bib", "@", REFERENCE)
+    scratch = Scratch(tmp_path)
+    scratch.write("symosc/derive/chapters/energy.py", CHAPTER)
+    last = '    "certificates": "why each kind of certificate proves what it says",\n'
+    scratch.replace("symosc/derive/chapters/__init__.py", last, last + '    "energy": "the energy of the mass",\n')
+    symbol = r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\"
+    scratch.replace("symosc/derive/notation.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
+    scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
     # All chapters would take long.
-    log = json.loads(run("symosc", "derive", "energy", "-o", "derivations", "--json"))
+    log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))
     assert [(step["step"], step["kind"]) for step in log["steps"]] == [("13.1", "exact"), ("13.2", "sign")]
     assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(encoding="utf-8")
-    assert "energy" in run("symosc", "derive", "--help")
+    assert "certificates, energy, or all" in " ".join(scratch.run("symosc", "derive", "--help").split())
     tests = "energy or symbol_is_in or labels"
-    run(
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-n0",
-        "-m",
-        "not campaign",
-        "tests/derive/test_chapters.py",
-        "-k",
-        tests,
-    )
+    scratch.run("pytest", "-q", "-p", "no:cacheprovider", "-n0", "tests/derive/test_chapters.py", "-k", tests)
