@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from symosc.derive.records import RecordsError, kebab, one_of, records
 
@@ -36,7 +37,8 @@ class Erratum:
 
     def in_unicode(self) -> Erratum:
         """Return the erratum with texts that need no LaTeX, for the report and the letter."""
-        return replace(self, **{name: latex_to_unicode(getattr(self, name)) for name in TEXTS})
+        texts: dict[str, Any] = {name: latex_to_unicode(getattr(self, name)) for name in TEXTS}
+        return replace(self, **texts)
 
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DARK, GREY, LIGHT = "black", "0.45", "0.82"
-POINT = {"marker": "o", "color": "white", "markeredgecolor": DARK, "linestyle": ""}
+POINT: dict[str, Any] = {"marker": "o", "color": "white", "markeredgecolor": DARK, "linestyle": ""}
 #: Points of all letters; no figure is printed smaller than it is drawn.
 LETTERS = 10.0
 
@@ -65,7 +65,7 @@ def windows(axes: Axes) -> None:
     axes.plot(theta, sine, color=DARK, label=r"$\sin\theta$")
     axes.axhline(-0.5, color=GREY, linewidth=0.8, linestyle="--", label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$")
     axes.fill_between(theta, -0.5, sine, where=sine > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
-    hatched = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
+    hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
     axes.fill_between(theta, -0.5, sine, where=sine < -0.5, label="$P_3$, $P_6$ graze", **hatched)
     places = [0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi]
     names = ["0", r"$\pi/2$", r"$\pi$", r"$\pi-\Theta^{\mathrm{cr}}$", r"$2\pi+\Theta^{\mathrm{cr}}$", r"$2\pi$"]

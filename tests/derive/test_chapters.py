@@ -33,9 +33,9 @@ from symosc.cli.app import main
 from symosc.cli.derive import derive
 from symosc.derive import document, latex, pdf
 from symosc.derive.chapters import CHAPTERS
+from symosc.derive.document import STYLE
 from symosc.derive.errata import read_errata
 from symosc.derive.figures import figure
-from symosc.derive.html import STYLE
 from symosc.derive.mathml import font_style, formula
 from symosc.derive.notation import NOTATION
 from symosc.derive.scope import Scope

@@ -15,8 +15,8 @@ from effort import at_most
 
 from symosc import MissingExtraError, Scene, SymoscError, load_scene, scene_names, simulate
 from symosc.exact import read_exact
-from symosc.scenes import quantities
-from symosc.scenes.files import as_toml, line_of
+from symosc.scenes import as_toml, quantities
+from symosc.scenes.files import line_of
 from symosc.scenes.quantities import (
     KNOWN_DIGITS,
     QUANTITIES,

@@ -225,7 +225,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     meaning = {
         letter: value.xreplace(constants).xreplace(constants).xreplace(back) for letter, value in constants.items()
     }
-    check = Solves(force, x_i, v_i, *values.values(), meaning=meaning | back)
+    check = Solves(force, x_i, v_i, values[cm], values[w0sq], meaning=meaning | back)
     joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
     return PaperForm(joined, _one_exponential(v, first), constants, check)
 

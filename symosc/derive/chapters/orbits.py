@@ -197,7 +197,8 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 
 def _orbit(scope: Scope, word: str, figure: str) -> Items:
-    found, equations = pieces(scope, word), []
+    found = pieces(scope, word)
+    equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
         acceleration = f"F^{{({row.domain})}}"
