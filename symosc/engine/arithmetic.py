@@ -15,9 +15,9 @@ from symosc.aliases import Number
 from symosc.engine import (
     binding,
     compiled_loop,
+    events,
     extremes,
     first_exit,
-    first_rows,
     flow,
     gap_bounds,
     march,
@@ -49,7 +49,7 @@ SOURCES = (
     rests,
     stick_exit,
     next_event,
-    first_rows,
+    events,
     compiled_loop,
 )
 # What is done with many digits only.
@@ -88,7 +88,6 @@ OUTLINED = {
     "next_doubt",
     "search_row",
     "searched",
-    "first_rows",
     "march_rows",
     "tally_stretch",
     "flight_extremes",

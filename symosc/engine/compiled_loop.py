@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.aliases import Number
+from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
 from symosc.engine.flow import clock_time
 from symosc.engine.next_event import advance
 from symosc.engine.pages import room_of
@@ -32,9 +33,6 @@ from symosc.kernels.entire import EPS
 STATE_WIDTH = 19
 # Steps after which doubles that are not in doubt are no longer looked ahead for.
 LOOK_AHEAD = 16
-# Columns of a row of events.
-FLOAT_COLUMNS = ("t", "x", "v", "theta", "t_error", "x_error")
-INT_COLUMNS = ("trajectory", "kind_code", "boundary", "source_code", "target_code")
 
 
 class Batch(NamedTuple):
@@ -47,7 +45,7 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """Room for events: FLOAT_COLUMNS and INT_COLUMNS, each in one piece, so that they are copied quickly."""
+    """A buffer for events: FLOAT_COLUMNS, and the number of the trajectory with CODE_COLUMNS; each in one piece."""
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
@@ -62,7 +60,7 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
 
 def room_for(events: int) -> EventRows:
     """Return room for so many events."""
-    return EventRows(room_of((len(FLOAT_COLUMNS), events)), room_of((len(INT_COLUMNS), events), np.int32))
+    return EventRows(room_of((len(FLOAT_COLUMNS), events)), room_of((1 + len(CODE_COLUMNS), events), np.int32))
 
 
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
@@ -148,17 +146,15 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             if rows >= out.floats.shape[1]:
                 break
             found = advance(before, t_end, t_end_low, K)
-            step, boundary, decided, t_error, state = found
+            step, _, decided, t_error, state = found
             if not decided or step == FAILED:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                x, v = state.x, state.v
-                t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
-                if is_inexact(t, t_error, x, x_error, t0, accuracy):
+                clock = handed_out(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
+                if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
                     code = INEXACT
                 if not tallied:
-                    write_event(out, rows, t, state, t_error, x_error)
-                    write_kind(out, rows, i, step, boundary, before.mode)
+                    write_event(out, rows, i, before, found, clock, K)
                 rows += 1
                 counts[i] += 1
             elif step != MOVED:
@@ -225,15 +221,11 @@ def next_doubt(state, count, row, most, accuracy, K):
     return 0
 
 
-def write_event(out, row, t, state, t_error, x_error):
-    """Write the numbers of an event into a row."""
-    floats = out.floats
-    floats[0, row], floats[1, row], floats[2, row], floats[3, row] = t, state.x, state.v, state.theta
-    floats[4, row], floats[5, row] = t_error, x_error
-    out.ints[4, row] = state.mode
-
-
-def write_kind(out, row, i, code, boundary, source):
-    """Write into a row whose event it is, and what it is."""
-    ints = out.ints
-    ints[0, row], ints[1, row], ints[2, row], ints[3, row] = i, code, boundary, source
+def write_event(out, row, i, before, found, clock, K):
+    """Write an event of trajectory i into a row; arguments as `symosc.engine.events.event_numbers` takes them."""
+    numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
+    for n in range(len(numbers)):
+        out.floats[n, row] = numbers[n]
+    out.ints[0, row] = i
+    for n in range(len(codes)):
+        out.ints[n + 1, row] = codes[n]

@@ -6,30 +6,47 @@ What comes out is rounded to doubles by the rules for numbers with many digits (
 
 from __future__ import annotations
 
+from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from symosc.engine.compiled_loop import end_by_phase as end_in_doubles
-from symosc.engine.compiled_loop import handed_out, keep_state, state_of, write_event, write_kind
+from symosc.engine.compiled_loop import handed_out, keep_state, state_of
 from symosc.engine.compiled_loop import next_doubt as next_doubt_in_doubles
 from symosc.engine.compiled_loop import searched as searched_in_doubles
-from symosc.engine.first_rows import first_rows
+from symosc.engine.compiled_loop import write_event as write_event_in_doubles
+from symosc.engine.flow import constant_force
 from symosc.engine.near_event import advance_near
 from symosc.engine.rounding import is_faint, rounded_covariance, rounding_error
-from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, REST, RUNNING, Covariance, NextEvent, State
+from symosc.engine.state import END, FAILED, GRAZE, IN_DOUBT, ON_BELT, REST, RUNNING, Covariance, NextEvent, State
 from symosc.engine.tally import leave_tally, tally_step
+from symosc.kernels._generated import acceleration
+from symosc.kernels.entire import EPS
 from symosc.kernels.pair_type import from_complex
 
 
 def first_pairs(pairs, K):
-    """Complete rows of starts, see `symosc.engine.first_rows`: mode 0 is left where that takes more digits."""
+    """Complete rows of starts, which have mode, at, theta, x, v and the times; no force on a belt may be 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
-        at = int(pairs[i, 1])
+        mode, at, theta, x, v = (
+            int(pairs[i, 0]),
+            int(pairs[i, 1]),
+            float(pairs[i, 3]),
+            float(pairs[i, 4]),
+            float(pairs[i, 5]),
+        )
         if at > 0:  # to the last bit
-            pairs[i, 5] = K.belt1.v if at == 1 else K.belt2.v
-    first_rows((K,), np.zeros(pairs.shape[0], np.int64), pairs)
+            v = K.belt1.v if at == 1 else K.belt2.v
+        s, c = sin(theta), cos(theta)
+        below, above = (at, at + 1) if mode > ON_BELT else (mode, mode)
+        pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
+        pairs[i, 6] = acceleration(x, v, c, constant_force(below, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 7] = acceleration(x, v, c, constant_force(above, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 8] = (EPS * x) * (EPS * x)
+        if at == 0:
+            pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
 class Going(NamedTuple):
@@ -86,8 +103,13 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
             if step == FAILED or not found.decided:
                 code = IN_DOUBT
             elif step <= GRAZE:
-                if not written(i, rows, out, found, before.mode, rounded, t0, K):
+                clock = handed_out(state.t, state.t_low, t0, state.x, state.v, found.t_error, state.S.S11, K)
+                if not (is_faint(clock[1].hi, clock[0].hi) and is_faint(clock[2].hi, state.x.hi)):
                     code = IN_DOUBT
+                if rows < out.floats.shape[1]:  # there is no room where tallies are kept
+                    errors = rounding_error(clock[1].hi, clock[0].hi), rounding_error(clock[2].hi, state.x.hi)
+                    plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
+                    write_event_in_doubles(out, rows, i, before, plainly, (clock[0].hi, errors[0], errors[1]), plain)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
@@ -103,17 +125,6 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)
     return rows
-
-
-def written(i, row, out, found, source, rounded, t0, K):
-    """Write an event into a row, if there is room; return whether it is known far better than doubles know it."""
-    state = found.state
-    t, t_error, x_error = handed_out(state.t, state.t_low, t0, state.x, state.v, found.t_error, state.S.S11, K)
-    if row < out.floats.shape[1]:  # there is none where tallies are kept
-        errors = rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, state.x.hi)
-        write_event(out, row, t.hi, rounded, errors[0], errors[1])
-        write_kind(out, row, i, found.code, found.boundary, source)
-    return is_faint(t_error.hi, t.hi) and is_faint(x_error.hi, state.x.hi)
 
 
 def in_doubles(state, t0, K):

@@ -84,6 +84,7 @@ def compiled_pairs() -> PairLoops:
     plain = in_doubles()  # summaries are of doubles
     callees |= {name: plain[name] for name in ("tally_step", "leave_tally")}
     in_doubles_too = {"searched": "searched", "next_doubt": "next_doubt", "end_by_phase": "end"}
+    in_doubles_too["write_event"] = "write_event"
     callees |= {f"{name}_in_doubles": plain[called] for called, name in in_doubles_too.items()}
     beside = (pair_type, pair_functions, double_double, tally)
     outlined = binding.functions_of(MODULES).keys() - binding.functions_of((_generated,)).keys() - {"derivatives"}

@@ -25,6 +25,7 @@ class Paths:
         self.advance: Callable[..., Any] = functions["advance"]
         self.advance_near: Any = functions.get("advance_near")
         self.handed_out: Callable[..., Any] = functions["handed_out"]
+        self.event_numbers: Callable[..., Any] = functions["event_numbers"]
 
     def enter(self) -> Any:
         """Begin to compute; return what `leave` asks for."""

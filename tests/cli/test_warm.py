@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 from symosc.cli.app import main
 from symosc.errors import MissingExtraError
-from symosc.simulation import batch_loop, warm
-from symosc.simulation.warm import Warmed
+from symosc.simulation import batch
+from symosc.simulation.batch import Warmed
 
 DONE = [Warmed("events in doubles", False, 12.34), Warmed("events in double-double numbers", True, 0.5)]
 
@@ -22,7 +22,7 @@ def run(*arguments: str) -> str:
 
 
 def test_a_row_for_each_loop(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warm, "warm", lambda: DONE)
+    monkeypatch.setattr(batch, "warm", lambda: DONE)
     heads, _, *rows = (line.split("  ") for line in run().splitlines())
     assert [part.strip() for part in heads if part] == ["what", "how", "seconds"]
     assert [[part.strip() for part in row if part] for row in rows] == [
@@ -36,7 +36,7 @@ def test_without_numba_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyP
     def missing() -> None:
         raise MissingExtraError("compiling", "fast")
 
-    monkeypatch.setattr(batch_loop, "compiled", missing)
+    monkeypatch.setattr(batch, "compiled", missing)
     with pytest.raises(SystemExit) as ended:
         main.main(["warm"], prog_name="symosc")
     assert ended.value.code == 2
@@ -46,5 +46,5 @@ def test_without_numba_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyP
 @pytest.mark.compiled("pairs")
 def test_what_was_compiled_is_there() -> None:
     pytest.importorskip("numba")
-    warm.warm()
-    assert [row.was_there for row in warm.warm()] == [True] * 3
+    batch.warm()
+    assert [row.was_there for row in batch.warm()] == [True] * 3

@@ -17,7 +17,7 @@ from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.paths import Paths
 from symosc.engine.start import Start
 from symosc.kernels.multiprecision import mp_context
-from symosc.simulation import run
+from symosc.simulation.motion import Motion
 
 gmpy2 = pytest.importorskip("gmpy2")
 mpfr = pytest.importorskip("symosc.kernels.mpfr")
@@ -33,8 +33,8 @@ def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
     return p, {**start, "t_end": start["t0"] + 12}
 
 
-def followed(start: Start, arithmetic: MpArithmetic) -> run.Path:
-    path = run.Path(start, arithmetic)
+def followed(start: Start, arithmetic: MpArithmetic) -> Motion:
+    path = Motion(start, arithmetic)
     while not path.ended:
         path.step()
     return path
@@ -111,7 +111,7 @@ def test_the_precision_of_others_is_left_alone() -> None:
 def test_an_error_leaves_the_precision_as_it_was() -> None:
     p, given = problem(1)
     path, before = (
-        run.Path(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
+        Motion(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
         gmpy2.get_context(),
     )
     path._end = None, None  # type: ignore[assignment]

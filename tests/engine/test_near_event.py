@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 from fractions import Fraction
-from math import inf
 from typing import Any
 
 import mpmath
@@ -15,8 +14,7 @@ from symosc import Parameters, load_scene, simulate
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.start import Start, rounded
 from symosc.engine.state import CROSS, MOVED, SLIP, STICK, NextEvent, State
-from symosc.simulation import closer_look, run
-from symosc.simulation.run import Path
+from symosc.simulation.motion import FinerMotion, Motion, last_time
 
 DIGITS = 40
 FINE = Fraction(1, 10**34)
@@ -44,11 +42,11 @@ def random_start(seed: int) -> Start:
     return Start(p, t0, Fraction(dice.randint(-30, 30), 10), v0, t0 + 9)
 
 
-def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Path, Any, Any, State, NextEvent]]:
+def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, Any, State, NextEvent]]:
     """Yield what goes into a step with many digits, and take the step."""
     arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
-    path = Path(start, arithmetic)
-    end = run.last_time(start, doubles)
+    path = Motion(start, arithmetic)
+    end = last_time(start, doubles)
     for _ in range(most):
         rough = rounded(path.state, start)
         yield path, path._state, path._end, rough, doubles.paths.advance(rough, *end, doubles.K)
@@ -70,7 +68,7 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
         assert abs(exact(a) - exact(b)) <= FINE * max(1, abs(int(b)))
 
 
-def compared(path: Path, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
+def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
     before = path._paths.enter()
     try:
@@ -123,8 +121,7 @@ def test_a_wrong_time_or_belt_is_not_believed(seed: int) -> None:
 def followed(monkeypatch: pytest.MonkeyPatch, start: Start, digits: int | None, searches: bool) -> Any:
     with monkeypatch.context() as patch:
         if not searches:
-            patch.setattr(run, "_search_beside_digits", lambda start: None)
-            patch.setattr(run, "MOST_SEARCHES", 0)
+            patch.setattr(Motion, "_in_digits", lambda self, state: self._paths.advance(state, *self._end, self.K))
         times = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
         accuracy = {"accuracy": 1e-15} if digits is None else {"digits": digits}
         return simulate(start.parameters, max_events=25, **times, **accuracy)  # type: ignore[arg-type]
@@ -143,19 +140,6 @@ def test_motions_are_the_same_with_and_without(seed: int, monkeypatch: pytest.Mo
         assert (a.kind, a.boundary, a.target) == (b.kind, b.boundary, b.target)
         assert abs(a.t - b.t) <= b.t.context.mpf(10) ** (1 - digits) * max(1, abs(b.t))
         assert abs(a.x - b.x) <= b.t.context.mpf(10) ** (1 - digits) * max(1, abs(b.x))
-
-
-def test_what_doubles_found_is_used_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The search of a motion that doubles follow serves the digits that follow it, too."""
-    calls: list[State] = []
-    monkeypatch.setattr(run, "_search_beside_digits", lambda start: calls.append)
-    assert len(simulate("fig8").events) == 22
-    assert calls == []
-    scene = load_scene("fig8")
-    backup = closer_look.Backup(Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end))
-    with pytest.raises(TypeError):
-        backup.follow(1)  # without it there are searches, here one that finds nothing
-    assert calls
 
 
 def test_only_a_root_where_it_is_expected_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,30 +170,12 @@ def test_only_a_root_where_it_is_expected_is_taken(monkeypatch: pytest.MonkeyPat
 def test_searches_of_another_motion_are_left_out() -> None:
     scene = load_scene("fig8")
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    doubles = Path(start)
+    doubles = Motion(start)
     for _ in range(6):
         doubles.step()
-    wanted = closer_look.Backup(start)
-    assert wanted.follow(5)
-    for searches in (list(doubles.searches)[1:], list(doubles.searches)[::-1], [doubles.searches[1]] * 5):
-        backup = closer_look.Backup(start)
-        assert backup.follow(5, searches)
-        assert backup.path.events == wanted.path.events
-
-
-def test_searches_that_do_not_exceed_the_errors_of_a_state_are_not_handed_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    given: list[int] = []
-    follow = closer_look.Backup.follow
-    monkeypatch.setattr(
-        closer_look.Backup,
-        "follow",
-        lambda backup, count, searches=(): given.append(len(searches)) or follow(backup, count, searches),
-    )
-    simulate("fig8")
-    assert given
-    assert min(given) > 0
-    given.clear()
-    simulate("fig8-exact")
-    simulate("fig8", start_error=0, accuracy=inf, t_end=63)
-    assert given
-    assert max(given) == 0
+    wanted = FinerMotion(start)
+    assert wanted.reach(5, [])
+    for searched in (doubles.searched, doubles.searched[1:], doubles.searched[::-1], [doubles.searched[1]] * 5):
+        finer = FinerMotion(start)
+        assert finer.reach(5, searched)
+        assert finer.events == wanted.events

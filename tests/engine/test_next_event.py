@@ -19,7 +19,7 @@ from symosc.engine.flow import Constants, state_at
 from symosc.engine.next_event import passing_time
 from symosc.engine.state import Covariance, FlightEnd, Flown, Launch, State
 from symosc.engine.switching import carried_error
-from symosc.simulation import run
+from symosc.simulation import motion
 from symosc.simulation.trajectory import Event
 
 pytestmark = pytest.mark.usefixtures("interpreted")
@@ -151,19 +151,19 @@ def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
 
 
 def test_rounding_an_event_adds_to_its_errors() -> None:
-    context = run.mp_context(30)
+    context = motion.mp_context(30)
     for t, x in (("1e6", "-3e9"), ("-1e6", "3e9")):
         numbers = (context.mpf(t) / 3, context.mpf(x) / 7, context.mpf(2), context.mpf(1))
         event = Event(*numbers, "cross", 1, "Omega1", "Omega2", 1e-25, 1e-24)
-        rounded = run.rounded_event(event)
+        rounded = motion.rounded_event(event)
         assert isinstance(rounded.t, float)
         assert rounded.t_error == pytest.approx(2.0**-53 * 1e6 / 3)
         assert rounded.x_error == pytest.approx(2.0**-53 * 3e9 / 7)
-        cut = run.cut_event(event, run.mp_context(10))
-        half = float(run.mp_context(10).eps) / 2
+        cut = motion.cut_event(event, motion.mp_context(10))
+        half = float(motion.mp_context(10).eps) / 2
         assert (cut.t_error, cut.x_error) == pytest.approx((half * 1e6 / 3, half * 3e9 / 7))
         assert cut.t.context.dps == 10
-        assert run.rounded_event(rounded) is rounded
+        assert motion.rounded_event(rounded) is rounded
 
 
 def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: int) -> Any:

@@ -20,18 +20,18 @@ from symosc.engine.start import Start, first_state
 from symosc.engine.state import CROSS, END, GRAZE, MOVED, ON_BELT, REST, SLIP, STICK, State
 from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES, NEIGHBOURS
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 SPEED_OF = {1: "v1", 2: "v2"}
 
 
-def random_path(rng: random.Random, digits: int | None) -> Path:
+def random_path(rng: random.Random, digits: int | None) -> Motion:
     """Return a motion of random parameters from a random start between the belts, before its first step."""
     p = BASE.replace(
         m=tenths(rng, 3, 30), c=tenths(rng, 0, 20), k=tenths(rng, 0, 40), B0=tenths(rng, -60, 60), A0=tenths(rng, -9, 9)
     ).replace(Omega=tenths(rng, 3, 30), mu1=tenths(rng, 1, 9), mu2=tenths(rng, 1, 9))
     t0, x0, v0 = tenths(rng, -90, 90), tenths(rng, -20, 20), tenths(rng, -9, 14)
-    return Path(Start(p, t0, x0, v0, t0 + 40), digits)
+    return Motion(Start(p, t0, x0, v0, t0 + 40), digits)
 
 
 def acceleration(p: Parameters, domain: int, s: State) -> Any:

@@ -15,7 +15,7 @@ from symosc import Parameters, simulate
 from symosc.engine import first_exit, gap_bounds, next_event, stick_exit, touches
 from symosc.engine.start import Start
 from symosc.engine.state import FlightEnd, Flown, StickEnd
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -181,7 +181,7 @@ def test_a_minimum_that_is_not_found_is_no_end(mapping: str, monkeypatch: pytest
 def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A search that gave up may have wandered anywhere: its time says nothing, and it is no end."""
     scene = undriven(random.Random(3), "P3")
-    path = Path(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
+    path = Motion(Start(scene.p, Fraction(0), scene.x0, scene.v0, scene.t_end))
     now = Flown(behind * float(scene.t_end), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
     gave_up = FlightEnd(touches.STALLED, -1, now)
     monkeypatch.setattr(next_event, "first_exit", lambda *_: gave_up)
@@ -192,7 +192,7 @@ def test_only_a_contact_can_lie_behind_the_end(behind: float, monkeypatch: pytes
 @pytest.mark.parametrize("behind", [0.5, 1.5], ids=["before the end", "behind it"])
 def test_a_stick_whose_end_is_not_found_is_no_end(behind: float, monkeypatch: pytest.MonkeyPatch) -> None:
     start = Start(ORDINARY, Fraction(0), Fraction(0), Fraction(1), Fraction(1))
-    path = Path(start)
+    path = Motion(start)
     assert path.state.mode == 4
     gave_up = StickEnd(touches.STALLED, -1, behind, 0.0, 0.0, 0.0, 0.0, 1.0)
     monkeypatch.setattr(next_event, "belt_exit", lambda *_: gave_up)

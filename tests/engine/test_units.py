@@ -13,7 +13,7 @@ from units import UNITS, Units
 
 from symosc import Parameters, load_scene
 from symosc.engine.start import Start
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 MOTIONS = ["fig5", "fig6", "fig8", "fig9", "fig10", "fig8-exact", "fig7-exact"]
 
@@ -30,7 +30,7 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
 
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
-    path, found = Path(start), []
+    path, found = Motion(start), []
     while not path.ended and len(found) < most:
         path.step()
         s = path.state
