@@ -11,7 +11,7 @@ import numpy as np
 
 from symosc.crosschecks.quiet import quiet_ends
 from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.compiled_loop import Batch, batch_of, keep_state, state_of
+from symosc.engine.batch import Batch, batch_of, keep_state, state_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance

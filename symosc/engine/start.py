@@ -15,10 +15,10 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.batch import rounded_covariance
+from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
-from symosc.engine.rounding import rounded_covariance
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
-from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.kernels.pair_columns import each
@@ -206,7 +206,7 @@ def is_steady(start: Start) -> bool:
 def settles(start: Start) -> bool:
     """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
 
-    The conditions are those of `symosc.engine.rests`, which says who decides what. The sign of u = g' + (h + w) g >= 0
+    The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
     follows from the squares of its two parts.
     """
     p = start.parameters

@@ -16,14 +16,21 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from symosc.engine import compiled_loop, flow, settled
-from symosc.engine.arithmetic import Arithmetic, compiled
-from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import STATE_WIDTH, Batch, EventRows, batch_of, room_for, row_of, rows_between
+from symosc.engine import batch as engine_batch
+from symosc.engine import flow, summary
+from symosc.engine.arithmetic import (
+    Arithmetic,
+    Going,
+    compiled,
+    compiled_pairs,
+    is_compiled,
+    pair_constants,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import STATE_WIDTH, Batch, EventRows, batch_of, copied, room_for, row_of, rows_between
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
-from symosc.engine.pages import copied
 from symosc.engine.start import Start, first_state
-from symosc.engine.tally import Tally, no_tally
+from symosc.engine.summary import Tally, no_tally
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import whole_number
 from symosc.scenes import load_scene
@@ -70,8 +77,8 @@ def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-FOLLOW = _interpreted(compiled_loop.follow_all)
-INTERPRETED = Loops(_interpreted(flow.march_rows), FOLLOW, _interpreted(settled.settle), False)
+FOLLOW = _interpreted(engine_batch.follow_all)
+INTERPRETED = Loops(_interpreted(flow.march_rows), FOLLOW, _interpreted(summary.settle), False)
 
 
 def chosen_loops(use_numba: Any) -> Loops:
@@ -214,9 +221,6 @@ def warm() -> list[Warmed]:
         If numba is not installed.
     """
     loops, search = chosen_loops(True), compiled()["search_row"]
-    from symosc.engine.pairs import Going, compiled_pairs, pair_constants
-    from symosc.engine.pairs import is_compiled as pairs_are_there
-
     scene, nothing = load_scene("fig8"), np.arange(0)
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
     arithmetic = Arithmetic(scene.parameters)
@@ -239,7 +243,7 @@ def warm() -> list[Warmed]:
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
         "events of single motions": (lambda: is_compiled(search), alone),
-        "events in double-double numbers": (pairs_are_there, pairs),
+        "events in double-double numbers": (pairs_are_compiled, pairs),
     }
     done = []
     for what, (is_there, run) in works.items():

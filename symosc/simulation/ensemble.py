@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from math import cos, isinf, sin
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,13 +20,23 @@ from numpy.typing import ArrayLike
 from symosc.aliases import DataFrame, NumberLike, Progress, Record, StartError
 from symosc.arguments import public
 from symosc.display.progress import reporting
-from symosc.engine import tally as kept
-from symosc.engine.arithmetic import many_digits
-from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of, rows_between, state_of
+from symosc.engine import summary as kept
+from symosc.engine.arithmetic import (
+    ROUNDED_FROM,
+    Going,
+    PairLoops,
+    as_complex,
+    compiled_pairs,
+    interpreted_pairs,
+    many_digits,
+    pair_constants,
+    pair_phase,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import Batch, EventRows, batch_of, room_for, row_of, rows_between, state_of
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
-from symosc.engine.settled import LONGEST_REPEAT
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import (
     DOUBTFUL,
@@ -41,7 +51,17 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
-from symosc.engine.tally import LEAST_RING, Kept, Tally, leave_tally, no_tally, put_back, some_of, tally_step
+from symosc.engine.summary import (
+    LEAST_RING,
+    LONGEST_REPEAT,
+    Kept,
+    Tally,
+    leave_tally,
+    no_tally,
+    put_back,
+    some_of,
+    tally_step,
+)
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
 from symosc.model import MODE_NAMES, Parameters
@@ -61,9 +81,6 @@ from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
 from symosc.simulation.trajectory import Trajectory
-
-if TYPE_CHECKING:  # it needs numba
-    from symosc.engine.pairs import PairLoops
 
 __all__ = ["EventTable", "Summary", "simulate_many"]
 
@@ -249,8 +266,6 @@ class Chunk:
 
         Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         """
-        from symosc.engine.pairs import Going, compiled_pairs, pair_constants
-
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), some_of(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
@@ -285,8 +300,6 @@ class Chunk:
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
-        from symosc.engine.pairs import ROUNDED_FROM, as_complex, pair_constants, pair_phase
-
         starts, arithmetic = self._starts[members], many_digits(parameters, ROUNDED_FROM)
         numbers = self._first + np.array(members, np.int64)
         pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
@@ -338,9 +351,7 @@ def sure(table: np.ndarray) -> np.ndarray:
 
 def pair_loops(events: int) -> PairLoops:
     """Return the loops of double-double numbers for so many events: compiled, unless so few can be interpreted."""
-    from symosc.engine.pairs import compiled_pairs, interpreted_pairs, is_compiled
-
-    return compiled_pairs() if events > PAIRS.events or is_compiled() else interpreted_pairs()
+    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
 def events_of(task: Task, rows: slice, room: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:

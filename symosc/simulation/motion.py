@@ -2,7 +2,7 @@
 
 In doubles the next event is found by compiled code where this process has loaded it, else by CPython, with the same
 bits. With many digits doubles search first, and only the last step to an event takes the digits
-(`symosc.engine.near_event`).
+(`symosc.engine.next_event`).
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import FLOAT_PATHS, Arithmetic, MpArithmetic, compiled, many_digits, mp_context
-from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import row_of
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, compiled, is_compiled, many_digits, mp_context
+from symosc.engine.batch import rounding_error, row_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.events import (
     CODE_COLUMNS,
@@ -32,7 +31,7 @@ from symosc.engine.events import (
     event_codes,
 )
 from symosc.engine.flow import Constants, constants
-from symosc.engine.rounding import rounding_error
+from symosc.engine.next_event import advance
 from symosc.engine.start import Start, first_state, is_steady, rounded
 from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, Covariance, NextEvent, State
 from symosc.errors import ParameterError
@@ -76,7 +75,7 @@ def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent
     t0 = float(start.t0)
     search_row = loaded_search()
     if search_row is None:
-        low, advance = t_end_low - (t_end - t0) * K.Om_gain, FLOAT_PATHS.advance
+        low = t_end_low - (t_end - t0) * K.Om_gain
         return lambda state: advance(state, t_end, low, K)
     table = table_of([K])
 
@@ -93,7 +92,7 @@ def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent
 
 
 def loaded_search() -> Any:
-    """Return `symosc.engine.compiled_loop.search_row` compiled; None where loading it takes longer than many events."""
+    """Return `symosc.engine.batch.search_row` compiled; None where loading it takes longer than many events."""
     if not compiled.cache_info().currsize:
         return None
     functions = compiled()

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.compiled_loop import STATE_WIDTH, Batch, batch_of, row_of
+from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
 from symosc.engine.start import Start, first_state, start_rows
 from symosc.errors import ParameterError
@@ -342,7 +342,7 @@ class Problems:
         """Return the starts of motions of one parameter set as rows of complex numbers, which stand for pairs.
 
         `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and
-        what follows from them are left to `symosc.engine.pair_loop.first_pairs`.
+        what follows from them are left to `symosc.engine.batch.first_pairs`.
         """
         made = np.zeros((len(rows), STATE_WIDTH), complex)
         made[:, :2] = states[:, :2]

@@ -13,9 +13,8 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine.compiled_loop import EventRows, room_for
+from symosc.engine.batch import EventRows, joined, room_for
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
-from symosc.engine.pages import joined_in_room
 from symosc.exact import unmasked
 from symosc.files import write_whole
 
@@ -115,7 +114,7 @@ def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     parts, columns = parts or [room_for(0)], {}
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
-            columns[name] = joined_in_room([part[which][n] for part in parts])
+            columns[name] = joined([part[which][n] for part in parts])
     return EventTable(status, **columns)
 
 

@@ -33,8 +33,8 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.engine import rounding
-from symosc.engine.compiled_loop import EventRows
+from symosc.engine import batch
+from symosc.engine.batch import EventRows
 from symosc.simulation.batch import DOUBLES, PAIRS, CancelToken, in_chunks
 from symosc.simulation.tables import EventTable
 
@@ -318,7 +318,7 @@ def test_little_work_is_interpreted_in_pairs(monkeypatch: pytest.MonkeyPatch) ->
     """So little work does not wait for a compiler; it comes to the same."""
     pytest.importorskip("numba")
     monkeypatch.setattr(PAIRS, "events", 10_000)
-    monkeypatch.setattr("symosc.engine.pairs.is_compiled", lambda: False)
+    monkeypatch.setattr("symosc.simulation.ensemble.pairs_are_compiled", lambda: False)
     monkeypatch.setattr("symosc.simulation.batch.is_compiled", lambda loop: False)
     monkeypatch.setattr("symosc.simulation.ensemble.in_doubles", None)
     assert_climbs(0, 2, accuracy=3e-16, max_events=9)
@@ -345,14 +345,14 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
 def test_faint_errors_leave_no_trace() -> None:
     """What is rounded to a double is the same for any number of digits that are enough."""
     for x in (1.0, -3e-8, 7e20):
-        assert rounding.rounding_error(1e-30 * abs(x), x) == rounding.rounding_error(0.0, x) == 2.0**-53 * abs(x)
-        assert rounding.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
+        assert batch.rounding_error(1e-30 * abs(x), x) == batch.rounding_error(0.0, x) == 2.0**-53 * abs(x)
+        assert batch.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
         for v in (2.0, -1e-3):
             faint = (1e-60 * x * x, 1e-60 * x * v, 1e-60 * v * v)
             for at in (0, 1):
-                assert rounding.rounded_covariance(at, x, v, *faint) == rounding.rounded_covariance(at, x, v, 0, 0, 0)
-                assert rounding.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
-    assert rounding.rounding_error(1e-30, 0.0) == 1e-30
+                assert batch.rounded_covariance(at, x, v, *faint) == batch.rounded_covariance(at, x, v, 0, 0, 0)
+                assert batch.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
+    assert batch.rounding_error(1e-30, 0.0) == 1e-30
 
 
 def test_accuracy_asks_for_more_digits_or_none() -> None:
