@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
+from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from symosc import find_orbit, load_scene, plot, simulate
-from symosc.paper.pictures import PICTURES
-from symosc.plot.panels import END_COLOR, ONSET_COLOR, SWITCH_COLOR
+from symosc import Parameters, find_orbit, load_scene, plot, residual, simulate
+from symosc.paper import drawings
+from symosc.paper.figures import stick_view
+from symosc.paper.pictures import PICTURES, stick_signs
+from symosc.plot.panels import END_COLOR, ONSET_COLOR, Contact
 from symosc.plot.windows import INSIDE_COLOR
+from symosc.words import MAPS
 
 pytestmark = pytest.mark.slow  # draws all figures
 
@@ -246,17 +249,6 @@ def _no_curve_below(ax: Axes, box: Bbox | None) -> None:
 
 
 @pytest.mark.parametrize("key", COMPUTED)
-def test_texts_are_large_enough_for_a_phone(key: str, stacked: dict[str, Figure]) -> None:
-    drawing = stacked[key]
-    points_per_pixel = 72 * drawing.get_size_inches()[0] / 340
-    insets = [inset for ax in drawing.axes for inset in ax.child_axes]
-    for ax in [*drawing.axes, *insets]:
-        sizes = [text.get_fontsize() for text in [*ax.get_xticklabels(), *ax.get_yticklabels(), ax.xaxis.label]]
-        sizes += [text.get_fontsize() for text in ax.texts if isinstance(text, Annotation) and text.get_text()]
-        assert min(sizes) / points_per_pixel > 9
-
-
-@pytest.mark.parametrize("key", COMPUTED)
 def test_captions_have_the_parameters_and_the_start(key: str) -> None:
     scene, caption = load_scene(key), PICTURES[key].caption
     for name, value in scene.parameters.as_dict().items():
@@ -293,12 +285,7 @@ def test_captions_say_what_happens() -> None:
 
 
 def test_signs_that_do_not_hold_are_said_so() -> None:
-    from symosc.paper.captions import _signs
-    from symosc.paper.views import stick_view
-    from symosc.plot.panels import Contact
-
-    view = stick_view("fig5")
-    assert "does not hold everywhere" in _signs(view, [Contact(0.5, 3.0, 1)])
+    assert "does not hold everywhere" in stick_signs(stick_view("fig5"), [Contact(0.5, 3.0, 1)])
 
 
 @pytest.mark.parametrize(
@@ -352,7 +339,65 @@ def test_files_are_small_and_the_same_each_time(tmp_path: Path) -> None:
     assert len(files[0]) < 200_000
 
 
-def test_red_dots_are_red(drawn: dict[str, Figure]) -> None:
-    for key, label in (("fig7-exact", "grazing point"), ("fig8", "contact"), ("fig9", "crossing")):
-        (line,) = [line for line in drawn[key].axes[1].lines if line.get_label() == label]
-        assert line.get_markerfacecolor() == SWITCH_COLOR
+# --- Figs. 1 to 4 ---
+
+LABELS = {
+    "fig1": ["$k$", "$c$", "$m$", "$x$", "$v_1$", "$v_2$", "$F_N$", "belt 1", "belt 2", r"$A_0 + B_0\cos\Omega t$"],
+    "fig2": [r"$\Omega_1$", r"$\Omega_2$", r"$\Omega_3$", "friction force $F_f$"],
+    "fig3": [r"$\Omega_1$", r"$\Omega_2$", r"$\Omega_3$", r"$\partial\Omega_{12}$", r"$\partial\Omega_{23}$", "$v_1$"],
+    "fig4": [f"$P_{number}$" for number in range(1, 9)],
+}
+
+
+@pytest.mark.parametrize("name", LABELS)
+def test_drawings_have_their_labels_on_the_page_and_apart(name: str) -> None:
+    drawing: Figure = getattr(drawings, name)()
+    drawing.draw_without_rendering()
+    shown = [each for each in drawing.findobj(Text) if isinstance(each, Text) and each.get_visible()]
+    boxes = [(each.get_text(), each.get_window_extent()) for each in shown if each.get_text()]
+    assert set(LABELS[name]) <= {words for words, _ in boxes}
+    page = drawing.bbox
+    for number, (words, box) in enumerate(boxes):
+        assert page.x0 <= box.x0 < box.x1 <= page.x1, words
+        assert page.y0 <= box.y0 < box.y1 <= page.y1, words
+        assert not [other for other, further in boxes[number + 1 :] if box.overlaps(further)], words
+
+
+def test_fig2_has_the_levels_of_its_parameters() -> None:
+    p = Parameters(m=1, c=1, k=1, A0=3, B0=1, Omega=1, v1=-2, v2=1, mu1="0.5", mu2="0.25", FN=8)
+    ax = drawings.fig2(p).axes[0]
+    curves = [(str(line.get_label()), *map(np.asarray, line.get_data())) for line in ax.lines]
+    levels = {label: set(y) for label, _, y in curves if str(label).startswith("$")}
+    assert levels == {r"$-(\mu_1+\mu_2)F_N$": {-6.0}, r"$(\mu_1-\mu_2)F_N$": {2.0}, r"$(\mu_1+\mu_2)F_N$": {6.0}}
+    jumps = [(*x, *y) for line, (_, x, y) in zip(ax.lines, curves, strict=True) if line.get_color() == ONSET_COLOR]
+    assert jumps == [(-2.0, -2.0, -6.0, 2.0), (1.0, 1.0, 2.0, 6.0)]
+
+
+def test_fig3_marks_where_the_mass_sticks() -> None:
+    p = load_scene("fig5").parameters
+    for belt in (1, 2):
+        low, high = drawings.stick_zone(p, belt)
+        for x, sticks in ((low + 0.01, True), (high - 0.01, True), (low - 0.01, False), (high + 0.01, False)):
+            motion = simulate(p, t0=0, x0=x, v0=p.belt(belt), t_end="1e-6", max_events=1)
+            assert (motion.mode(0.0) == f"belt{belt}") == sticks
+
+
+def test_fig4_shows_each_mapping() -> None:
+    ax = drawings.fig4().axes[0]
+    curves = {str(line.get_label()): line for line in ax.lines if str(line.get_label()) in MAPS}
+    assert set(curves) == set(MAPS)
+    p = drawings.MAPPING_PARAMETERS
+    for label, curve in curves.items():
+        x, v = np.asarray(curve.get_xdata(), dtype=float), np.asarray(curve.get_ydata(), dtype=float)
+        start, end = (float(p.belt(plane.boundary)) for plane in (MAPS[label].start, MAPS[label].end))
+        assert (v[0], v[-1]) == pytest.approx((start, end), abs=1e-12)
+        edges = [-np.inf, float(p.v1), float(p.v2), np.inf]
+        domain = MAPS[label].domain
+        low, high = edges[domain - 1 : domain + 1] if domain else (start, start)
+        assert np.all(v[1:-1] >= low - 1e-12)
+        assert np.all(v[1:-1] <= high + 1e-12)
+        motion = drawings.mapping_motion(label)
+        event = motion.events[0]
+        phases = float(p.Omega) * motion.t_start, float(p.Omega) * event.t
+        assert (x[0], x[-1]) == pytest.approx((float(drawings.MAPPINGS[label][0]), event.x))
+        assert residual(p, label, (x[0], phases[0]), (event.x, phases[1])) == pytest.approx((0.0, 0.0), abs=1e-9)
