@@ -35,8 +35,8 @@ PARTS = {
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
 }
-REQUIRED, LISTS = ("source", "says", "check"), ("figures", "errata")
-KEYS = (*REQUIRED, *LISTS, "verdict", "derivation", "correction", "remark")
+REQUIRED = ("source", "says", "check")
+KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ def read_claims(
     Raises
     ------
     RecordsError
-        For a file that is no TOML; a part or key that is unknown; a key that is missing or no text; a verdict, figure,
-        erratum, derivation or check function that does not exist; a correction or erratum too many or too few.
+        For a file that is no TOML; a part or key that is unknown; a key that is missing or no text; a verdict, check
+        function, picture, erratum or chapter that does not exist; a correction or erratum too many or too few.
     """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -138,7 +138,8 @@ def read_claims(
     for row in unjudged:
         if sorted(row) != ["says", "source", "why"]:
             raise RecordsError(path.name, f"[[unjudged]] has {', '.join(row)}; must have source, says, why")
-    allowed = {"figure": pictures, "erratum": [erratum.id for erratum in read_errata()], "derivation": CHAPTERS}
+    targets = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
+    targets |= {erratum.id: "errata" for erratum in read_errata()}
     claims: dict[str, Claim] = {}
     for part in data:
         one_of(path.name, "part", part, PARTS)
@@ -148,35 +149,41 @@ def read_claims(
             kebab(where, name)
             if name in claims:
                 raise RecordsError(where, f"is in {claims[name].part} already")
-            claims[name] = _claim(name, part, table, where, allowed, checks)
+            claims[name] = _claim(name, part, table, where, targets, checks)
     return tuple(claims.values()), tuple(Unjudged(**row) for row in unjudged)
 
 
-def _claim(
-    name: str, part: str, table: dict[str, Any], where: str, allowed: dict[str, Collection[str]], checks: str
-) -> Claim:
+def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dict[str, str], checks: str) -> Claim:
     for key in REQUIRED:
         if key not in table:
             raise RecordsError(where, f"{key} is missing")
     for key, value in table.items():
         if key not in KEYS:
             raise RecordsError(where, f"{key} is unknown; known are {', '.join(KEYS)}")
-        texts = value if key in LISTS else [value]
+        texts = value if key == "see" else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
-            raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key in LISTS else 'text'}")
-    said = {key: tuple(value) if key in LISTS else one_line(value) for key, value in table.items()}
+            raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
+    seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
+    for target in table.get("see", ()):
+        one_of(where, "see", target, targets)
+        seen[targets[target]].append(target)
+    if len(seen["derivation"]) > 1:
+        raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
+    said = {key: one_line(value) for key, value in table.items() if key not in ("see", "check")}
     said.setdefault("verdict", CORRECTED if "correction" in table else CONFIRMED)
     one_of(where, "verdict", said["verdict"], VERDICTS)
-    for what, keys in (("figure", "figures"), ("erratum", "errata"), ("derivation", "derivation")):
-        for key in table.get(keys, ()) if keys in LISTS else [table[keys]] if keys in table else ():
-            one_of(where, what, key, allowed[what])
-    faulty = said["verdict"] in FAULTY
-    for key, question in (("correction", "what does hold?"), ("errata", "which erratum does it show?")):
-        if faulty and key not in table:
-            raise RecordsError(where, f"{key} {'is' if key == 'correction' else 'are'} missing: {question}")
-        if not faulty and key in table:
-            raise RecordsError(where, f"has {key} although its verdict is {said['verdict']!r}")
-    return Claim(name, part, **said | {"check": _check(where, checks, said["check"])})
+    for what, there in (("a correction", "correction" in table), ("an erratum", bool(seen["errata"]))):
+        if there != (said["verdict"] in FAULTY):
+            raise RecordsError(where, f"{'has' if there else 'needs'} {what}: its verdict is {said['verdict']!r}")
+    return Claim(
+        name,
+        part,
+        check=_check(where, checks, table["check"]),
+        figures=tuple(seen["figures"]),
+        derivation=next(iter(seen["derivation"]), None),
+        errata=tuple(seen["errata"]),
+        **said,
+    )
 
 
 def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:

@@ -63,13 +63,12 @@ def test_every_check_is_named_in_the_claims() -> None:
     [
         ("source = ", "sauce = ", "source is missing"),
         ("says", 'verdict = "true"\nsays', "verdict = 'true': must be one of confirmed, "),
-        ("says", 'verdict = "not as printed"\nsays', "correction is missing"),
-        ("says", 'correction = "no"\nsays', "errata are missing"),
-        ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "although its verdict is 'confirmed'"),
-        ("says", 'errata = ["a"]\nsays', "erratum = 'a': must be one of"),
-        ("says", 'figures = ["fig11"]\nsays', "figure = 'fig11': must be one of"),
-        ("says", 'figures = "fig1"\nsays', "must be a list of texts"),
-        ("says", 'derivation = "none"\nsays', "derivation = 'none': must be one of motion"),
+        ("says", 'verdict = "not as printed"\nsays', "needs a correction: its verdict is 'not as printed'"),
+        ("says", 'correction = "no"\nsays', "needs an erratum"),
+        ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "has a correction: its verdict is 'confirmed'"),
+        ("says", 'see = ["fig11"]\nsays', "see = 'fig11': must be one of fig1, motion, "),
+        ("says", 'see = "fig1"\nsays', "must be a list of texts"),
+        ("says", 'see = ["motion", "maps"]\nsays', "one chapter at most, not motion and maps"),
         ("says", 'note = "x"\nsays', "note is unknown; known are source, "),
         ('"1 < 2"', "3", "says = 3: must be text"),
         ("stand_ins.right", "stand_ins.left", "check = 'stand_ins.left': there is no such function"),
@@ -190,7 +189,7 @@ def test_a_claim_is_added_as_contributing_says(run_in_copy: Any, tmp_path: Path)
     with (paper / "claims.toml").open("a", encoding="utf-8") as file:
         file.write(
             '\n[figures.my-claim]\nsource = "Section 6, Fig. 5"\nsays = "The spring of Fig. 5 is weak."\n'
-            'check = "sticks.weak(FIG5, 1000)"\nfigures = ["fig5"]\nverdict = "by definition"\n'
+            'check = "sticks.weak(FIG5, 1000)"\nsee = ["fig5"]\nverdict = "by definition"\n'
         )
     with (paper / "checks" / "sticks.py").open("a", encoding="utf-8") as file:
         file.write(

@@ -116,7 +116,7 @@ def test_exit_codes(
 
 @pytest.mark.slow
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = CLAIM.format(id="one", check="right") + 'figures = ["fig1"]\nderivation = "events"\n'
+    text = CLAIM.format(id="one", check="right") + 'see = ["fig1", "events"]\n'
     plan = Plan(read(text), pictures(good_picture), ("events",))
     assert reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
     content = json.loads(capsys.readouterr().out)
