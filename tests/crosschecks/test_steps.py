@@ -11,7 +11,7 @@ from excerpts import crosscheck
 from symosc import load_scene, simulate
 from symosc.crosschecks import steps
 from symosc.crosschecks.steps import phases
-from symosc.engine import compiled_loop
+from symosc.engine import batch
 from symosc.simulation import batch_loop
 
 
@@ -42,13 +42,13 @@ def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
     """To compile takes twenty seconds, to interpret some thousand steps a part of one."""
     pytest.importorskip("numba")
     batch_loop.chosen_loops(None)  # binds the functions that are compiled, once, before one is another
-    interpreted, loop = [], compiled_loop.follow_all
+    interpreted, loop = [], batch.follow_all
 
     def noted(begin: int, *rest: Any) -> Any:
         interpreted.append(begin)
         return loop(begin, *rest)
 
-    monkeypatch.setattr(compiled_loop, "follow_all", noted)
+    monkeypatch.setattr(batch, "follow_all", noted)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda _: False)
     monkeypatch.setattr(batch_loop, "DOUBLES", batch_loop.InterpretBudget(1_000_000))
     monkeypatch.setattr(steps, "COMPILE_FROM", 300)
