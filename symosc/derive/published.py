@@ -180,18 +180,13 @@ def one_sided_end(F: Any, n: int, width: float = 1e-9) -> float:
     low, high = Fraction(0), Fraction(1)
     while high - low > width:
         middle = (low + high) / 2
-        kinds = [event.kind for event in _one_sided_path(F, n, middle, Fraction(9, 4)).events]
+        kinds = [event.kind for event in one_sided_path(F, n, middle, Fraction(9, 4)).events]
         low, high = (middle, high) if kinds == ["cross"] * 4 else (low, middle)
     return float(low + high) / 2
 
 
-def one_sided_stops(F: Any, n: int, middle: Fraction, cycles: int) -> list[float]:
-    """Return how long the stops last in a motion from the highest point that an orbit around a middle would have."""
-    events = _one_sided_path(F, n, middle, Fraction(cycles)).events
-    return [end.t - onset.t for onset, end in pairwise(events) if onset.kind == "stick"]
-
-
-def _one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
+def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
+    """Return the motion from the highest point that the orbit around a middle would have."""
     highest = middle + 1 / (1 - Fraction(1, 4 * n * n))
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=highest, v0=0, t_end=t_end, accuracy=1e-6)
@@ -199,31 +194,22 @@ def _one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Traje
 
 # --- the number of stops per cycle, by running ---
 
-#: Cycles after which a motion may have settled: it then changes by less than a tolerance in a cycle.
-SETTLING, SETTLED_DIFFERENCE = (8, 30, 120, 480), 1e-12
-
 
 @cache
 def stops(parameters: Parameters) -> int | None:
     """Return how many stops the motion from rest at 0 has per cycle when it has settled; None: it does not settle."""
     turn = 2 * pi / float(parameters.Omega)
-    for cycles in SETTLING:
-        path = _from_rest(parameters, cycles + 2)
+    for cycles in (8, 30, 120, 480):
+        path = from_rest(parameters, cycles + 2)
         before, after = path((cycles + 0.5) * turn), path((cycles + 1.5) * turn)
-        if np.abs(after - before).max() < SETTLED_DIFFERENCE * (1 + np.abs(after).max()):
+        if np.abs(after - before).max() < 1e-12 * (1 + np.abs(after).max()):
             onsets = [event.t / turn for event in path.events if event.kind == "stick"]
             return sum(cycles + 0.5 <= onset < cycles + 1.5 for onset in onsets)
     return None
 
 
-def stops_in_cycle(parameters: Parameters, cycle: int) -> int:
-    """Return how many stops begin in a cycle of the motion from rest at 0, settled or not."""
-    turn = 2 * pi / float(parameters.Omega)
-    path = _from_rest(parameters, cycle + 1)
-    return sum(event.kind == "stick" and event.t >= cycle * turn for event in path.events)
-
-
-def _from_rest(p: Parameters, cycles: int) -> Trajectory:
+def from_rest(p: Parameters, cycles: int) -> Trajectory:
+    """Return so many cycles of the motion from rest at 0."""
     return simulate(p, t0=0, x0=0, v0=0, t_end=Fraction(cycles * (2 * pi / float(p.Omega))), accuracy=1e-6)
 
 
@@ -241,27 +227,26 @@ class Border(NamedTuple):
         return (self.low + self.high) / 2
 
 
-def stops_at(ratio: Fraction, Omega: Any, c: Any = 0) -> int | None:
-    """Return the number of stops per cycle at F/P = ratio: F = 1, and P is the forced amplitude."""
-    return stops(wall(1, Omega, c, P=1 / ratio))
-
-
 @cache
 def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
     """Bisect the forced amplitude between two values of F/P with different numbers of stops."""
+
+    def count(ratio: Fraction) -> int | None:
+        return stops(wall(1, Omega, c, P=1 / ratio))
+
     a, b = Fraction(low), Fraction(high)
-    below, above = stops_at(a, Omega, c), stops_at(b, Omega, c)
+    below, above = count(a), count(b)
     if below == above or below is None or above is None:
         raise ParameterError("low, high", (str(low), str(high)), "must have different numbers of stops")
     while b - a > 1e-8 * a:
         middle = (a + b) / 2
-        count = stops_at(middle, Omega, c)
-        if count is None:
+        found = count(middle)
+        if found is None:
             raise SymoscError(f"the motion at F/P = {float(middle)!r} does not settle")
-        if count == below:
+        if found == below:
             a = middle
         else:
-            b, above = middle, count
+            b, above = middle, found
     return Border(float(a), float(b), below, above)
 
 
@@ -320,7 +305,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
     """Return (phase, duration) of each slide down in half a settled cycle, and what is near: grazes and births."""
     turn = 2 * pi / float(p.Omega)
-    path = _from_rest(p, 22)
+    path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 20 * turn]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
     first = next(
@@ -361,9 +346,6 @@ CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
 #: A mass that may rest on belt 1, with damping.
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
-#: Digits of the orbits, and decimals that are worth printing.
-#: Digits of the orbits.
-COMPARISON_DIGITS = 30
 CLOSED, BORDER = 1e-12, 1e-7
 
 
@@ -393,7 +375,7 @@ def amplitudes() -> list[Value]:
     """Return Den Hartog's amplitudes and those of P32."""
     found = []
     for case, p in DAMPED:
-        highest = max(point.x for point in slide_orbit(p, COMPARISON_DIGITS).points)
+        highest = max(point.x for point in slide_orbit(p, 30).points)
         found.append(Value("x_0", case, Formulas(p).amplitude(), highest))
     return found
 
@@ -402,7 +384,7 @@ def multipliers() -> list[Value]:
     """Return sum and product of the multipliers of P32; products that are too small for a table are left out."""
     found = []
     for case, p in DAMPED:
-        one, other = slide_orbit(p, COMPARISON_DIGITS).multipliers
+        one, other = slide_orbit(p, 30).multipliers
         total, product = Formulas(p).trace_and_determinant()
         found.append(Value(r"\rho_1 + \rho_2", case, total, (one + other).real))
         found.append(Value(r"\rho_1 \rho_2", case, product, (one * other).real))

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
+from symosc.derive.latex import latex, named
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
@@ -115,14 +115,8 @@ class Scope:
 
     def table(self) -> list[tuple[str, str]]:
         """Return the numbers as (LaTeX name, value)."""
-        return latex_names(self.parameters.as_dict()) if self.parameters else []
-
-
-def latex_names(numbers: dict[str, str]) -> list[tuple[str, str]]:
-    """Return parameters as (LaTeX name, value)."""
-    latex = {"A0": "A_0", "B0": "B_0", "Omega": r"\Omega", "v1": "v_1", "v2": "v_2", "FN": "F_N"}
-    latex |= {"mu1": r"\mu_1", "mu2": r"\mu_2"}
-    return [(latex.get(name, name), value) for name, value in numbers.items()]
+        numbers = self.parameters.as_dict() if self.parameters else {}
+        return [(latex(LETTERS[name]), value) for name, value in numbers.items()]
 
 
 @dataclass(frozen=True)
@@ -158,7 +152,7 @@ class FragmentScope(Scope):
 
     def table(self) -> list[tuple[str, str]]:
         """Return the numbers as (LaTeX name, value)."""
-        return latex_names({name: show(value) for name, value in self.values})
+        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
 
     def shown(self, expr: Expr) -> Expr:
         """Return an expression as it is printed: instances and numbers put in, and rounded if wanted."""

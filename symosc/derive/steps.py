@@ -1,9 +1,9 @@
 r"""What a chapter is made of: LaTeX text, and steps, each with the check that it has to pass.
 
 A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
-`Prose` (a text with checked facts), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads them.
-Steps that follow each other share a display. A check is run on the statement itself, so what is printed is what was
-checked. It ends as
+`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads
+them. Steps that follow each other share a display. A check is run on the statement itself, so what is printed is what
+was checked. It ends as
 
     exact     sympy reduces a difference to 0, or the solution of an equation is verified exactly
     sign      the sign of an expression follows from the signs of its letters, or from exact numbers
@@ -32,7 +32,6 @@ Items = Iterable[Any]
 
 STEP_DIGITS = 50
 CONTEXT = mp_context(STEP_DIGITS + 10)
-STEP_POINTS = 24
 # What two sides that are equal may differ by, relative to their largest term, with 10 guard digits.
 STEP_AGREEMENT = CONTEXT.mpf(10) ** -45
 DIFFERENT = CONTEXT.mpf(10) ** -30
@@ -146,6 +145,17 @@ class Prose(NamedTuple):
     facts: tuple[Step, ...] = ()
 
 
+class Facts(NamedTuple):
+    """Checks of what the paragraph before states in words."""
+
+    facts: tuple[Step, ...]
+
+
+def facts(*steps: Step) -> Facts:
+    """Return the checks of what the paragraph before states in words."""
+    return Facts(steps)
+
+
 class Table(NamedTuple):
     """A table; a cell is LaTeX text, or a step, which shows its right side. `columns`: LaTeX's letters for them."""
 
@@ -166,13 +176,24 @@ class Illustration(NamedTuple):
     width: float = 1.0
 
 
-def flat(parts: Items) -> Iterator[Any]:
-    """Yield the parts of a chapter one by one, with texts taken apart into headings, environments and paragraphs."""
-    for part in parts:
+def flat(parts: Items) -> list[Any]:
+    """Return the parts of a chapter one by one, with texts taken apart into headings, environments and paragraphs."""
+    found: list[Any] = []
+    for part in _unrolled(parts):
         if isinstance(part, str):
-            yield from _text_parts(part)
-        elif type(part) in (tuple, list) or isinstance(part, Iterator):
-            yield from flat(part)
+            found += _text_parts(part)
+        elif isinstance(part, Facts):
+            last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
+            found[last] = Prose(found[last].text, part.facts)
+        else:
+            found.append(part)
+    return found
+
+
+def _unrolled(parts: Items) -> Iterator[Any]:
+    for part in parts:
+        if type(part) in (tuple, list) or isinstance(part, Iterator):
+            yield from _unrolled(part)
         else:
             yield part
 
@@ -334,17 +355,6 @@ class AtRoot(Check):
         return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
 
-@dataclass(frozen=True)
-class Near(Check):
-    """The sides are numbers that agree to so many decimals."""
-
-    decimals: int
-
-    def __call__(self, statement: Relation) -> StepEvidence:
-        left, right = (evaluate(side, {}) for side in (statement.left, statement.right))
-        return _within(statement, abs(left - right), CONTEXT.mpf(10) ** -self.decimals * max(abs(right), 1))
-
-
 def _within(statement: Relation, off: Any, tolerance: Any) -> StepEvidence:
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
@@ -366,7 +376,7 @@ def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
     return expr
 
 
-def points(expr: Expr, count: int = STEP_POINTS) -> Iterator[dict[Expr, Any]]:
+def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
     """Yield random points that the assumptions on the letters allow, always the same ones."""
     letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
     dice = random.Random(20161031)

@@ -153,7 +153,8 @@ def test_turning_points_of_the_continuum_at_one_half() -> None:
 
 def test_one_stop_per_cycle_beside_the_continuum() -> None:
     """It gets shorter for ever, and the motion tends to the end of the continuum."""
-    lengths = published.one_sided_stops("0.1", 1, Fraction(3, 10), 150)
+    events = published.one_sided_path("0.1", 1, Fraction(3, 10), Fraction(150)).events
+    lengths = [end.t - onset.t for onset, end in pairwise(events) if onset.kind == "stick"]
     assert len(lengths) in (150, 151)
     assert all(after < before for before, after in pairwise(lengths[3:]))
     assert 0 < lengths[-1] < 0.2 < lengths[3]
@@ -222,7 +223,10 @@ def test_counts_are_those_of_orbits() -> None:
 
 def test_one_stop_at_one_half_only() -> None:
     """From rest at 0: below F/P = 1/3 one stop per cycle at Omega = 1/2; above two; elsewhere none or two."""
-    assert [published.stops_in_cycle(wall(F, "0.5"), 60) for F in ("0.1", "0.3", "0.4")] == [1, 1, 2]
+    cycle = 60 * 4 * pi
+    for F, count in (("0.1", 1), ("0.3", 1), ("0.4", 2)):
+        events = published.from_rest(wall(F, "0.5"), 61).events
+        assert sum(event.kind == "stick" and event.t >= cycle for event in events) == count
     assert published.stops(wall("0.36", "0.5")) == 2
     assert [published.stops(wall(F, "0.49")) for F in ("0.1", "0.4")] == [0, 2]
 

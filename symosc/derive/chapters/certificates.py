@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Items, Prose, equation
+from symosc.derive.steps import Exact, Items, equation, facts
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -46,16 +46,12 @@ def _balls() -> Items:
         r"Let $f$ be continuously differentiable on a box $X$ with the middle $c$, let the ball matrix $J$ contain "
         r"$f'(x)$ for all $x \in X$, and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - c)$ lies inside $X$, "
         r"then $f$ has exactly one zero in $X$, and it lies in $K$.\end{theorem}",
-        r"\begin{proof}",
-        Prose(
-            r"The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the mean value theorem in each "
-            r"component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By Brouwer's theorem $\Phi$ has a "
-            r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
-            r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points "
-            r"of $\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.",
-            (equation(slope, 1 - y * f.diff(x), Exact(independent=False)),),
-        ),
-        r"\end{proof}",
+        r"\begin{proof} The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the mean value theorem in "
+        r"each component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By Brouwer's theorem $\Phi$ has a "
+        r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
+        r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
+        r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
+        facts(equation(slope, 1 - y * f.diff(x), Exact(independent=False))),
         r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
@@ -78,14 +74,10 @@ def _motions() -> Items:
         r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. As a "
         r"function of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is "
         r"convex or concave.\end{lemma}",
-        r"\begin{proof}",
-        Prose(
-            r"Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is $dH/ds = C^2 q'$ "
-            r"and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign of $L g$ is "
-            r"that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.",
-            tuple(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave)),
-        ),
-        r"\end{proof}",
+        r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is "
+        r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign "
+        r"of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.\end{proof}",
+        facts(*(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave))),
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
         r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. "
         r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
@@ -261,16 +253,9 @@ def _windows() -> Items:
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
         equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), label="certificates-fourth"),
         r"\end{lemma}",
-        r"\begin{proof}",
-        Prose(
-            r"Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third derivative "
-            r"is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.",
-            (
-                equation(at[0], 0),
-                equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta)),
-            ),
-        ),
-        r"\end{proof}",
+        r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third "
+        r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
+        facts(equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases "
         r"with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase "
         r"of each arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with "

@@ -10,7 +10,7 @@ import sympy as sp
 
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Exact, Items, Near, Solves, Step, Table, equation, modes
+from symosc.derive.steps import CONTEXT, AtRoot, Exact, Items, Solves, Step, Table, equation, modes
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
 
@@ -375,4 +375,4 @@ def _sampled(join: solution.Join) -> Step:
     point = {letter: sp.Rational(value) for letter, value in values.items()}
     near = source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
     there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
-    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), Near(20))
+    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), AtRoot(dict, CONTEXT.mpf(10) ** -20))

@@ -17,7 +17,6 @@ from symosc.derive.steps import (
     Check,
     Close,
     Items,
-    Prose,
     Relation,
     Sign,
     Step,
@@ -26,6 +25,7 @@ from symosc.derive.steps import (
     Table,
     decimal,
     equation,
+    facts,
     step,
 )
 from symosc.scenes import load_scene
@@ -158,18 +158,14 @@ def _figure7() -> Items:
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, traced back to the "
         r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "errata-fig7-x0"),
-        Prose(
-            r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
-            r"numbers are right, and the contact is at $x_m = -3.0855$.",
-            (_prints("-5.6049", x0), _prints("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
-        ),
+        r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
+        r"numbers are right, and the contact is at $x_m = -3.0855$.",
+        facts(_prints("-5.6049", x0), _prints("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "errata-fig7-x0-10"),
-        Prose(
-            r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number "
-            r"explains the figure; the numbers alone do not tell which one is misprinted.",
-            (equation(other, sp.Rational("-0.5855")),),
-        ),
+        r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "
+        r"the figure; the numbers alone do not tell which one is misprinted.",
+        facts(equation(other, sp.Rational("-0.5855"))),
     )
 
 
@@ -181,11 +177,9 @@ def _figure8() -> Items:
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
         r"contact. The point for $t_m = 3.14158$,",
         _start(x0, v0, "errata-fig8-x0"),
-        Prose(
-            r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the "
-            r"velocity goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
-            (_prints("5.898", x0), _prints("2.258", v0), short),
-        ),
+        r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the velocity "
+        r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
+        facts(_prints("5.898", x0), _prints("2.258", v0), short),
     )
 
 

@@ -9,7 +9,7 @@ import sympy as sp
 from symosc.derive.chapters.domains import DELTA, NORMS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Items, Prose, Sign, equation, modes, step
+from symosc.derive.steps import Exact, Items, Sign, equation, facts, modes, step
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
@@ -62,13 +62,10 @@ def _two_zeros() -> Items:
         r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
         r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or vanishes "
         r"identically.\end{theorem}",
-        r"\begin{proof}",
-        Prose(
-            r"The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
-            r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
-            r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
-            unforced,
-        ),
+        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
+        r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
+        r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
+        facts(*unforced),
         r"With $q = g/\varphi$",
         equation(
             LG,
@@ -76,11 +73,9 @@ def _two_zeros() -> Items:
             Exact({LG: true} | names, independent=False),
             label="events-factor",
         ),
-        Prose(
-            r"which is P\'olya's factorisation \cite{polya1922} "
-            r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
-            (equation(true, inner, Exact(independent=False)),),
-        ),
+        r"which is P\'olya's factorisation \cite{polya1922} "
+        r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
+        facts(equation(true, inner, Exact(independent=False))),
         r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
         r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
         r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "

@@ -14,13 +14,13 @@ from symosc.derive.steps import (
     Check,
     Illustration,
     Items,
-    Prose,
     Relation,
     Step,
     StepError,
     StepEvidence,
     Table,
     equation,
+    facts,
     step,
 )
 from symosc.mappings.theorem7_cases import PLACES
@@ -309,12 +309,10 @@ def _equality_proof(true3: Any) -> Items:
         r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
         r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and Lemma~\ref{thm:switching-side} applies with "
         r"$n = 2$.",
-        Prose(
-            r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
-            r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
-            r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
-            tuple(equation(third, -GAMMA * Omega**2, each) for each in (value, other)),
-        ),
+        r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
+        r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
+        r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
+        facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
         r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
         r"and $P_5$, which the paper lacks, where",
         equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), label="grazing-square"),
@@ -322,16 +320,16 @@ def _equality_proof(true3: Any) -> Items:
     )
 
 
-def _equality_in_figures() -> Prose:
-    at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
-    return Prose(
+def _equality_in_figures() -> Items:
+    (gamma7, a7), (gamma8, a8) = (
+        [expr.subs(Scope(load_scene(name)).numbers) for expr in (k * BELTS[1] / m, B0 * Omega / m)]
+        for name in ("fig7", "fig8")
+    )
+    return (
         r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
         r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded phase in "
         r"either of them.",
-        (
-            equation((k * BELTS[1] / m).subs(at["fig7"]), (B0 * Omega / m).subs(at["fig7"])),
-            equation((k * BELTS[1] / m).subs(at["fig8"]), -(B0 * Omega / m).subs(at["fig8"])),
-        ),
+        facts(equation(gamma7, a7), equation(gamma8, -a8)),
     )
 
 
@@ -347,15 +345,12 @@ def _no_spring() -> Items:
         r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
         r"position, which is free:",
         equation(phase, (c * v_lambda - A) / B0, solved, label="grazing-no-spring"),
-        Prose(
-            r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
-            r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ "
-            r"and $P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
-            r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no "
-            r"contact has $F^{(\alpha)} = 0$.",
-            (equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m),),
-        ),
-        r"\end{corollary}",
+        r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
+        r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
+        r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
+        r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no contact "
+        r"has $F^{(\alpha)} = 0$.\end{corollary}",
+        facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
         r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
         r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
     )

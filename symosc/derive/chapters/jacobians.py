@@ -10,7 +10,7 @@ import sympy as sp
 from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, STEP_DIGITS, AtRoot, Exact, Items, Prose, Sign, equation, modes, number, step
+from symosc.derive.steps import CONTEXT, STEP_DIGITS, AtRoot, Exact, Items, Sign, equation, facts, modes, number, step
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -138,13 +138,11 @@ def saltation() -> Items:
     ratio = AFTER / BEFORE
     upward = {BEFORE: AFTER + 2 * mu * FN / m, AFTER: lower}
     return (
-        r"\begin{theorem}[saltation]\label{thm:jacobians-saltation}",
-        Prose(
-            r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, "
-            r"both not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
-            r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
-            entries,
-        ),
+        r"\begin{theorem}[saltation]\label{thm:jacobians-saltation} "
+        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, both "
+        r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
+        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
+        facts(*entries),
         step(ratio, ">", 0, Sign(upward), label="jacobians-ratio"),
         step(ratio, "<=", 1, Sign(upward), label="jacobians-bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Illustration, Items, Prose, Sign, Table, equation, step
+from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
@@ -159,13 +159,10 @@ def _well_posed(scope: Scope) -> Items:
     meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
     return (
         r"\subsection{Friction is monotone}",
-        r"\begin{lemma}[monotone friction]\label{thm:motion-monotone}",
-        Prose(
-            r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
-            r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.",
-            drop,
-        ),
-        r"\end{lemma}",
+        r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
+        r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
+        r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
+        facts(*drop),
         r"\begin{proof} $s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the "
         r"velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and "
         r"$A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values between those on both sides are "

@@ -19,7 +19,6 @@ from symosc.derive.steps import (
     AtRoot,
     Check,
     Items,
-    Prose,
     Relation,
     Sign,
     StepError,
@@ -28,6 +27,7 @@ from symosc.derive.steps import (
     decimal,
     equation,
     evaluate,
+    facts,
     number,
     step,
 )
@@ -106,15 +106,12 @@ def _uniqueness() -> Items:
 def _what_uniqueness_needs() -> Items:
     tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
     return (
-        r"\begin{example}\label{thm:orbits-example}",
-        Prose(
-            r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
-            r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
-            r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.",
-            # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
-            tuple(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, Sign()) for x in places),
-        ),
-        r"\end{example}",
+        r"\begin{example}\label{thm:orbits-example} "
+        r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
+        r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
+        r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.\end{example}",
+        # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
+        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, Sign()) for x in places)),
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
         r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "

@@ -9,7 +9,7 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Illustration, Items, Prose, Sign, Table, equation, step
+from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -136,12 +136,10 @@ def _every_stick_ends() -> Items:
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
     return (
-        r"\begin{corollary}\label{thm:sticks-ends}",
-        Prose(
-            r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
-            r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or never.",
-            (equation(turn, lost, change),),
-        ),
-        r"\end{corollary}",
+        r"\begin{corollary}\label{thm:sticks-ends} "
+        r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
+        r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "
+        r"never.\end{corollary}",
+        facts(equation(turn, lost, change)),
         r"\begin{proof} Integrate \eqref{eq:sticks-rate} over one period.\end{proof}",
     )

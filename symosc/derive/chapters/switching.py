@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
-from symosc.derive.steps import Exact, Illustration, Items, Prose, equation
+from symosc.derive.steps import Exact, Illustration, Items, equation, facts
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
@@ -59,17 +59,14 @@ def _general() -> Items:
         ),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
         r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
-        r"\begin{lemma}[reduction]\label{thm:switching-reduction}",
-        Prose(
-            r"Where the flow meets a flat boundary that does not move, "
-            r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
-            r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the boundary "
-            r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's "
-            r"(25)), $G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
-            r"$\Omega_\alpha$.",
-            tuple(_reduced(order) for order in (1, 2)),
-        ),
-        r"\end{lemma}",
+        r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
+        r"Where the flow meets a flat boundary that does not move, "
+        r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
+        r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the boundary "
+        r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's (25)), "
+        r"$G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
+        r"$\Omega_\alpha$.\end{lemma}",
+        facts(*(_reduced(order) for order in (1, 2))),
         r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is "
         r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
