@@ -65,19 +65,16 @@ _ACCENTS = {r"\dot{x}": "ẋ", r"\ddot{x}": "ẍ", "F_N": "FN", r"\mathbb{R}": "
 _RAISED = dict(zip("0123456789+-()niα", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿⁱᵅ", strict=True))
 _LOWERED = dict(zip("0123456789+-ijmns", "₀₁₂₃₄₅₆₇₈₉₊₋ᵢⱼₘₙₛ", strict=True))
 _TOKEN = re.compile(r"\\([a-zA-Z]+)( (?=[a-zA-Z]))?|(\\[, ])|([_^])|(.)", re.DOTALL)
+_GROUP = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)")
 
 
 def latex_to_unicode(text: str) -> str:
     """Return LaTeX text, with formulas between dollars, as Unicode; ValueError for a command that it does not know."""
     parts = text.split("$")
-    return "".join(_formula(part) if odd % 2 else _prose(part) for odd, part in enumerate(parts))
-
-
-def _prose(text: str) -> str:
-    text = text.replace("~", " ").replace("--", "–")
-    if "\\" in text:
-        raise ValueError(f"{text!r}: only formulas may have commands")
-    return text
+    for prose in parts[::2]:
+        if "\\" in prose:
+            raise ValueError(f"{prose!r}: only formulas may have commands")
+    return "".join(_formula(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
 
 
 def _formula(text: str) -> str:
@@ -87,34 +84,25 @@ def _formula(text: str) -> str:
     while place < len(text):
         found = _TOKEN.match(text, place)
         assert found is not None
-        place = found.end()
-        if found[1] == "sqrt" or found[4]:
-            group = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)").match(text, place)
+        place, command = found.end(), found[1]
+        if command == "sqrt" or found[4]:
+            group = _GROUP.match(text, place)
             if group is None:
                 raise ValueError(f"{text!r}: ends with {found[0]}")
-            place = group.end()
-            out += _root(_formula(group[1] or group[2])) if found[1] else _script(found[4], group[1] or group[2])
-        else:
-            out += _command(found[1], found[2], text) if found[1] else _sign(found[0])
+            place, inside = group.end(), group[1] or group[2]
+            root = _formula(inside) if command else ""
+            out += (f"√{root}" if root.isalnum() else f"√({root})") if command else _script(found[4], inside)
+        elif command in _FUNCTIONS:
+            out += f"{command} "
+        elif command in _SIGNS:
+            out += _SIGNS[command] + (found[2] or "")
+        elif command and command not in _LETTERS:
+            raise ValueError(f"{text!r}: \\{command} is unknown")
+        else:  # a space behind a letter ends its command only
+            out += (
+                _LETTERS[command] if command else {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
+            )
     return out
-
-
-def _command(name: str, space: str | None, text: str) -> str:
-    if name in _FUNCTIONS:
-        return f"{name} "
-    if name in _SIGNS:
-        return _SIGNS[name] + (space or "")
-    if name in _LETTERS:
-        return _LETTERS[name]  # a space behind it ends the command only
-    raise ValueError(f"{text!r}: \\{name} is unknown")
-
-
-def _sign(token: str) -> str:
-    return {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(token, token)
-
-
-def _root(inside: str) -> str:
-    return f"√{inside}" if inside.isalnum() else f"√({inside})"
 
 
 def _script(place: str, script: str) -> str:
