@@ -187,8 +187,8 @@ def _monodromy() -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        found, said = _orbit("fig9-orbit", "P32")
-        return {product: _float(found), bound: _float(said)}
+        found, predicted = _orbit("fig9-orbit", "P32")
+        return {product: _float(found), bound: _float(predicted)}
 
     energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
     bend, place = named(r"\ddot{y}"), named("y")
