@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import tomllib
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from symosc.derive.records import RecordsError, kebab, one_of, records
+from symosc.errors import SymoscError
 
 ERRATA_FILE = Path(__file__).with_name("errata.toml")
 SEVERITIES = {
@@ -43,13 +45,58 @@ class Erratum:
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
     """Read the errata, with texts in LaTeX, in the order of the paper; RecordsError for a file that is not complete."""
-    rows = records(path, "erratum", ("id", "severity", *TEXTS), ("shown",))
-    for row in rows:
-        kebab(path.name, row["id"])
-        one_of(f"{path.name}, erratum {row['id']}", "severity", row["severity"], SEVERITIES)
-    if len({row["id"] for row in rows}) < len(rows):
-        raise RecordsError(path.name, "an id is there twice")
-    return tuple(Erratum(number, **row) for number, row in enumerate(rows, 1))
+    found = []
+    for number, (name, row) in enumerate(read_toml(path).items(), 1):
+        where = f"{path.name}, {name}"
+        kebab(path.name, name)
+        needed = {"severity", *TEXTS}
+        if not isinstance(row, dict) or not needed <= set(row) <= needed | {"shown"}:
+            raise RecordsError(where, f"must have {', '.join(('severity', *TEXTS))}, and may have shown")
+        for key, value in row.items():
+            if not isinstance(value, str) or not value.strip():
+                raise RecordsError(where, f"{key} = {value!r}: must be text")
+        one_of(where, "severity", row["severity"], SEVERITIES)
+        found.append(Erratum(number, name, **{key: one_line(value) for key, value in row.items()}))
+    return tuple(found)
+
+
+# --- files of records ---
+
+
+class RecordsError(SymoscError, ValueError):
+    """A file of records that cannot be used; `where` is the file, and the record in it."""
+
+    def __init__(self, where: str, reason: str) -> None:
+        self.where, self.reason = where, reason
+        super().__init__(f"{where}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.where, self.reason)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordsError(path.name, f"cannot be read: {error}") from None
+
+
+def kebab(where: str, name: str) -> None:
+    """Refuse a name that is not in kebab case."""
+    if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
+        raise RecordsError(where, f"id = {name!r}: must be kebab case")
+
+
+def one_of(where: str, what: str, value: str, allowed: Collection[str]) -> None:
+    """Refuse a value that is not allowed."""
+    if value not in allowed:
+        raise RecordsError(where, f"{what} = {value!r}: must be one of {', '.join(allowed)}")
+
+
+def one_line(text: str) -> str:
+    """Return a text with single spaces between its words."""
+    return " ".join(text.split())
 
 
 # --- LaTeX as Unicode: what mails and tables take, such as F⁽¹⁾ > 0 for $F^{(1)} > 0$ ---
