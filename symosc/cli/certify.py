@@ -163,6 +163,6 @@ def _list() -> int:
         done = prove_list(progress=report)
     regimes = ", ".join(f"{number} {name}" for name, number in done.regimes.items())
     write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
-    for message in done.open:
+    for message in done.undecided:
         complain(f"not proven: {message}")
-    return NOT_PROVEN if done.open else 0
+    return NOT_PROVEN if done.undecided else 0
