@@ -1,4 +1,4 @@
-"""Wrong neighbours of a step: what its check has to refuse. For the tests."""
+"""Wrong neighbours of a step: what its check has to refuse."""
 
 from __future__ import annotations
 
