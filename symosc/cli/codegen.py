@@ -10,7 +10,7 @@ import click
 from click.core import ParameterSource
 
 from symosc.cli.settings import complete_scene, goes_to_stdout
-from symosc.symbolic.languages import LANGUAGES
+from symosc.symbolic.export import LANGUAGES
 
 
 @click.command()

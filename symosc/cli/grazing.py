@@ -195,14 +195,14 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
 
 
 def _row(window: GrazingWindow) -> list[str]:
-    from symosc.grazing.window_text import critical_text, phases_text
+    from symosc.grazing.window import critical_text, phases_text
 
     numbers = [show(window.gamma), show(window.amplitude)]
     return [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
 
 
 def _data(window: GrazingWindow) -> Record:
-    from symosc.grazing.window_text import critical_text, phases_text
+    from symosc.grazing.window import critical_text, phases_text
 
     theta_cr, exact = None, critical_text(window)
     if exact != "none":

@@ -88,7 +88,7 @@ def _depending(mappings: list[str], asked: Any) -> list[str]:
 
 
 def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
-    from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
+    from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     if phases is not None:
         return [values_containing(p, mapping, asked, read_phase_option(phases), order)]
@@ -96,7 +96,7 @@ def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None,
 
 
 def _data(answer: Any) -> dict[str, Any]:
-    from symosc.symbolic.grazing_answers import Answers, ParameterRegion, condition_text, interval_text
+    from symosc.symbolic.inverse import Answers, ParameterRegion, condition_text, interval_text
 
     question = answer.question
     data: dict[str, Any] = {"map": question.mapping, "names": list(question.names), "question": question.text()}
