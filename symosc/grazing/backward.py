@@ -252,7 +252,7 @@ class BackwardSteps:
         self.growth = functions.exp(K.cm * self.H)
         # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
         cm, w0sq, power = -K.cm * self.H, K.w0sq * self.H * self.H, K.fB * self.H * self.H
-        self.recurrence = []
+        self.recurrence: list[tuple[Number, Number, Number]] = []
         term = 1.0 / eps
         while term > 0.1:  # up to the degree whose term rounding hides
             k = len(self.recurrence)

@@ -267,7 +267,8 @@ def read_points(
     if context is None and any(is_array(value) for value in given):
         numbers: MapArithmetic = _arrays(p)
         columns = point_columns(given)
-        shape, points = columns[0].shape, [column.ravel() for column in columns]
+        shape = columns[0].shape
+        points: list[Any] = [column.ravel() for column in columns]
     else:
         numbers = _floats(p) if context is None else _mp_numbers(p, context, context.prec)
         convert = float if context is None else context.convert

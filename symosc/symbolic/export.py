@@ -19,7 +19,7 @@ import keyword
 import re
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from os.path import isdir, isfile
 from pathlib import Path
@@ -425,6 +425,9 @@ class Language(ast.NodeTransformer):
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
     renamed: dict[str, str] = {}  # noqa: RUF012 (a table, never changed)
+    loop: Callable[[str, int, int], str]
+    unpack: Callable[[list[ast.expr], ast.expr], Iterator[str]]
+    give_back: Callable[[ast.expr], Iterator[str]]
 
     def __init__(self, returns: dict[str, int]) -> None:
         self.returns = returns
@@ -530,7 +533,7 @@ class C(Language):
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
         """Write a flag as 0 or 1, and every number as a double."""
-        return ast.Name(str(int(node.value)) if isinstance(node.value, bool) else repr(float(node.value)))
+        return ast.Name(str(int(node.value)) if isinstance(node.value, bool) else repr(float(node.value)))  # type: ignore[arg-type]
 
     def head(self, node: ast.FunctionDef, prefix: str = "") -> str:
         """Return the declaration of a function without the semicolon."""
