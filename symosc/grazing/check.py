@@ -19,22 +19,24 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from math import inf, pi
-from types import ModuleType
 from typing import Any
 
 import numpy as np
+from mpmath.ctx_iv import MPIntervalContext
 
 from symosc.aliases import Context, Expr, Number, Numbers, Progress, Record
 from symosc.arguments import public
-from symosc.display.progress import Advance, late_bar
+from symosc.display.progress import late_bar
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.engine.flow import Constants, constants
+from symosc.engine.flow import Constants, constant_force, constants
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
+from symosc.mappings.numbers import number_of, symbolic
 from symosc.model import Parameters
 
 CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
@@ -177,10 +179,16 @@ def check_grazing(
     n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
-    _refuse_without_contact(window)
-    check = _Check(window)
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
+    if p.B0 == 0 and window.speed == 0:
+        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
+    check, theta = _Check(window), np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     with late_bar(progress, f"check {mapping}", "phases") as advance:
-        check.everywhere(np.random.default_rng(seed).uniform(0.0, 2 * pi, n), advance)
+        for part in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
+            check.random(part)
+            if advance:
+                advance(check.n_random / n, check.n_random)
         check.adversarial()
     return GrazingReport(
         mapping=mapping,
@@ -201,87 +209,56 @@ def check_grazing(
     )
 
 
-def _refuse_without_contact(window: GrazingWindow) -> None:
-    """Raise ParameterError where there is no isolated contact to check."""
-    p = window.parameters
-    if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
-    if p.B0 == 0 and window.speed == 0:
-        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
-
-
 class _Check:
     """The counters of a check."""
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.ways = window, Ways(window)
-        self.agreements = dict.fromkeys(WHY_UNDECIDED, 0)
-        self.undecided = dict.fromkeys(WHY_UNDECIDED, 0)
-        self.closest = dict.fromkeys(WHY_UNDECIDED, inf)
+        self.agreements, self.undecided = dict.fromkeys(WHY_UNDECIDED, 0), dict.fromkeys(WHY_UNDECIDED, 0)
+        self.closest, self.closest_phase = dict.fromkeys(WHY_UNDECIDED, inf), inf
         self.mismatches: list[dict[str, str]] = []
-        self.closest_phase = inf
         self.orders: Counter[int] = Counter()
-        self.n_grazing = self.n_adversarial = self.finely = 0
-
-    def everywhere(self, theta: np.ndarray, advance: Advance) -> None:
-        """Decide random phases, in parts of CHECK_PHASES."""
-        for begin in range(0, len(theta), CHECK_PHASES):
-            part = theta[begin : begin + CHECK_PHASES]
-            self.random(part)
-            if advance:
-                advance((begin + len(part)) / len(theta), begin + len(part))
+        self.n_random = self.n_grazing = self.n_adversarial = self.finely = 0
 
     def random(self, theta: np.ndarray) -> None:
-        """Decide phases in double precision; what that leaves open, one by one."""
+        """Decide phases in double precision; what that leaves undecided, one by one."""
         ways = self.ways
         inside = self.window.contains(theta)
-        self._check_contacts(theta, inside)
+        if inside.any():
+            self._check_contacts(theta[inside])
         signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
         undecided = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
         self.orders[1] += int((~undecided).sum())
         for i in np.nonzero(undecided)[0]:
-            exact = ways.fine.context.mpf(float(theta[i]))
-            signs[i], flow[i] = self._fine(exact, False)
+            signs[i], flow[i] = self._fine(ways.fine.context.mpf(float(theta[i])), False)
         self._count(theta, inside, np.abs(ways.slope(theta)), signs, flow, solver)
+        self.n_random += len(theta)
 
     def adversarial(self) -> None:
         """Decide the special phases themselves and 1e-3 to 1e-14 beside them."""
         import sympy
 
-        ways = self.ways
-        context = ways.fine.context
-        zeros, special = self._special(sympy)
+        zeros: set[Expr] = set()  # where G^(1) = 0 exactly
+        if self.window.signs[1] and self.window.signs[2] <= 0:
+            angle = sympy.asin(symbolic(-self.window.gamma / self.window.amplitude))
+            zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
+        special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
         offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in DECADES for sign in (1, -1)]
-        phases, inside, margins, signs, flow, floats = [], [], [], [], [], []
+        rows = []
         for base in special:
-            number = context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
+            number = self.ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
             for offset in offsets:
-                phase = base + sympy.Rational(offset.numerator, offset.denominator)
-                value = number + ways.fine.number(offset)
+                phase, value = base + symbolic(offset), number + self.ways.fine.number(offset)
                 zero = offset == 0 and base in zeros
                 verdicts = self._fine(value, zero)
-                phases.append(phase)
-                inside.append(bool(self.window.contains(phase)))
-                margins.append(0.0 if zero else abs(ways.fine_slope(value)))
-                signs.append(verdicts[0])
-                flow.append(verdicts[1])
-                floats.append(float(value))
+                margin = 0.0 if zero else abs(self.ways.fine_slope(value))
+                rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
                 if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
-        solver = ways.solver(np.array(floats))
-        self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
+        phases, *columns = zip(*rows, strict=True)
+        *columns, floats = map(np.array, columns)
+        self._count(phases, *columns, self.ways.solver(floats))
         self.n_adversarial = len(phases)
-
-    def _special(self, sympy: ModuleType) -> tuple[set[Expr], list[Expr]]:
-        """Return the phases where G^(1) = 0 exactly, and all special phases."""
-        quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
-        zeros: set[Expr] = set()
-        if self.window.amplitude != 0:
-            sine = -self.window.gamma / self.window.amplitude
-            if abs(sine) <= 1:
-                angle = sympy.asin(sympy.Rational(sine.numerator, sine.denominator))
-                zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
-        return zeros, sorted(zeros | quarters, key=float)
 
     def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
@@ -290,18 +267,13 @@ class _Check:
         self.orders[order] += verdict != NOT_DECIDED
         return verdict, self.ways.fine_flow(theta)
 
-    def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
+    def _check_contacts(self, theta: np.ndarray) -> None:
         """Check that F vanishes at the window's x_m."""
-        if not inside.any():
-            return
-        K, v = self.ways.K, self.ways.v
-        drive = K.f0 * np.cos(theta[inside])
-        A = (K.A1, K.A2, K.A3)[self.window.place.domain - 1]
-        x = self.window.contact(theta[inside])
-        F = A + drive - K.w0sq * x - K.cm * v
-        size = abs(A) + np.abs(drive) + np.abs(K.w0sq * x) + abs(K.cm * v)
+        K, v, x = self.ways.K, self.ways.v, self.window.contact(theta)
+        terms = [constant_force(self.window.place.domain, K), K.f0 * np.cos(theta), -K.w0sq * x, -K.cm * v]
+        F, size = sum(terms), sum(map(abs, terms))
         for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
-            self.mismatches.append(_mismatch(theta[inside][i], "contact", "F = 0", f"F = {F[i]}"))
+            self._mismatch(theta[i], "contact", "F = 0", f"F = {F[i]}")
 
     def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
         """Compare what the ways say with the window."""
@@ -313,16 +285,12 @@ class _Check:
             self.undecided[way] += int((~decided).sum())
             measured = margins[right & (margins > 0)]
             self.closest[way] = min(self.closest[way], float(measured.min(initial=inf)))
+            words = "does not graze", "grazes"
             for i in np.nonzero(decided & ~right)[0]:
-                self.mismatches.append(_mismatch(phases[i], way, _word(inside[i]), _word(verdict[i] == YES)))
+                self._mismatch(phases[i], way, words[int(inside[i])], words[int(verdict[i] == YES)])
 
-
-def _mismatch(theta: object, way: str, expected: str, found: str) -> dict[str, str]:
-    return {"theta": str(theta), "way": way, "window": expected, "found": found}
-
-
-def _word(grazing: bool) -> str:
-    return "grazes" if grazing else "does not graze"
+    def _mismatch(self, theta: object, way: str, expected: str, found: str) -> None:
+        self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
 
 
 # --- the three ways ---
@@ -331,14 +299,8 @@ def _word(grazing: bool) -> str:
 class Ways:
     """The three ways for one mapping; the contact is at x_m(theta), v_lambda, acceleration 0.
 
-    Attributes
-    ----------
-    window : GrazingWindow
-        Its parameters and its place are used, not its phases.
-    size : float
-        Sum of the sizes of the terms of G^(1); > 0.
-    fine : MpArithmetic
-        With FLOW_DIGITS digits.
+    Of the window its parameters and its place are used, not its phases. `size` is the sum of the sizes of the terms of
+    G^(1), > 0; `fine` has FLOW_DIGITS digits.
     """
 
     def __init__(self, window: GrazingWindow) -> None:
@@ -350,7 +312,8 @@ class Ways:
         context, basis = self.fine.context, self.fine.namespace["basis"]
         times = [sign * context.mpf(tau) / self.fine.K.rate for tau in FINE_FLOW_TIMES for sign in (-1, 1)]
         self._fine_bases = [basis(tau, self.fine.K)[:5] for tau in times]
-        self._intervals = interval_context()
+        self._intervals = MPIntervalContext()
+        self._intervals.dps = INTERVAL_DIGITS
 
     # -- G-functions -------------------------------------------------------------------------------------------------
 
@@ -375,11 +338,7 @@ class Ways:
         that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
         decides.
         """
-        iv, p = self._intervals, self.p
-
-        def interval(q: Fraction) -> Any:
-            return iv.mpf(q.numerator) / q.denominator
-
+        iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
         angle = iv.mpf(bounds(theta, self.fine.context))
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
         values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
@@ -399,10 +358,7 @@ class Ways:
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def flow(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of the exact flow FLOW_TIME before and after.
-
-        They are NOT_DECIDED where the third order could decide.
-        """
+        """Return verdicts of the exact flow FLOW_TIME before and after; NOT_DECIDED where the third order decides."""
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
@@ -465,21 +421,9 @@ class Ways:
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where both gaps are positive, NO where one is negative.
-
-    It is NOT_DECIDED where one is within `least` of 0.
-    """
+    """Return YES where both gaps are positive, NO where one is negative, NOT_DECIDED where one is within `least`."""
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
-
-
-def interval_context() -> Context:
-    """Return an interval arithmetic of INTERVAL_DIGITS digits of its own."""
-    from mpmath.ctx_iv import MPIntervalContext
-
-    context = MPIntervalContext()
-    context.dps = INTERVAL_DIGITS
-    return context
 
 
 def bounds(value: Number, context: Context) -> list[str]:

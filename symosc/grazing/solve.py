@@ -22,7 +22,7 @@ from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
-from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights
+from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
 from symosc.grazing.curve import (
     CURVE_POINTS,
     LEAST_CURVE_POINTS,
@@ -32,7 +32,6 @@ from symosc.grazing.curve import (
     CurveEnd,
     CurvePiece,
     GrazingCurve,
-    Sample,
     grazing_curve,
 )
 from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
@@ -247,19 +246,11 @@ class Point(NamedTuple):
 
 
 class Candidates:
-    """Solutions on a grazing curve; `symosc.grazing.solve` confirms each by flying back from it anew.
-
-    Attributes
-    ----------
-    phases : list of Fraction
-        theta_m in [0, 2 pi).
-    notes : list of str
-        What had to be left out.
-    """
+    """Solutions on a grazing curve: `phases` are their theta_m, `notes` say what had to be left out."""
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
-        self.curve, self.name, self.K = curve, name, curve._source.K
-        self.flights: Flights = curve._source.flights(digits + CURVE_SPARE_DIGITS)
+        self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
+        self.flights: Flights = self.source.flights(digits + CURVE_SPARE_DIGITS)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
@@ -269,11 +260,7 @@ class Candidates:
         for low, high, origin in curve.gaps:
             if origin == UNKNOWN:
                 self.notes.append(f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search")
-
-    @property
-    def phases(self) -> list[Fraction]:
-        """The phases theta_m of the solutions found so far, as fractions."""
-        return [read_exact("theta_m", theta) for theta, _ in self._solutions]
+        self.phases = [read_exact("theta_m", theta) for theta, _ in self._solutions]
 
     def why_none(self) -> str:
         """Return why there is no solution."""
@@ -282,43 +269,21 @@ class Candidates:
                 f"for theta_m in ({low:.6g}, {high:.6g}) the flow comes from {origin}"
                 for low, high, origin in self.curve.gaps
             )
-        spans = [self._values(piece) for piece in self.curve.pieces]
+        spans = [piece.x if self.name == "x_i" else piece.theta for piece in self.curve.pieces]
         reach = ", ".join(f"{values.min():.6g} to {values.max():.6g}" for values in spans)
         unwrapped = " (not reduced mod 2 pi)" if self.name == "theta_i" else ""
         return f"{self.name} goes over {reach} on the grazing curve{unwrapped}"
 
     # -- stretches between samples -----------------------------------------------------------------------------------
 
-    def _values(self, piece: CurvePiece) -> np.ndarray:
-        return piece.x if self.name == "x_i" else piece.theta
-
-    def _point(self, sample: Sample) -> Point:
-        tau = (sample.theta_m - sample.theta) / self.K.Om
-        if self.name == "x_i":
-            return Point(sample.theta_m, sample.x, sample.slope_x, tau)
-        return Point(sample.theta_m, sample.theta, sample.slope_theta, tau)
-
-    def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return the samples of a piece, and where the curve begins or ends in a tangency itself, that point too."""
-        slopes = piece.slope_x if self.name == "x_i" else piece.slope_theta
-        columns = (piece.theta_m, self._values(piece), slopes, (piece.theta_m - piece.theta) / self.K.Om)
-        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
-        for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
-            near = points[min(first, len(points) - 1)]
-            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
-                source = self.curve._source
-                contact = source.rest + source.gain * np.cos(end.theta_m)
-                value = contact if self.name == "x_i" else end.theta_m
-                points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
-        return points
-
     def _on_piece(self, piece: CurvePiece) -> None:
         points = self._points(piece)
         values = np.array([point.value for point in points])
+        ends = (piece.low, points[0]), (piece.high, points[-1])
         extrema: dict[int, Point | None] = {}
-        for target in self._targets(float(values.min()), float(values.max()), piece):
+        for target in self._targets(float(values.min()), float(values.max())):
             wanted = float(target)
-            for end, point in ((piece.low, points[0]), (piece.high, points[-1])):
+            for end, point in ends:
                 self._at_end(end, point, target)
             signs = values >= wanted
             for i in range(len(points) - 1):
@@ -332,13 +297,26 @@ class Candidates:
                     if turn is not None and (turn.value >= wanted) != signs[i]:
                         self._between(first, turn, target)
                         self._between(turn, last, target)
-                    elif turn is not None:
-                        self._touching(first, turn, last, target)
-        for end, point in ((piece.low, points[0]), (piece.high, points[-1])):
-            self._note_endless(end, point, piece)
+                    elif turn is not None and abs(turn.value - wanted) <= 1e-12 * max(1.0, abs(turn.value)):
+                        self._take(self._newton(turn.theta_m, turn.tau, target), first, last)
+        for (end, point), index in zip(ends, (0, -1), strict=True):
+            self._note_endless(end, point, piece, index)
 
-    def _targets(self, low: float, high: float, piece: CurvePiece) -> list[Number]:
-        """Return the values to look for: for theta_i those that differ by whole turns."""
+    def _points(self, piece: CurvePiece) -> list[Point]:
+        """Return the samples of a piece, and where the curve begins or ends in a tangency itself, that point too."""
+        values, slopes = (piece.x, piece.slope_x) if self.name == "x_i" else (piece.theta, piece.slope_theta)
+        columns = (piece.theta_m, values, slopes, (piece.theta_m - piece.theta) / self.K.Om)
+        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
+        for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
+            near = points[min(first, len(points) - 1)]
+            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
+                contact = self.source.rest + self.source.gain * np.cos(end.theta_m)
+                value = contact if self.name == "x_i" else end.theta_m
+                points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
+        return points
+
+    def _targets(self, low: float, high: float) -> list[Number]:
+        """Return the values to search for: for theta_i those that differ by whole turns."""
         if self.name == "x_i":
             return [self.target]
         turn = 2 * self.flights.context.pi
@@ -356,9 +334,7 @@ class Candidates:
         """Return the extremum between neighbours whose slopes differ in sign; None where the curve breaks."""
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
-            if middle is None:
-                return None
-            if not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
+            if middle is None or not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
                 return middle
             first, last = (first, middle) if middle.slope * last.slope > 0 else (middle, last)
             if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(1.0, abs(first.value)):
@@ -367,12 +343,15 @@ class Candidates:
 
     def _sampled(self, theta_m: float) -> Point | None:
         sample = self.curve.sample(theta_m)
-        return self._point(sample) if sample.origin == OWN else None
+        if sample.origin != OWN:
+            return None
+        value, slope = (sample.x, sample.slope_x) if self.name == "x_i" else (sample.theta, sample.slope_theta)
+        return Point(sample.theta_m, value, slope, (sample.theta_m - sample.theta) / self.K.Om)
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
     def _between(self, first: Point, last: Point, target: Number) -> None:
-        """Look up the solution between two points on both sides of the target."""
+        """Find the solution between two points on both sides of the target."""
         wanted = float(target)
         for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
@@ -380,52 +359,42 @@ class Candidates:
             gaps = first.value - wanted, last.value - wanted
             part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
             theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
-            solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
-            if solution is not None and self._lies_between(solution, first, last):
-                self._add(*solution)
+            if self._take(self._newton(theta_m, first.tau + part * (last.tau - first.tau), target), first, last):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
             middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
             if middle is None:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
-        if self.curve.sample(theta_m).slope_theta == 1.0:  # a touch
-            solution = self._among_touches(theta_m, target)
-            if solution is not None and self._lies_between(solution, first, last):
-                self._add(*solution)
-                return
+        is_touch = self.curve.sample(theta_m).slope_theta == 1.0
+        if is_touch and self._take(self._among_touches(theta_m, target), first, last):
+            return
         self._broken.add(first)
         self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
 
-    def _touching(self, first: Point, turn: Point, last: Point, target: Number) -> None:
-        """Look up a solution at an extremum that comes to the target as near as doubles tell."""
-        if abs(turn.value - float(target)) <= 1e-12 * max(1.0, abs(turn.value)):
-            solution = self._newton(turn.theta_m, turn.tau, target)
-            if solution is not None and self._lies_between(solution, first, last):
-                self._add(*solution)
-
     def _at_end(self, end: CurveEnd, point: Point, target: Number) -> None:
-        """Look up a solution between the last sample and the end of the curve."""
+        """Find a solution between the last sample and the end of the curve."""
         gap = abs(end.theta_m - point.theta_m)
         reach = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
-        if gap == 0 or not abs(float(target) - point.value) <= reach:
-            return
-        solution = self._newton(point.theta_m, point.tau, target)
-        if solution is not None and self._lies_between(solution, point, point, gap):
-            self._add(*solution)
+        if gap > 0 and abs(float(target) - point.value) <= reach:
+            self._take(self._newton(point.theta_m, point.tau, target), point, point, gap)
+
+    def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
+        """Return the value less the target, and its derivatives by theta_m and tau."""
+        if self.name == "x_i":
+            return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
+        Om = self.flights.K.Om
+        return theta - Om * tau - target, 1, -Om
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
         """Return theta_m and tau where the flight has the value, from a guess."""
-        context, Om = self.flights.context, self.flights.K.Om
+        context, K = self.flights.context, self.flights.K
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
             gap = now.v - self.flights.v
-            if self.name == "x_i":
-                rest, by_theta, by_tau = self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
-            else:
-                rest, by_theta, by_tau = theta - Om * tau - target, 1, -Om
+            rest, by_theta, by_tau = self._equation(theta, tau, now, target)
             determinant = now.v_theta * by_tau + now.a * by_theta
             if determinant == 0:
                 return None
@@ -434,7 +403,7 @@ class Candidates:
             theta, tau = theta + theta_step, tau + tau_step
             if settled:
                 return (theta, tau) if tau > 0 else None
-            if abs(theta_step) > 7 or abs(tau_step) > 1 / self.flights.K.rate + 3 / Om or tau <= 0:
+            if abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om or tau <= 0:
                 return None
             shrunk = context.eps**0.6
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
@@ -442,18 +411,13 @@ class Candidates:
 
     def _among_touches(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
         """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
-        flights, origins = self.flights, self.curve._source
-        phase = Fraction(theta_m)
-        arrival, _ = origins.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
+        flights, phase = self.flights, Fraction(theta_m)
+        arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
             return None
         theta, tau = flights.number(phase), flights.number(arrival.tau)
         for _ in range(MOST_CURVE_NEWTON):
-            now = flights.instant(theta, tau)
-            if self.name == "x_i":
-                rest, by_theta = flights.contact(theta) + now.dx - target, now.x_theta
-            else:
-                rest, by_theta = theta - flights.K.Om * tau - target, 1
+            rest, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
             if by_theta == 0:
                 return None
             theta -= rest / by_theta
@@ -461,37 +425,38 @@ class Candidates:
                 return theta, tau
         return None
 
-    def _lies_between(self, solution: tuple[Number, Number], first: Point, last: Point, more: float = 0.0) -> bool:
-        """Return whether theta_m and tau of a solution lie between those of two points, with some room."""
-        theta, tau = map(float, solution)
-        room = 1e-14 * max(1.0, abs(theta)) + more
+    def _take(self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0) -> bool:
+        """Keep a solution, once, if its theta_m and tau lie between those of two points, up to rounding and `more`."""
+        if solution is None:
+            return False
+        theta, tau = solution
+        slack = 1e-14 * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
         beside = 1e-9 * max(high, 1e-3 / self.K.rate) + 0.1 * (high - low) + (1e-3 / self.K.rate if more else 0.0)
-        return first.theta_m - room <= theta <= last.theta_m + room and low - beside <= tau <= high + beside
-
-    def _add(self, theta: Number, tau: Number) -> None:
+        if not (first.theta_m - slack <= float(theta) <= last.theta_m + slack):
+            return False
+        if not low - beside <= float(tau) <= high + beside:
+            return False
         context = self.flights.context
         turn = 2 * context.pi
         theta -= turn * context.floor(theta / turn)
         for other, time in self._solutions:
             apart = abs(other - theta)
             if min(apart, turn - apart) < SAME_ROOT * SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
-                return
+                return True
         self._solutions.append((theta, tau))
+        return True
 
-    def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece) -> None:
+    def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece, index: int) -> None:
         """Note where a curve goes on for ever beyond what doubles resolve."""
         if end.reason in ("end of the window", "closed"):
             return
-        index = 0 if end is piece.low else -1
         if end.reason.endswith(SEARCH_ENDS):
             self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
             return
-        if abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < ENDLESS:
-            return
-        if self.name == "x_i" and not abs(float(self.target)) > abs(point.value):
-            return
-        self.notes.append(
-            f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
-            f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles tell"
-        )
+        steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < ENDLESS  # or nan
+        if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
+            self.notes.append(
+                f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
+                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles tell"
+            )
