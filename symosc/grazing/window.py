@@ -21,8 +21,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import Expr, Number, NumberLike, Order
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
-from symosc.engine.arithmetic import mp_context
-from symosc.engine.binding import compiled
+from symosc.engine.arithmetic import compile_modules, mp_context
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact, show
 from symosc.kernels import double_double
@@ -514,6 +513,6 @@ def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def _window_loop() -> Callable[..., None]:
     """Return `theorem7_cases.windows`, compiled if numba is installed."""
     try:
-        return compiled((double_double, theorem7_cases), {"windows"})["windows"]
+        return compile_modules((double_double, theorem7_cases), {"windows"})["windows"]
     except MissingExtraError:
         return theorem7_cases.windows

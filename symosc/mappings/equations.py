@@ -27,14 +27,13 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Context, Number, Numbers
 from symosc.arguments import public
-from symosc.engine import binding
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
+from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants
 from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
-from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
-from symosc.kernels import entire_array, mapping, repeated
+from symosc.kernels import entire_array, mapping
 from symosc.mappings.numbers import POINT_NAMES, is_array, is_mp, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
@@ -230,20 +229,19 @@ def _floats(p: Parameters) -> MapArithmetic:
 @lru_cache(maxsize=64)
 def _arrays(p: Parameters) -> MapArithmetic:
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
-    return MapArithmetic(constants(p), binding.bind((mapping,), names), float)
+    return MapArithmetic(constants(p), bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
     """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
-    from symosc.kernels.entire_mp import BasisMP
+    from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
-    names = {"complex": context.mpc, "exp": context.exp, "EPS": context.ldexp(1, -precision)}
-    sums = binding.bind((repeated,), names)["repeated"]
-    names = {"sin": context.sin, "cos": context.cos, "basis": BasisMP(context, p), "repeated": sums}
-    return MapArithmetic(K, binding.bind((mapping,), names), number)
+    names = {"complex": context.mpc, "EPS": context.ldexp(1, -precision), "basis": BasisMP(context, p)}
+    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos")}
+    return MapArithmetic(K, bind((mapping,), names), number)
 
 
 # --- reading arguments ---
@@ -417,23 +415,23 @@ def _engine(p: Parameters, digits: int | None) -> Arithmetic:
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
     """Return the next event, and its phase since the start."""
-    K, names, paths = arithmetic.K, arithmetic.namespace, arithmetic.paths
+    K, names, advance = arithmetic.K, arithmetic.namespace, arithmetic.advance
     two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * rest
     start = _checked_start(row, arithmetic, x, theta, phase)
     error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
-    state = paths.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
+    state = arithmetic.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
     horizon = MOST_MAP_PERIODS * K.period
-    inner_K, until = paths.constants(K), paths.inward((horizon, 0 * horizon))
-    before = paths.enter()
+    inner_K, until = arithmetic.constants(K), arithmetic.inward((horizon, 0 * horizon))
+    before = arithmetic.enter()
     try:
-        event = paths.advance(state, *until, inner_K)
+        event = advance(state, *until, inner_K)
         while event.code == MOVED:
-            event = paths.advance(event.state, *until, inner_K)
-        event = paths.outward(event)
+            event = advance(event.state, *until, inner_K)
+        event = arithmetic.outward(event)
     finally:
-        paths.leave(before)
+        arithmetic.leave(before)
     if event.code in (END, REST):
         when = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {when}")
