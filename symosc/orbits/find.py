@@ -14,7 +14,7 @@ from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
-from symosc.mappings.arguments import text_or_booleans
+from symosc.mappings.numbers import text_or_booleans
 from symosc.model import Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError

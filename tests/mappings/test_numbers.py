@@ -1,20 +1,38 @@
-"""Phases as exact numbers: text with pi, and membership in windows without a rounded decision."""
+"""Exact phases in every form: text with pi, signs of sines, membership in windows, LaTeX."""
 
 from __future__ import annotations
 
 import random
+import re
 from fractions import Fraction
 from typing import Any
 
+import mpmath
 import pytest
+import sympy
 import sympy as sp
 from bad_values import refused
 from sympy import pi
 
 from symosc import ParameterError, Parameters, grazing_start, grazing_window, is_grazing, load_scene, values_containing
-from symosc.mappings.phase import ExactPhase, of_sympy, read_text, sine_sign
+from symosc.kernels.multiprecision import mp_context
+from symosc.mappings.numbers import (
+    ExactPhase,
+    latex_number,
+    latex_words,
+    number_of,
+    of_sympy,
+    read_angle,
+    read_phase,
+    read_phase_text,
+    reduced,
+    sine_sign,
+    symbolic,
+)
 
 FIG9 = load_scene("fig9").parameters
+
+
 MAPS = ("P2", "P3", "P5", "P6")
 
 
@@ -45,10 +63,10 @@ def test_text_is_read_exactly() -> None:
     rng = random.Random(1)
     for _ in range(300):
         text, meant = texts(rng)
-        assert sp.expand(read_text("theta", text).symbolic() - meant) == 0, text
-    assert read_text("theta", "pi") == ExactPhase(Fraction(0), Fraction(1))
-    assert read_text("theta", "3*pi/2") == ExactPhase(Fraction(0), Fraction(3, 2))
-    assert read_text("theta", " 1.5 ") == ExactPhase(Fraction(3, 2), Fraction(0))
+        assert sp.expand(read_phase_text("theta", text).symbolic() - meant) == 0, text
+    assert read_phase_text("theta", "pi") == ExactPhase(Fraction(0), Fraction(1))
+    assert read_phase_text("theta", "3*pi/2") == ExactPhase(Fraction(0), Fraction(3, 2))
+    assert read_phase_text("theta", " 1.5 ") == ExactPhase(Fraction(3, 2), Fraction(0))
 
 
 @pytest.mark.parametrize(
@@ -138,7 +156,82 @@ def test_signs_next_to_zero() -> None:
 @pytest.mark.parametrize("text", ["1{0}*pi", "-1{0}*pi", "pi + 1{0}", "2*pi - 1{0}", "1{0}/7*pi*7"])
 def test_the_largest_phase_is_one(text: str) -> None:
     zeros = "0" * 50
-    phase = read_text("theta", text.format(zeros))
+    phase = read_phase_text("theta", text.format(zeros))
     assert max(map(abs, phase)) == Fraction(10) ** 50
     with pytest.raises(ParameterError, match="must be at most 1e\\+50 in size"):
-        read_text("theta", text.format(zeros[:-1] + "1"))
+        read_phase_text("theta", text.format(zeros[:-1] + "1"))
+
+
+@pytest.mark.parametrize(
+    ("given", "value"),
+    [
+        ("3*pi/2", 3 * sympy.pi / 2),
+        ("(1 + 2)*pi/4 - 1", 3 * sympy.pi / 4 - 1),
+        (" pi ", sympy.pi),
+        ("pi*0.5", sympy.pi / 2),
+        (sympy.pi / 3, sympy.pi / 3),
+        (sympy.sqrt(2), sympy.sqrt(2)),
+        ("5/3", Fraction(5, 3)),
+        (2, Fraction(2)),
+        (0.1, Fraction(1, 10)),
+        (sympy.Rational(1, 3), Fraction(1, 3)),
+    ],
+)
+def test_forms(given: Any, value: Any) -> None:
+    assert read_angle("theta", given) == value
+    assert type(read_angle("theta", given)) is type(value) or hasattr(value, "free_symbols")
+
+
+def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
+    assert read_phase("theta", 0.1) == Fraction(0.1) != Fraction(1, 10)
+    assert read_phase("theta", "0.1") == Fraction(1, 10)
+
+
+NONE = ["pi**2", "pi pi", "2*", "pi/0", "x", "pi + x", "", None, True, 1j, float("nan"), "__import__('os')*pi"]
+
+
+NONE += [sympy.Symbol("x"), sympy.I, sympy.oo, "pi" + "+pi" * 100]
+
+
+NONE += [sympy.true, sympy.Interval(0, 1), sympy.EmptySet, sympy.Tuple(1), sympy.Symbol("x", real=True) + sympy.pi]
+
+
+@pytest.mark.parametrize("value", NONE, ids=str)
+def test_what_is_no_angle(value: Any) -> None:
+    with pytest.raises(ParameterError, match=r"^theta = "):
+        read_angle("theta", value)
+
+
+def test_phases_are_the_angles_less_whole_turns() -> None:
+    rng, context = random.Random(5), mp_context(60)
+    for _ in range(30):
+        part = Fraction(rng.randint(-9999, 9999), rng.randint(1, 99))
+        for angle in (part, symbolic(part) * sympy.pi):
+            phase = reduced(angle)
+            turns = (number_of(angle, context) - number_of(phase, context)) / (2 * context.pi)
+            assert abs(turns - round(turns)) < 1e-50
+            assert 0 <= number_of(phase, context) < 2 * context.pi
+    assert reduced(Fraction(599, 100)) == Fraction(599, 100)
+    assert reduced(Fraction(6)) == 6  # 6 < 2 pi
+    assert float(reduced(Fraction(7))) == pytest.approx(7 - 2 * mpmath.pi)
+    assert reduced(2 * sympy.pi) == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.5, "0.5"), (-2.0, "-2"), (1 / 3, "0.3333333333"), (1.5e-7, r"1.5 \cdot 10^{-7}"),
+        (-2e20, r"-2 \cdot 10^{20}"),
+        (7, "7"), (mpmath.mpf("1.25"), "1.25"), ("1.0e-12", r"1.0 \cdot 10^{-12}"),
+    ],
+)  # fmt: skip
+def test_numbers_have_powers_of_ten_and_no_e(value: object, text: str) -> None:
+    assert latex_number(value) == text
+
+
+def test_words_are_text_and_their_signs_no_commands() -> None:
+    for words in ("the belt moves away", "a_b ^2, 5 % & #1 $x", "", None):
+        inner = re.fullmatch(r"\\text\{(.*)\}", latex_words(words))
+        assert inner is not None
+        assert re.search(r"(?<!\\)[_^%&#$]", inner[1]) is None
+        assert inner[1].replace("\\", "") == (words or "")

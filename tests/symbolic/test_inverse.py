@@ -1,9 +1,8 @@
-"""Inverse answers over intervals of phases and in two parameters, against windows and against the exact flow."""
+"""Inverse answers for one parameter and two, for phases and intervals, against windows and the exact flow."""
 
 from __future__ import annotations
 
 import copy
-import math
 import pickle
 import random
 from fractions import Fraction
@@ -13,6 +12,7 @@ from typing import Any
 import pytest
 import sympy as sp
 from bad_values import refused
+from samples import sample_of
 from sympy import Interval, Rational, oo, pi
 
 from symosc import (
@@ -25,16 +25,122 @@ from symosc import (
     values_everything,
 )
 from symosc.errors import ParameterError
-from symosc.grazing.deciders import YES, Ways
+from symosc.grazing.check import YES, Ways
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
-from symosc.symbolic.phase_interval import read_phases
+from symosc.symbolic.inverse import QUERY_LETTERS, THETA, Answer
 
 MAPS = ("P2", "P3", "P5", "P6")
+
+
 FIG9 = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
 
 
 def belt(mapping: str) -> str:
     return "v1" if mapping in ("P2", "P3") else "v2"
+
+
+def drawn(rng: random.Random) -> Parameters:
+    def number(low: int, high: int) -> Fraction:
+        return Fraction(rng.randint(low, high), rng.randint(1, 6))
+
+    v1 = rng.choice([Fraction(0), number(-20, 10)])
+    v2 = rng.choice([Fraction(0), v1 + 1]) if v1 < 0 else v1 + number(1, 20)
+    B0, k = (
+        rng.choice([Fraction(0), number(-20, 20), number(-20, 20)]),
+        rng.choice([Fraction(0), number(0, 9), number(1, 9)]),
+    )
+    return FIG9.replace(v1=v1, v2=v2, B0=B0, k=k, Omega=number(1, 20))
+
+
+def samples(found: Any, p: Parameters, name: str, rng: random.Random) -> list[Fraction]:
+    """Return allowed values of a parameter: the ends of the answer, what is next to them, zero, and random ones."""
+    ends = [Fraction(int(end.p), int(end.q)) for end in found.boundary if end.is_Rational] if found else []
+    tried = [end + step for end in ends for step in (0, Fraction(1, 10**12), Fraction(-1, 10**12))]
+    tried += [Fraction(0), Fraction(1, 3), Fraction(-2)] + [Fraction(rng.randint(-60, 60), 7) for _ in range(5)]
+    return [value for value in tried if allowed(p, name, value)]
+
+
+def allowed(p: Parameters, name: str, value: Fraction) -> bool:
+    try:
+        p.replace(**{name: value})
+    except ParameterError:
+        return False
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("order", ["full", "paper"])
+@sample_of(3, 20)
+def test_answers_agree_with_the_windows(mapping: str, order: str, count: int) -> None:
+    rng = random.Random(mapping + order)
+    ends_that_belong = 0
+    for _ in range(count):
+        p = drawn(rng)
+        for name in ("Omega", "B0", "k", belt(mapping)):
+            theta = pi * Rational(rng.choice([0, 1, 3, 5, 6, 7, 9, 9, 3, 11]), 6)
+            containing = values_containing(p, mapping, name, theta, order)
+            empty, everything = values_empty(p, mapping, name), values_everything(p, mapping, name, order)
+            for found, holds in (
+                (containing, lambda window, theta=theta: window.contains(theta)),
+                (empty, lambda window: window.kind == EMPTY),
+                (everything, lambda window: window.kind == EVERYTHING),
+            ):
+                for value in samples(found, p, name, rng):
+                    window = grazing_window(p.replace(**{name: value}), mapping, order)
+                    assert (Rational(value) in found) == holds(window), (p, name, value, theta, found)
+                    ends_that_belong += Rational(value) in found and Rational(value) in found.boundary
+    assert ends_that_belong > count
+
+
+def test_phases_that_are_no_multiple_of_pi() -> None:
+    assert values_containing(FIG9, "P2", "k", pi + sp.asin(Rational(1, 3))) == Interval.open(12, oo)
+    assert values_containing(FIG9, "P2", "k", 4) == Interval.open(-36 * sp.sin(4), oo)
+    assert values_containing(FIG9, "P2", "k", 4.0) == Interval.open(-36 * sp.sin(4), oo)
+    assert values_containing(FIG9, "P2", "k", 1) == Interval(0, oo)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("name", ["Omega", "B0", "k", "v_lambda"])
+@pytest.mark.parametrize("order", ["full", "paper"])
+@sample_of(3, 20)
+def test_answers_with_letters(mapping: str, name: str, order: str, count: int) -> None:
+    """With numbers put in exactly one condition holds, and its set is the answer for numbers."""
+    rng = random.Random(mapping + name)
+    questions: list[Any] = [
+        lambda p, theta: values_containing(p, mapping, name, theta, order),
+        lambda p, theta: values_empty(p, mapping, name),
+        lambda p, theta: values_everything(p, mapping, name, order),
+    ]
+    lettered = [question(None, None) for question in questions]
+    for answers in lettered:
+        assert all(isinstance(answer, Answer) for answer in answers)
+    for _ in range(count):
+        p = drawn(rng)
+        theta = pi * Rational(rng.choice([0, 1, 3, 7, 9, 9, 11]), 6)
+        values = {QUERY_LETTERS[each]: Rational(getattr(p, each)) for each in ("k", "B0", "Omega", "v1", "v2")}
+        values |= {QUERY_LETTERS["v"]: Rational(getattr(p, belt(mapping))), THETA: theta}
+        for question, answers in zip(questions, lettered, strict=True):
+            held = [answer for answer in answers if answer.condition.subs(values) == sp.true]
+            assert len(held) == 1
+            assert held[0].values.subs(values) == question(p, theta)
+
+
+def test_bad_names_and_phases() -> None:
+    for mapping in ("P1", "P7", ""):
+        with pytest.raises(ParameterError, match="P2, P3, P5, P6"):
+            values_empty(FIG9, mapping, "k")
+    for name in ("v2", "c", "A0", "abc", ""):
+        with pytest.raises(ParameterError, match="depends on Omega, B0, k and v1"):
+            values_everything(FIG9, "P2", name)
+    with pytest.raises(ParameterError, match="depends on Omega, B0, k and v2"):
+        values_everything(None, "P6", "v1")
+    for theta in ("abc", None, sp.Symbol("theta"), float("nan"), sp.I):
+        with pytest.raises(ParameterError, match="theta"):
+            values_containing(FIG9, "P2", "k", theta)
+    with pytest.raises(ParameterError, match="order"):
+        values_containing(FIG9, "P2", "k", 1, "second")
 
 
 def parameters(rng: random.Random) -> Parameters:
@@ -173,9 +279,6 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
                 seen[verdict == YES] += 1
 
 
-# -- the objects -----------------------------------------------------------------------------------------------------
-
-
 def test_values_work_like_the_set_that_they_are() -> None:
     found = values_containing(FIG9, "P2", "Omega", 7 * pi / 6)
     assert found == Interval.open(0, Rational(2, 3))
@@ -219,9 +322,6 @@ def test_bad_questions() -> None:
     refused(lambda: region.contains(Omega=1, k="x"), "k")
 
 
-# -- in print --------------------------------------------------------------------------------------------------------
-
-
 def assert_good_latex(text: str) -> None:
     assert text.count(r"\left") == text.count(r"\right") + text.count(r"\leftarrow")
     assert "asin" not in text
@@ -251,19 +351,6 @@ def test_answers_in_print() -> None:
     shown += [values_containing(FIG9, "P5", names, (1, 2)) for names in (("B0", "k"), ("Omega", "v2"))]
     for answer in shown:
         assert_good_latex(answer.latex())
-
-
-def test_extremes_of_the_sine() -> None:
-    rng = random.Random(4)
-    for _ in range(25):
-        given, inside, near = intervals(rng)
-        interval = read_phases("theta", given)
-        lowest, highest = interval.extremes()
-        sines = [math.sin(math.pi * each) for each in inside + near]
-        low, high = (float(sp.sin(each.theta)) for each in (lowest, highest))
-        assert low <= min(sines) + 1e-12
-        assert high >= max(sines) - 1e-12
-        assert low < float(sp.sin(interval.between())) < high
 
 
 def test_answers_can_be_sent_and_copied() -> None:
