@@ -102,7 +102,6 @@ class Constants(NamedTuple):
     Ss: Number  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Number
     period: Number  # 2 pi/Omega
-    Om_inverse: Number
     Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
     period_low: Number  # what the rounding of 2 pi/Om took from `period`
     chunk: Number  # longest time that is evaluated from one starting point
@@ -181,7 +180,6 @@ def constants(
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
         period=period,
-        Om_inverse=1 / omega,
         Om_gain=number(exactly(omega) - Om) / omega if doubles else zero,
         period_low=number(_period_rest(period, omega)) if doubles else zero,
         chunk=chunk,

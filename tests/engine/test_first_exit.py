@@ -7,7 +7,6 @@ import random
 from fractions import Fraction
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 from agreement import BASE
@@ -28,7 +27,6 @@ from symosc.engine.first_exit import (
     march,
     positive_on,
     safe_step,
-    slopes,
 )
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
 from symosc.engine.start import Start
@@ -65,14 +63,6 @@ def test_no_contact_is_passed_over() -> None:
             hits += 1
             assert v0 + state_at(now.tau, start, K).dv == pytest.approx(side, abs=1e-13 * (1 + abs(a0)))
     assert hits > 100
-
-
-def test_a_phase_turned_by_taylor() -> None:
-    for angle in (1e-3, -7e-4, 1e-9):
-        s, c = flow.turned(math.sin(1.2), math.cos(1.2), angle)
-        with mpmath.workdps(30):
-            assert abs(s - mpmath.sin(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
-            assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, *functions: tuple[Any, str]) -> dict[str, int]:
@@ -169,33 +159,6 @@ def test_a_root_is_near_only_if_it_is_the_only_one_there() -> None:
     edge = 12 / (8 * (100.0 + 1.0))
     assert exits.is_near(1.0, taylor(1.0, 1.0, 100.0), 4, 0.9 * edge, 1.0, K)[0]
     assert not exits.is_near(1.0, taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
-
-
-def test_a_root_is_close_if_taylor_reaches_it_and_clear_if_the_gap_is_deep_behind() -> None:
-    K = flow.constants(BASE)
-    edge = 12 * exits.NEAR / K.rate
-    assert exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[1]
-    assert not exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[1]
-    size, bend = 3.0, 2.0  # depth behind the root: slope^2/(2 bend)
-    slope = math.sqrt(2 * exits.CLEAR_DEPTH * size * bend)
-    assert exits.is_near(1e-6, taylor(1e-6, 1.01 * slope, bend), 4, 0.0, size, K)[2]
-    assert not exits.is_near(1e-6, taylor(1e-6, 0.99 * slope, bend), 4, 0.0, size, K)[2]
-    # a divided polynomial: the gap is root times it for each degree that is missing
-    far = 1e-3
-    slope = math.sqrt(2 * exits.CLEAR_DEPTH * size * bend / far)
-    assert exits.is_near(far, taylor(far, 1.01 * slope, bend), 3, 0.0, size, K)[2]
-    assert not exits.is_near(far, taylor(far, 0.99 * slope, bend), 3, 0.0, size, K)[2]
-
-
-def test_what_is_missing_counts_the_rest_of_the_polynomial() -> None:
-    """A root that Halley's method has not reached yet leaves a value, which counts like the bound."""
-    K = flow.constants(BASE)
-    off = 0.9 * exits.ISOLATED / K.rate
-    p0, *others = taylor(1.0, 1.0, 0.0)
-    assert exits.is_near(1.0, (p0 + off, *others), 4, 0.0, 1.0, K)[0]
-    assert exits.is_near(1.0, (p0 - off, *others), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(1.0, (p0 + 1.3 * off, *others), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(1.0, (p0 - 1.3 * off, *others), 4, 0.0, 1.0, K)[0]
 
 
 def test_a_quartic_start_has_no_root_where_it_says() -> None:
@@ -355,30 +318,6 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
     assert min(sides.values()) > 10
 
 
-def test_a_wall_that_is_only_come_near_to_is_not_met() -> None:
-    """The lowest velocity of a flight is just above the wall, or below: only then it is met, at the end of the step."""
-    rng, sides = random.Random(21), {-1: 0, 0: 0}
-    for _ in range(150):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
-        tau_max = min(K.chunk, 30 / K.rate)
-        scan = [start.v + state_at(tau, start, K).dv for tau in np.linspace(0, tau_max, 60)]
-        if scan.index(min(scan)) in (0, 59):
-            continue
-        wall = min(scan) + rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
-        if start.v - wall < 0.01:
-            continue
-        walls = Walls(start.v - wall, 1e6, True, True, False, False)
-        found, _, side, beyond = march(tau_max, start.v, now, walls, 0.0, K)
-        if found.tau + K.march.step >= tau_max:
-            continue
-        sides[side] += 1
-        assert (side == 0) or start.v + beyond.dv < wall
-    assert min(sides.values()) > 3
-
-
 def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float = 0.0) -> State:
     """Return the state at the beginning of a stick."""
     S = Covariance(S11, 0.0, 0.0)
@@ -411,30 +350,6 @@ def test_constant_forces_never_end_a_stick(below: float) -> None:
     held = holding(below * belt.J, (below - 1) * belt.J, theta, math.sin(theta), math.cos(theta))
     end = belt_exit(K.period, held, belt, K)
     assert (end.code, end.tau, end.Delta) == (NOTHING, K.period, 0.0)
-
-
-def test_a_stick_that_lasts_has_no_side() -> None:
-    rng, lasts = random.Random(10), 0
-    for _ in range(200):
-        K = constants_of(rng, v1=round(rng.uniform(-2, 0.5), 3))
-        belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
-        below, tau_max = rng.uniform(0.01, 0.99) * belt.J, K.period * rng.choice([0.01, 0.3, 1.0])
-        hold = holding(below, below - belt.J, theta, math.sin(theta), math.cos(theta))
-        end = belt_exit(tau_max, hold, belt, K)
-        if end.code == NOTHING:
-            lasts += 1
-            assert (end.side, end.tau) == (0, tau_max)
-            assert end.Delta == pytest.approx(gain(tau_max, hold.s, hold.c, belt, K)[0], abs=1e-12 * (1 + abs(K.f0)))
-        else:
-            assert abs(end.side) == 1
-            Delta, s, c = gain(end.tau, hold.s, hold.c, belt, K)
-            slope, bend = slopes(s, c, belt, K)
-            phase = hold.theta + K.Om * end.tau
-            assert (end.s, end.c) == pytest.approx((math.sin(phase), math.cos(phase)), abs=4e-15)
-            size = (1 + abs(K.f0)) * (1 + K.Om) ** 2
-            assert (end.Delta, end.slope) == pytest.approx((Delta, slope), abs=1e-9 * size)
-            assert end.bend == pytest.approx(bend, abs=1e-5 * size)
-    assert lasts > 50
 
 
 def test_a_force_that_only_touches_0_is_a_touch() -> None:
