@@ -24,9 +24,11 @@ from symosc.engine.batch import (
     state_of,
 )
 from symosc.engine.flow import Constants, state_at
-from symosc.engine.state import Covariance, State, (
+from symosc.engine.state import (
+    Covariance,
     Flown,
     Launch,
+    State,
 )
 from symosc.engine.summary import Extremes, flight_extremes, widened
 from symosc.kernels._generated import acceleration
