@@ -27,7 +27,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine import batch, first_exit, first_rows, flow, next_event, state, summary
+from symosc.engine import batch, events, first_exit, flow, next_event, state, summary
 from symosc.engine.batch import Going
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
@@ -35,7 +35,7 @@ from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, state, flow, first_exit, next_event, first_rows, batch)
+SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
 # Summaries are of doubles only.
 IN_DOUBLES_ONLY = (double_double, summary)
 
@@ -54,7 +54,7 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at first_rows
+    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at
     flight_extremes flown follow_all hidden leave_tally march_rows newton_root next_doubt no_contact parts_again periods
     point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
     stationary stepped stiff_derivatives tally_stretch tolerance touch_belt within
@@ -244,6 +244,11 @@ class Arithmetic:
         """See `symosc.engine.next_event`."""
         return self.following["handed_out"]
 
+    @property
+    def event_numbers(self) -> Callable[..., Any]:
+        """See `symosc.engine.events`."""
+        return self.following["event_numbers"]
+
     paths = property(lambda self: self)
 
     def enter(self) -> Any:
@@ -423,6 +428,7 @@ PLAIN_IN_PAIRS = {
     "end_in_doubles": "end_by_phase",
     "searched_in_doubles": "searched",
     "next_doubt_in_doubles": "next_doubt",
+    "write_event_in_doubles": "write_event",
     **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "leave_tally")},
 }
 

@@ -202,6 +202,17 @@ def march_steps(K):
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
 
 
+def march_rows(table, out):
+    """Write the constants for marching of each row of a table into `out`, (rows, 2, fields): steps and strides."""
+    for i in range(out.shape[0]):
+        K = table[i]
+        for which in range(2):
+            step = march_steps(K)[which]
+            entries = march_constants(step, basis(step, K), K)
+            for n in range(7):
+                out[i, which, n] = entries[n]
+
+
 def march_constants(step, functions, K):
     """Return the entries of MarchConstants, from the entire functions at one step."""
     E0, E1, E2, _, _, s, c = functions

@@ -40,7 +40,7 @@ from symosc.engine.state import (
     State,
     Walls,
 )
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -167,7 +167,7 @@ def test_a_quartic_start_has_no_root_where_it_says() -> None:
     checked = 0
     for _ in range(200):
         p = BASE.replace(c=tenths(rng, 0, 60), k=tenths(rng, 1, 60), Omega=tenths(rng, 3, 40))
-        K = Path(Start(p, Fraction(0), Fraction(0), Fraction(0), Fraction(1))).K
+        K = Motion(Start(p, Fraction(0), Fraction(0), Fraction(0), Fraction(1))).K
         # F = G1 = G2 = 0 at theta = 3 pi/2 with the belt's speed v = B0 Omega/k
         v, s0, c0 = K.fB / K.w0sq, -1.0, 0.0
         _, w, j = flow.derivatives(v, 0.0, s0, c0, K)

@@ -32,8 +32,8 @@ from symosc.engine.state import (
     State,
 )
 from symosc.kernels.entire import EPS
-from symosc.simulation import run
-from symosc.simulation.run import Path
+from symosc.simulation import motion
+from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -183,11 +183,11 @@ def random_start(seed: int) -> Start:
     return Start(p, t0, Fraction(dice.randint(-30, 30), 10), v0, t0 + 9)
 
 
-def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Path, Any, Any, State, NextEvent]]:
+def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, Any, State, NextEvent]]:
     """Yield what goes into a step with many digits, and take the step."""
     arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
-    path = Path(start, arithmetic)
-    end = run.last_time(start, doubles)
+    path = Motion(start, arithmetic)
+    end = motion.last_time(start, doubles)
     for _ in range(most):
         rough = rounded(path.state, start)
         yield path, path._state, path._end, rough, doubles.advance(rough, *end, doubles.K)
@@ -209,7 +209,7 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
         assert abs(exact(a) - exact(b)) <= FINE * max(1, abs(int(b)))
 
 
-def compared(path: Path, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
+def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
     before = path._paths.enter()
     try:
@@ -269,7 +269,7 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
 
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
-    path, found = Path(start), []
+    path, found = Motion(start), []
     while not path.ended and len(found) < most:
         path.step()
         s = path.state
