@@ -120,7 +120,7 @@ class Motion:
         own: Arithmetic = many_digits(p, digits) if isinstance(digits, int) else digits or Arithmetic(p)
         self.start, self.arithmetic = start, own
         self.digits = own.digits if isinstance(own, MpArithmetic) else None
-        self._paths = paths = self.arithmetic.paths
+        self._paths = paths = self.arithmetic
         state = first_state(start, self.arithmetic)
         self.t0, self.first_at = state.t, state.at
         self.K = paths.constants(self.arithmetic.K)
