@@ -273,7 +273,7 @@ def test_marching_ends_with_the_bound_there_and_only_where_it_must() -> None:
             ends["wall"] += 1
             assert beyond.tau == found.tau + K.march.step
             assert side * (start.v + beyond.dv) > distance > side * (start.v + found.dv)
-        elif not K.patient:  # seldom: two walls in one step, or a touch
+        elif not K.slow_drive:  # seldom: two walls in one step, or a touch
             gap, h = distance - abs(start.v + there.dv), K.march.step
             assert gap < abs(there.F) * h + abs(there.G1) * h**2 / 2 + abs(there.G2) * h**3 / 6 + M4_there * h**4 / 24
     assert min(ends.values()) > 10

@@ -117,10 +117,10 @@ def test_a_passage_is_never_underestimated() -> None:
 def test_the_errors_of_an_event_are_those_at_a_fixed_time_and_of_the_clock() -> None:
     K = Arithmetic(BASE.replace(Omega=2)).K  # a double: the clock gains nothing
     for v in (3.0, -3.0):
-        t, t_error, x_error = next_event.handed_out(-1e6, 0.0, -1e6, -1e9, v, 1e-8, 4e-18, K)
+        t, t_error, x_error = next_event.time_with_errors(-1e6, 0.0, -1e6, -1e9, v, 1e-8, 4e-18, K)
         assert (t, t_error) == (-1e6, pytest.approx(1e-8 + next_event.EPS * 1e6, rel=1e-12))
         assert x_error == pytest.approx(3e-8 + 2e-9 + next_event.EPS * 1e9, rel=1e-12)
-        t, t_error, x_error = next_event.handed_out(0.0, 1e-9, -1e9, 0.0, v, 1e-8, 4e-18, K)
+        t, t_error, x_error = next_event.time_with_errors(0.0, 1e-9, -1e9, 0.0, v, 1e-8, 4e-18, K)
         assert (t, t_error) == (1e-9, pytest.approx(1e-8 + next_event.EPS * 2.5e8, rel=1e-6))
         assert x_error == pytest.approx(3e-8 + 2e-9)
 
@@ -129,7 +129,7 @@ def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
     """The phase of a motion goes on with the double next to Omega: after 1e9 that is 3e-8 at Omega = 4.1."""
     Omega = Fraction("4.1")
     K = Arithmetic(BASE.replace(Omega=Omega)).K
-    t, _, _ = next_event.handed_out(0.0, 0.0, -1e9, 0.0, 1.0, 0.0, 0.0, K)
+    t, _, _ = next_event.time_with_errors(0.0, 0.0, -1e9, 0.0, 1.0, 0.0, 0.0, K)
     assert t == pytest.approx(float(Fraction(10**9) * (Fraction(float(Omega)) / Omega - 1)), rel=1e-9)
     assert abs(t) > 1e-9
 
