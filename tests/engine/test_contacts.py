@@ -430,15 +430,6 @@ FOUND: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any]]] = {  # x0, v0, t_e
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("digits", DIGITS)
-@pytest.mark.parametrize("name", FOUND)
-def test_scenes_that_once_had_a_touch_too_many(name: str, digits: int | None) -> None:
-    numbers, (x0, v0, t_end) = FOUND[name]
-    trajectory = simulate(Parameters(**numbers), t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits)
-    assert list(trajectory.events) == []
-    assert trajectory.status in ("equilibrium", "t_end")
-
-
 REST = {"m": 1, "k": 1, "c": 3, "A0": 0, "B0": 0, "v1": -1, "v2": 0, "mu1": 0, "mu2": "3/10", "FN": 1}
 
 
