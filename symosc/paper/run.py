@@ -85,11 +85,6 @@ class Plan:
         """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
 
         Derivations are left out: one chapter may take as long as all claims together.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such claim.
         """
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
@@ -155,15 +150,9 @@ class Results:
 
 
 def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None) -> Results:
-    """Do everything in a plan.
+    """Do everything in a plan, in one process per processor, or so many; call `progress` after each task.
 
-    Parameters
-    ----------
-    plan : Plan
-    progress : callable, optional
-        Called after each task.
-    workers : int, optional
-        How many processes; default: one per processor. 0: none, everything is done in this one, without time limits.
+    With 0 workers everything is done in this process, without time limits.
     """
     begin = perf_counter()
     # The longest first (chapters, and the searches, which are among the last claims), so that no worker is left alone
@@ -248,7 +237,7 @@ def timed(task: Callable[[], Any]) -> Done:
 
 def draw(picture: Picture) -> Drawn:
     """Return a picture as SVG, with its caption, whose numbers are computed as well."""
-    return Drawn(_svg(picture.build), picture.caption, _svg(picture.narrow) if picture.narrow else "")
+    return Drawn(_svg(picture.build), picture.describe(), _svg(picture.narrow) if picture.narrow else "")
 
 
 def _svg(build: Callable[[], Figure]) -> str:

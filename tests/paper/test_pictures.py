@@ -200,7 +200,7 @@ def test_nothing_overlaps(key: str, form: str) -> None:
 
 @pytest.mark.parametrize("key", COMPUTED)
 def test_captions_have_the_parameters_and_the_start(key: str) -> None:
-    scene, caption = load_scene(key), PICTURES[key].caption
+    scene, caption = load_scene(key), PICTURES[key].describe()
     for name, value in scene.parameters.as_dict().items():
         letter = {"Omega": "Ω", "mu1": "μ1", "mu2": "μ2"}.get(name, name)
         assert f" {letter} = {value.replace('-', '−')}" in caption
@@ -215,13 +215,13 @@ def test_titles_and_texts() -> None:
         assert picture.title.startswith("Section 6" if key == "force-product" else title)
         assert 30 < len(picture.alt) < 150
         assert picture.alt.count(". ") == 0  # one sentence
-        assert len(picture.caption) > 80
-        assert picture.caption.endswith(".")
-        assert "-" not in picture.caption.replace("non-stick", "")  # minus signs are minus signs
+        assert len(picture.describe()) > 80
+        assert picture.describe().endswith(".")
+        assert "-" not in picture.describe().replace("non-stick", "")  # minus signs are minus signs
 
 
 def test_captions_say_what_happens() -> None:
-    text = {key: PICTURES[key].caption for key in COMPUTED}
+    text = {key: PICTURES[key].describe() for key in COMPUTED}
     onset, slip = simulate("fig8", t_end=4).events[:2]
     assert f"sticks to it at t = {onset.t:.6f}" in text["fig8"]
     assert f"{1e3 * (slip.t - onset.t):.3g}·10⁻³" in text["fig8"]
@@ -257,8 +257,8 @@ def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) ->
     # Equality is where the scene's k |v| is B0 Omega, and the picture shows as much again beyond it.
     p = load_scene({"theorem7-p3": "fig8", "theorem7-p5": "fig10"}[key]).parameters
     assert axes.get_xlim() == pytest.approx((-2 * float(p.B0 * p.Omega / p.k), 2 * float(p.B0 * p.Omega / p.k)))
-    assert f"At the full dot, v{1 if graze else 2} = " in picture.caption
-    assert "it grazes, though" in picture.caption
+    assert f"At the full dot, v{1 if graze else 2} = " in picture.describe()
+    assert "it grazes, though" in picture.describe()
 
 
 def test_products_of_forces_are_drawn_for_the_figures_that_section_6_speaks_of() -> None:
