@@ -88,7 +88,8 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
         yield None
         return
     begin = since = monotonic()
-    last, wait, show = 0.0, delay(), None
+    last, wait = 0.0, delay()
+    show: Callable[[float, float, str], None] | None = None
     with ExitStack() as stack:
 
         def advance(part: float, count: int) -> None:

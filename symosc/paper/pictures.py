@@ -289,9 +289,10 @@ MOTION, ORBIT = (figures.motion_figure, motion_caption), (figures.orbit_figure, 
 # What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
+Form = tuple[Callable[..., Figure], Callable[..., str]]
 #: The paper's figures: key, title, form, and a sentence for readers who do not see it. From Fig. 5 on the key is
 #: the scene that is drawn.
-FIGURES = [
+FIGURES: list[tuple[str, str, Form, str]] = [
     ("fig1", "physical model", FIG1,
      "A block on a spring and a damper is pressed between two belts that move at different speeds."),
     ("fig2", "friction force", FIG2,
@@ -325,7 +326,7 @@ FIGURES = [
 ]  # fmt: skip
 
 
-def _paper_picture(key: str, title: str, form: tuple[Callable[..., Figure], Callable[..., str]], alt: str) -> Picture:
+def _paper_picture(key: str, title: str, form: Form, alt: str) -> Picture:
     build, describe = form
     figure, _, variant = key.removeprefix("fig").partition("-")
     heading, paper_figure = f"Fig. {figure}{FORMS[variant]}: {title}", None if variant else int(figure)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import os
 import traceback
 from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import Future, as_completed
 from concurrent.futures import TimeoutError as Overdue
-from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass
@@ -195,7 +195,8 @@ def _here(tasks: Tasks) -> Generator[tuple[tuple[str, str], Done], None, None]:
 def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str], Done], None, None]:
     """Yield what became of each task; those that a pool has lost go to the next one."""
     for _ in range(POOLS):
-        pool, futures = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn")), {}
+        pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
+        futures: dict[Future[Done], tuple[str, str]] = {}
         try:
             try:
                 for key, task in tasks.items():

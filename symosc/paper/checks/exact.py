@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -182,7 +182,7 @@ def exact_contacts(boundary: int, count: int = 360, seed: int | None = None) -> 
     return tuple(contacts(boundary, count, boundary if seed is None else seed))
 
 
-def tally(cases: Iterable[Any], questions: dict[str, Callable[[Any], Any]]) -> dict[str, int]:
+def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
     """Count the cases for which each question is answered with yes."""
     counts = dict.fromkeys(questions, 0)
     for case in cases:

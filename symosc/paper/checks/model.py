@@ -99,7 +99,7 @@ def friction_levels() -> Evidence:
         ),
         "A_α − A₀ not -F_f": lambda case: case[0].A(case[1]) - case[0].A0 != -friction_force(*case),
     }
-    numbers: dict[str, Any] = tally(product(_parameter_sets(), (1, 2, 3)), questions)
+    numbers = tally(product(_parameter_sets(), (1, 2, 3)), questions)
     total, *wrong = numbers.values()
     p = load_scene("fig5").parameters
     numbers["levels of Fig. 5"] = ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3))
@@ -197,7 +197,7 @@ def friction_order() -> Evidence:
     gaps, other = [0.0], 0
     for scene in map(load_scene, STATES):
         given = recorded(simulate(scene, max_events=12))
-        start = {"t0": scene.t0, "x0": -scene.x0, "v0": -scene.v0, "t_end": scene.t_end}
+        start: dict[str, Any] = {"t0": scene.t0, "x0": -scene.x0, "v0": -scene.v0, "t_end": scene.t_end}
         seen = simulate(mirrored(scene.parameters), **start, max_events=12)
         kinds = [(event.kind, 3 - event.boundary) for event in seen.events]
         other += kinds != [(event.kind, event.boundary) for event in given.events]
@@ -222,7 +222,7 @@ def friction_characteristics() -> Evidence:
     """Section 2: both belts possess the same friction characteristics; and the coefficients of the figures."""
     jumps = [(p, boundary, friction_interval(p, boundary)) for p in _parameter_sets() for boundary in (1, 2)]
     wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
-    numbers = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
+    numbers: dict[str, Any] = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
     for name in FIGURES:
         p = load_scene(name).parameters
         numbers[f"{name}: μ₁, μ₂"] = f"{float(p.mu1):g}, {float(p.mu2):g}"
@@ -301,7 +301,7 @@ def forces_or_accelerations() -> Evidence:
         return p.m * vector_field(p, alpha, contact.x, contact.speed, contact.c) != force
 
     questions = {"exact contacts and domains": lambda case: True, "m F of (9) not the right side of (5)": differs}
-    numbers: dict[str, Any] = tally(product((*exact_contacts(1), *exact_contacts(2)), (0, 1)), questions)
+    numbers = tally(product((*exact_contacts(1), *exact_contacts(2)), (0, 1)), questions)
     _, wrong = numbers.values()
     masses = {f"Fig. {name.removeprefix('fig')}": load_scene(name).parameters.m for name in FIGURES}
     apart = [name for name, mass in masses.items() if mass != 1]

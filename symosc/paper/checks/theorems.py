@@ -266,7 +266,7 @@ def lemma(which: int) -> Evidence:
     cases = [(contact, says(contact), does(contact)) for contact in all_contacts()]
     wrong = [contact for contact, said, done in cases if said and not done]
     missed = [contact for contact, said, done in cases if done and not said]
-    numbers = {
+    numbers: dict[str, Any] = {
         "exact contacts": len(cases),
         f"condition fulfilled, and it {what}": sum(said and done for _, said, done in cases),
         "condition fulfilled, and it does not": len(wrong),
@@ -351,7 +351,7 @@ def theorem(which: int, boundary: int) -> Evidence:
     regular = sum(not is_degenerate(contact) for contact in cases)
     wrong = [contact for contact in cases if printed(contact) != true(contact)]
     generic = [contact for contact in wrong if not is_degenerate(contact)]
-    numbers = {
+    numbers: dict[str, Any] = {
         "rational contacts": len(cases),
         f"of them {what} by the exact flow": sum(map(true, cases)),
         f"without {degenerate}": regular,
@@ -389,13 +389,13 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
 
 def both_sides_at_once() -> Evidence:
     """Eqs. (44) and (45) as they stand: both forces 0 and both inequalities, at one contact."""
-    contacts = [c for c in all_contacts() if 0 not in (c.slope(alpha) for alpha in NEIGHBOURS[c.boundary])]
+    contacts = [c for c in all_contacts() if all(c.slope(alpha) for alpha in NEIGHBOURS[c.boundary])]
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
         "of them with (44) and (45) on both sides": lambda contact: all(_grazes_as_printed(contact)),
         "of them with (44) and (45) on one side": lambda c: _grazes(c) and any(_grazes_as_printed(c)),
     }
-    numbers: dict[str, Any] = tally(contacts, questions)
+    numbers = tally(contacts, questions)
     grazing, _, each = numbers.values()
     numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(contact.below - contact.above for contact in contacts)
     finding = f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} grazing contacts; "
