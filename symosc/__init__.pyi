@@ -2,11 +2,11 @@
 from . import plot as plot
 from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
+from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
-from .crosschecks.faults import Fault as Fault
-from .crosschecks.matching import Match as Match
+from .crosschecks.events import Match as Match
 from .errors import (
     MissingExtraError as MissingExtraError,
 )

@@ -45,13 +45,13 @@ NEED_CASES = {
         "[certify]",
     ),
     "pyarrow": (
-        "crosschecks/test_formats.py::*.parquet]",
-        "crosschecks/test_formats.py::*.pq]",
-        "crosschecks/test_formats.py::*.feather]",
-        "crosschecks/test_formats.py::*.arrow]",
-        "crosschecks/test_formats.py::test_wrong_columns_and_no_numbers_are_named",
+        "crosschecks/test_files.py::*.parquet]",
+        "crosschecks/test_files.py::*.pq]",
+        "crosschecks/test_files.py::*.feather]",
+        "crosschecks/test_files.py::*.arrow]",
+        "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
     ),
-    "h5netcdf": ("crosschecks/test_formats.py::*[xarray.nc]",),
+    "h5netcdf": ("crosschecks/test_files.py::*[xarray.nc]",),
 }
 MISSING = [name for name in NEED if find_spec(name) is None]
 collect_ignore = [path for name in MISSING for path in NEED[name]]

@@ -139,7 +139,7 @@ def _scene_and_files(
 
 def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
     from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
-    from symosc.crosschecks.solver_runs import run_solver
+    from symosc.crosschecks.objects import run_solver
 
     tolerance = options["tolerance"]
     limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}

@@ -16,10 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.columns import ID_COLUMN, USUAL_NAMES, plain
-from symosc.crosschecks.files import SUFFIXES, read_content, suffix_of
-from symosc.crosschecks.objects import as_table
-from symosc.crosschecks.text_tables import plain_number
+from symosc.crosschecks.files import SUFFIXES, plain_number, read_content, suffix_of
+from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
 from symosc.errors import ParameterError, ResultError, brief
 from symosc.exact import read_exact
 from symosc.files import read_path

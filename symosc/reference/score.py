@@ -22,8 +22,7 @@ from math import inf, pi, sqrt
 from typing import NamedTuple
 
 from symosc.aliases import Record
-from symosc.crosschecks.events import WINDOW
-from symosc.crosschecks.matching import RETURNS
+from symosc.crosschecks.events import RETURNS, WINDOW
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent
