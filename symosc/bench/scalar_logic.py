@@ -170,7 +170,7 @@ def runner(
     ----------
     scene : Scene
     functions : dict
-        From `symosc.engine.binding`.
+        From `symosc.engine.arithmetic`.
     q : Scalars
     settings : tuple
         The argument `s` of `leave`.

@@ -25,13 +25,13 @@ import numpy as np
 
 from symosc.crosschecks.samples import Samples
 from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.compiled_loop import Batch, batch_of, keep_state, room_for, state_of
+from symosc.engine.batch import Batch, batch_of, keep_state, room_for, state_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import belt_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
-from symosc.engine.tally import no_tally
+from symosc.engine.summary import no_tally
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.entire import EPS

@@ -122,14 +122,9 @@ def constants(
 ) -> Constants:
     """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
 
-    Parameters
-    ----------
-    parameters : Parameters
-        Or columns of exact numbers (`symosc.engine.constant_table`): then the constants are arrays.
-    number : callable
-        Rounds a Fraction: ``float``, or a conversion to mpmath.
-    root, angle, pi :
-        Square root, atan2 and pi for what `number` returns.
+    `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
+    and pi of such numbers. Parameters may be columns of exact numbers (`symosc.engine.constant_table`): then the
+    constants are arrays.
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m

@@ -17,11 +17,11 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.batch import rounded_covariance
+from symosc.engine.first_exit import ROUNDING
 from symosc.engine.first_rows import CLEAR_FORCE, terms_of_forces
 from symosc.engine.flow import Constants, constant_force
-from symosc.engine.rounding import rounded_covariance
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
-from symosc.engine.touches import ROUNDING
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -222,8 +222,8 @@ def is_steady(start: Start) -> bool:
 def settles(start: Start) -> bool:
     """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
 
-    The conditions are those of `symosc.engine.rests`, which says who decides what. Here u = g' + (h + w) g >= 0 is told
-    from the squares of its two parts.
+    The conditions are those of `symosc.engine.next_event`. Here u = g' + (h + w) g >= 0 is decided by the squares
+    of its two parts.
     """
     p = start.parameters
     h = p.c / (2 * p.m)

@@ -9,13 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine import compiled_loop, first_rows, settled
-from symosc.engine.arithmetic import compiled
-from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import Batch, EventRows, room_for, rows_between
+from symosc.engine import batch as engine_batch
+from symosc.engine import first_rows, summary
+from symosc.engine.arithmetic import compiled, is_compiled
+from symosc.engine.batch import Batch, EventRows, copied, room_for, rows_between
 from symosc.engine.constant_table import ConstantRows
-from symosc.engine.pages import copied
-from symosc.engine.tally import Tally
+from symosc.engine.summary import Tally
 from symosc.errors import MissingExtraError, ParameterError
 
 # Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
@@ -57,8 +56,8 @@ class Loops(NamedTuple):
 def interpreted(
     begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
 ) -> tuple[int, int]:
-    """Do what `symosc.engine.compiled_loop.follow_all` does, in CPython."""
-    return compiled_loop.follow_all(begin, batch, most, accuracy, out, tally, ConstantRows(table))
+    """Do what `symosc.engine.batch.follow_all` does, in CPython."""
+    return engine_batch.follow_all(begin, batch, most, accuracy, out, tally, ConstantRows(table))
 
 
 def _first_rows(table: np.ndarray, sets: np.ndarray, states: np.ndarray) -> None:
@@ -70,7 +69,7 @@ def _march_rows(table: np.ndarray, out: np.ndarray) -> None:
 
 
 def _settle(tally: Tally, sets: np.ndarray, table: np.ndarray, sections: np.ndarray, repeats: np.ndarray) -> None:
-    settled.settle(tally, sets, ConstantRows(table), sections, repeats)
+    summary.settle(tally, sets, ConstantRows(table), sections, repeats)
 
 
 class PatientLoop:
@@ -88,7 +87,7 @@ class PatientLoop:
     def __call__(
         self, begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
     ) -> tuple[int, int]:
-        """Do what `symosc.engine.compiled_loop.follow_all` does, perhaps in turns of fewer rows."""
+        """Do what `symosc.engine.batch.follow_all` does, perhaps in turns of fewer rows."""
         if DOUBLES.events <= 0 or is_compiled(self._compiled):
             return self._compiled(begin, batch, most, accuracy, out, tally, table)
         one, some = Batch(*(column[: begin + 1] for column in batch)), rows_between(out, 0, TURN)

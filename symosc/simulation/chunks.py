@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine import tally as kept
-from symosc.engine.compiled_loop import EventRows, state_of
+from symosc.engine import summary as kept
+from symosc.engine.batch import EventRows, state_of
 from symosc.engine.start import settles
 from symosc.engine.state import END, FULL, REST
 from symosc.errors import ParameterError

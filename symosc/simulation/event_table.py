@@ -14,8 +14,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine.compiled_loop import FLOAT_COLUMNS, INT_COLUMNS, EventRows, room_for
-from symosc.engine.pages import joined_in_room
+from symosc.engine.batch import FLOAT_COLUMNS, INT_COLUMNS, EventRows, joined, room_for
 from symosc.files import write_whole
 from symosc.model import MODE_NAMES
 from symosc.simulation.run import EVENT_KINDS
@@ -136,7 +135,7 @@ def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     columns, parts = {}, parts or [room_for(0)]
     for names, which in ((FLOAT_COLUMNS, 0), (INT_COLUMNS, 1)):
         for n, name in enumerate(names):
-            columns[name] = joined_in_room([part[which][n] for part in parts])
+            columns[name] = joined([part[which][n] for part in parts])
     return EventTable(**columns, status=status)
 
 

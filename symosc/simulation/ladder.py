@@ -7,10 +7,10 @@ for all such motions of a parameter set in turns, double-double numbers for all,
 from one of doubles.
 
 Double-double numbers let doubles search for the events, and go on where doubles would soon be in doubt again
-(`symosc.engine.pair_loop`). What they leave open, too, is left to single motions with more digits. So which arithmetic
+(`symosc.engine.batch`). What they leave open, too, is left to single motions with more digits. So which arithmetic
 follows a motion depends on the motion alone. Whether the loop of pairs is compiled or interpreted makes no difference
 to the numbers. Events are those of `simulate`: rounded to doubles, numbers of 30 and of 36 digits are the same unless
-the former are in doubt (`symosc.engine.rounding`).
+the former are in doubt (`symosc.engine.batch`).
 """
 
 from __future__ import annotations
@@ -18,25 +18,33 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from math import isinf
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine.arithmetic import many_digits
-from symosc.engine.compiled_loop import Batch, EventRows, batch_of, room_for, row_of, rows_between
+from symosc.engine.arithmetic import (
+    ROUNDED_FROM,
+    Going,
+    PairLoops,
+    as_complex,
+    compiled_pairs,
+    interpreted_pairs,
+    many_digits,
+    pair_constants,
+    pair_phase,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import Batch, EventRows, batch_of, room_for, row_of, rows_between
 from symosc.engine.flow import SIGMAS
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import IN_DOUBT, INEXACT, RUNNING
-from symosc.engine.tally import Tally, no_tally, put_back, some_of
+from symosc.engine.summary import Tally, no_tally, put_back, some_of
 from symosc.model import Parameters
 from symosc.simulation.batch_loop import PAIRS, Course, Loops, followed, joined
 from symosc.simulation.problems import FEW, Problems
 from symosc.simulation.run import last_time
 from symosc.simulation.simulate import attainable
 from symosc.simulation.workers import Patrol
-
-if TYPE_CHECKING:  # it needs numba
-    from symosc.engine.pairs import PairLoops
 
 # Digits between a start and a belt, or of its error, that double-double numbers have to spare; and a gap of fewer.
 PAIR_SPARE = 8
@@ -171,8 +179,6 @@ class Ladder:
 
     def _pairs(self, parameters: Parameters, members: list[int], at: np.ndarray) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
-        from symosc.engine.pairs import ROUNDED_FROM, as_complex, pair_constants, pair_phase
-
         numbers, times = self._first + np.array(members, np.int64), self.batch.states[members, 13:15]
         pairs = self._problems.pair_rows(numbers, at, times, partial(pair_phase, parameters))
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
@@ -236,8 +242,6 @@ def climb(
     go_on : callable
         Goes on in doubles with a batch and its tallies, which it updates, and yields the rows of its events.
     """
-    from symosc.engine.pairs import Going, compiled_pairs, pair_constants
-
     doubles, tally, K = below.batch, below.tally, pair_constants(parameters)
     batch, rows = batch_of(doubles.states.copy(), doubles.sets), list[EventRows]()
     wanted = doubles.counts + (doubles.codes == IN_DOUBT)
@@ -281,6 +285,4 @@ def sure(table: np.ndarray) -> np.ndarray:
 
 def pair_loops(events: int) -> PairLoops:
     """Return the loops of double-double numbers for so many events: compiled, unless so few can be interpreted."""
-    from symosc.engine.pairs import compiled_pairs, interpreted_pairs, is_compiled
-
-    return compiled_pairs() if events > PAIRS.events or is_compiled() else interpreted_pairs()
+    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()

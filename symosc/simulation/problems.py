@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.compiled_loop import STATE_WIDTH, Batch, batch_of, row_of
+from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
 from symosc.engine.start import Start, first_state
 from symosc.errors import ParameterError
@@ -197,7 +197,7 @@ class Problems(Sequence[Start]):
         Returns
         -------
         (m, STATE_WIDTH) array
-            With the mode 0, for `symosc.engine.pair_loop.first_pairs`.
+            With the mode 0, for `symosc.engine.batch.first_pairs`.
         """
         made = np.zeros((len(rows), STATE_WIDTH), complex)
         made[:, 1] = at

@@ -9,8 +9,7 @@ from typing import Any, TypeAlias
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits, mp_context
-from symosc.engine.paths import Paths
-from symosc.engine.rounding import rounding_error
+from symosc.engine.batch import rounding_error
 from symosc.engine.start import Start, first_state, rounded
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, ON_BELT, REST, SLIP, STICK, NextEvent, State
 from symosc.errors import ParameterError
@@ -124,7 +123,7 @@ class Path:
         finally:
             self._paths.leave(before)
 
-    def _step(self, paths: Paths) -> None:
+    def _step(self, paths: Arithmetic) -> None:
         source = self._state.mode
         self.code, boundary, self.decided, t_error, s = self._advanced(paths)
         self._state = s
@@ -143,7 +142,7 @@ class Path:
             t, x, v, theta = paths.outward((t, s.x, s.v, s.theta))
             self.events.append(Event(t, x, v, theta, kind, boundary, *names, float(t_error), float(x_error)))
 
-    def _advanced(self, paths: Paths) -> NextEvent:
+    def _advanced(self, paths: Arithmetic) -> NextEvent:
         """Return the next event; doubles search for it, also where many digits follow the motion."""
         state = self._state
         if self._search and not self._in_digits:

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import FLOAT_PATHS, Arithmetic, compiled
-from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import STATE_WIDTH, end_by_phase, row_of
+from symosc.engine.arithmetic import Arithmetic, compiled, is_compiled
+from symosc.engine.batch import STATE_WIDTH, end_by_phase, row_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
+from symosc.engine.next_event import advance
 from symosc.engine.start import Start
 from symosc.engine.state import Covariance, NextEvent, State
 
@@ -48,7 +48,7 @@ def search_in_doubles(start: Start, K: Constants) -> Search:
 
 
 def loaded() -> Any:
-    """Return `symosc.engine.compiled_loop.search_row` compiled, or None where to get it would take a while."""
+    """Return `symosc.engine.batch.search_row` compiled, or None where to get it would take a while."""
     if not compiled.cache_info().currsize:
         return None
     functions = compiled()
@@ -64,7 +64,7 @@ class Interpreted:
 
     def __call__(self, state: State) -> NextEvent:
         """Return the next event."""
-        found: NextEvent = FLOAT_PATHS.advance(state, *self._end, self._K)
+        found: NextEvent = advance(state, *self._end, self._K)
         return found
 
 

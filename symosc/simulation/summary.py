@@ -14,11 +14,10 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine import tally as kept
+from symosc.engine import summary as kept
 from symosc.engine.constant_table import ConstantRows
-from symosc.engine.settled import LONGEST_REPEAT
 from symosc.engine.state import MOVED, ON_BELT, REST, RUNNING, Covariance, NextEvent, State
-from symosc.engine.tally import LEAST_RING, Kept, Tally, leave_tally, tally_step
+from symosc.engine.summary import LEAST_RING, LONGEST_REPEAT, Kept, Tally, leave_tally, tally_step
 from symosc.errors import ParameterError
 from symosc.exact import unmasked, whole_number
 from symosc.model import MODE_NAMES
@@ -243,7 +242,7 @@ def columns_of(asked: Question, tally: Tally, settle: Callable[[np.ndarray, np.n
     asked : Question
     tally : Tally
     settle : callable
-        Fills sections and multiplicities (`symosc.engine.settled.settle`).
+        Fills sections and multiplicities (`symosc.engine.summary.settle`).
     """
     found: Record = {"events": tally.ints[:, kept.EVENTS_SO_FAR], "sticks": tally.ints[:, kept.STICKS]}
     for name, n in KEPT_COLUMNS.items():

@@ -8,12 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.engine.arithmetic import Arithmetic, compiled
-from symosc.engine.binding import is_compiled
-from symosc.engine.compiled_loop import STATE_WIDTH, batch_of, room_for, row_of
+from symosc.engine.arithmetic import (
+    Arithmetic,
+    Going,
+    compiled,
+    compiled_pairs,
+    is_compiled,
+    pair_constants,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import STATE_WIDTH, batch_of, room_for, row_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.start import Start, first_state
-from symosc.engine.tally import no_tally
+from symosc.engine.summary import no_tally
 from symosc.scenes import load_scene
 from symosc.simulation.batch_loop import chosen_loops
 from symosc.simulation.run import last_time
@@ -36,9 +43,6 @@ def warm() -> list[Warmed]:
         If numba is not installed.
     """
     loops = chosen_loops(True)
-    from symosc.engine.pairs import Going, compiled_pairs, pair_constants
-    from symosc.engine.pairs import is_compiled as pairs_are_there
-
     scene, nothing = load_scene("fig8"), np.arange(0)
     p = scene.parameters
 
@@ -67,7 +71,7 @@ def warm() -> list[Warmed]:
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops)), doubles),
         "events of single motions": (lambda: is_compiled(search), alone),
-        "events in double-double numbers": (pairs_are_there, pairs),
+        "events in double-double numbers": (pairs_are_compiled, pairs),
     }
     done = []
     for what, (is_there, run) in works.items():

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from symosc.engine.compiled_loop import EventRows
+from symosc.engine.batch import EventRows
 from symosc.simulation.batch_loop import Rooms
 
 

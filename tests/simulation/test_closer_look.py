@@ -15,7 +15,7 @@ from oracle import simulate_oracle
 from touches import ordinary, tenths
 
 from symosc import Parameters, load_scene, simulate
-from symosc.engine import first_exit, flow, start, touches
+from symosc.engine import first_exit, flow, start
 from symosc.engine.start import Start
 from symosc.engine.state import MOVED
 from symosc.simulation import closer_look
@@ -136,8 +136,7 @@ def test_a_backup_that_cannot_decide_either(code: str, monkeypatch: pytest.Monke
     if code == "open":
         monkeypatch.setattr(closer_look, "touch_digits", lambda *_: None)
     else:
-        for module in (first_exit, touches):
-            monkeypatch.setattr(module, "closest_approach", lambda tau, *_: (touches.LOST, tau))
+        monkeypatch.setattr(first_exit, "closest_approach", lambda tau, *_: (first_exit.LOST, tau))
     found = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
     assert (found.status, list(found.events)) == ("undecidable", [])
     assert f"near t = {float(found.t_end)!r}" in found.message

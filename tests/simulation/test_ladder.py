@@ -11,7 +11,7 @@ import pytest
 from samples import sample_of
 
 from symosc import EventTable, Parameters, Trajectory, load_scene, simulate, simulate_many
-from symosc.engine import rounding
+from symosc.engine import batch
 from symosc.engine.state import IN_DOUBT
 from symosc.simulation import batch_loop, chunks, ensemble, ladder
 
@@ -103,7 +103,7 @@ def test_little_work_is_interpreted_in_pairs(monkeypatch: pytest.MonkeyPatch) ->
     """So little work does not wait for a compiler; it comes to the same."""
     monkeypatch.setattr(batch_loop.PAIRS, "events", 10_000)
     monkeypatch.setattr(batch_loop.DOUBLES, "events", 10_000)
-    monkeypatch.setattr("symosc.engine.pairs.is_compiled", lambda: False)
+    monkeypatch.setattr("symosc.simulation.ladder.pairs_are_compiled", lambda: False)
     monkeypatch.setattr(batch_loop, "is_compiled", lambda loop: False)
     monkeypatch.setattr(chunks, "in_doubles", None)
     p, starts = fig8_like(0)
@@ -146,14 +146,14 @@ def test_the_loop_is_interpreted_until_so_many_events(
 def test_faint_errors_leave_no_trace() -> None:
     """What is rounded to a double is the same for any number of digits that are enough."""
     for x in (1.0, -3e-8, 7e20):
-        assert rounding.rounding_error(1e-30 * abs(x), x) == rounding.rounding_error(0.0, x) == 2.0**-53 * abs(x)
-        assert rounding.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
+        assert batch.rounding_error(1e-30 * abs(x), x) == batch.rounding_error(0.0, x) == 2.0**-53 * abs(x)
+        assert batch.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
         for v in (2.0, -1e-3):
             faint = (1e-60 * x * x, 1e-60 * x * v, 1e-60 * v * v)
             for at in (0, 1):
-                assert rounding.rounded_covariance(at, x, v, *faint) == rounding.rounded_covariance(at, x, v, 0, 0, 0)
-                assert rounding.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
-    assert rounding.rounding_error(1e-30, 0.0) == 1e-30
+                assert batch.rounded_covariance(at, x, v, *faint) == batch.rounded_covariance(at, x, v, 0, 0, 0)
+                assert batch.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
+    assert batch.rounding_error(1e-30, 0.0) == 1e-30
 
 
 @pytest.mark.slow

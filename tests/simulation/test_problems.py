@@ -11,7 +11,7 @@ import pytest
 
 from symosc import ParameterError, Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.compiled_loop import row_of
+from symosc.engine.batch import row_of
 from symosc.engine.start import first_state
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch_loop import chosen_loops

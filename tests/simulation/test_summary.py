@@ -12,7 +12,7 @@ import pytest
 from slow_summary import slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
-from symosc.engine import tally
+from symosc.engine import summary as tally
 from symosc.engine.flow import constants
 from symosc.engine.state import Covariance, State
 from symosc.simulation import batch_loop, chunks

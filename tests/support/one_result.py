@@ -87,9 +87,9 @@ def stop(path: str) -> Any:
 def whole() -> Any:
     """Return the digests, and whether compiled loops for doubles and for pairs were loaded."""
     results = digests()
-    from symosc.engine import arithmetic, pairs
+    from symosc.engine import arithmetic
 
-    loops = arithmetic.compiled()["follow_all"], pairs.compiled_pairs().follow_pairs
+    loops = arithmetic.compiled()["follow_all"], arithmetic.compiled_pairs().follow_pairs
     return {"digests": results, "loaded": [bool(loop.overloads) for loop in loops]}
 
 

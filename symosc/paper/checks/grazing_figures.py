@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import constants
-from symosc.engine.rests import never_leaves
+from symosc.engine.next_event import never_leaves
 from symosc.engine.state import Covariance, Launch
 from symosc.grazing.start import GrazingStart, grazing_start
 from symosc.grazing.state import is_grazing

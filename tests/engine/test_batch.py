@@ -1,28 +1,34 @@
-"""The loop over many trajectories: rows are states, and the bookkeeping is that of one step after the other."""
+"""Rows of a batch, its memory, and the extremes of its summaries."""
 
 from __future__ import annotations
 
 import random
 from fractions import Fraction
-from math import inf
+from itertools import pairwise
+from math import cos, sin
+from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
+from oracle import flow_oracle
 from random_constants import constants_of
+from regimes import random_sets
 
-from symosc.engine import compiled_loop
-from symosc.engine.compiled_loop import (
-    FLOAT_COLUMNS,
-    INT_COLUMNS,
+from symosc import Parameters
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.batch import (
+    PAGE,
     STATE_WIDTH,
-    batch_of,
-    follow_all,
+    copied,
     handed_out,
+    joined,
     keep_state,
-    room_for,
+    large_array,
     row_of,
     state_of,
 )
+from symosc.engine.flow import Constants, state_at
 from symosc.engine.state import (
     CROSS,
     END,
@@ -33,14 +39,16 @@ from symosc.engine.state import (
     INEXACT,
     MOVED,
     REST,
-    RUNNING,
     SLIP,
     STICK,
     Covariance,
+    Flown,
+    Launch,
     NextEvent,
     State,
 )
-from symosc.engine.tally import no_tally
+from symosc.engine.summary import Extremes, flight_extremes, widened
+from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 
 
@@ -137,34 +145,94 @@ class Told:
         raise AssertionError
 
 
-@pytest.mark.parametrize("accuracy", [inf, 1e-5, 3e-14])
-@pytest.mark.parametrize("most", [1, 3, 99])
-@pytest.mark.parametrize("room", [1, 2, 7, 400])
-def test_the_loop_writes_every_event_once(
-    accuracy: float, most: int, room: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of steps that are told: however small the room, the rows of all calls together are those of the trajectories."""
-    told = Told(random.Random(4), 6)
-    monkeypatch.setattr(compiled_loop, "advance", told.advance)
-    K = AnySet()
-    batch = batch_of(np.array([row_of(told.state(i, 0), 1000.0 + i, i * 1e-13) for i in range(30)]))
-    begin, floats, ints = 0, [], []
-    while begin < 30:
-        out = room_for(room)
-        assert out.floats.shape == (len(FLOAT_COLUMNS), room)
-        assert out.ints.shape == (len(INT_COLUMNS), room)
-        begin, rows = follow_all(begin, batch, most, accuracy, out, no_tally(), K)
-        assert begin == 30 or (rows == room and batch.codes[begin] == RUNNING)
-        floats += out.floats[:, :rows].T.tolist()
-        ints += out.ints[:, :rows].T.tolist()
-    right = [told.right(i, most, accuracy) for i in range(30)]
-    assert batch.codes.tolist() == [code for code, _ in right]
-    assert batch.counts.tolist() == [len(events) for _, events in right]
-    due = [(i, *event) for i, (_, events) in enumerate(right) for event in events]
-    assert [row[:3] for row in ints] == [[i, kind, 1 + i % 2] for i, kind, *_ in due]
-    assert [row[3:] for row in ints] == [[before.mode, behind.mode] for *_, before, behind, _ in due]
-    for row, (i, _, _, behind, error) in zip(floats, due, strict=True):
-        expected = handed_out(behind.t, behind.t_low, 100.0 * i, behind.x, behind.v, error, behind.S.S11, K)
-        assert row == [expected[0], behind.x, behind.v, behind.theta, *expected[1:]]
-    asked = [told.asked.count(i) for i in range(30)]
-    assert asked == [int(state_of(batch.states, i).n) for i in range(30)]
+def flight(p: Parameters, dice: random.Random) -> tuple[Constants, Launch, float, Flown]:
+    K = Arithmetic(p).K
+    theta, x, v = dice.uniform(0, 6.28), dice.uniform(-5, 5), dice.uniform(-5, 5)
+    F = acceleration(x, v, cos(theta), K.A2, K.cm, K.w0sq, K.f0)
+    start = Launch(v, F, sin(theta), cos(theta))
+    duration = dice.choice((0.1, 0.5, 1.0)) * min(K.chunk, 60 / K.rate)
+    return K, start, x, state_at(duration, start, K)
+
+
+def extremes_of(K: Constants, start: Launch, x: float, last: Flown) -> Extremes:
+    seen = widened(Extremes(x, x, start.v, start.v), x + last.dx, start.v + last.dv)
+    return flight_extremes(0.0, last, start, x, seen, K)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_sample_is_beyond_the_extremes_and_they_are_reached(seed: int) -> None:
+    """In all regimes: critical damping, resonance, no spring, no drive."""
+    dice = random.Random(seed)
+    for p in random_sets(seed, 12):
+        K, start, x, last = flight(p, dice)
+        found = extremes_of(K, start, x, last)
+        points = [state_at(tau, start, K) for tau in np.linspace(0, last.tau, 300)[1:-1].tolist()]
+        sampled = np.array(
+            [(x, start.v), (x + last.dx, start.v + last.dv), *((x + q.dx, start.v + q.dv) for q in points)]
+        )
+        size = abs(sampled).max()
+        gaps = np.array(found)[[0, 2]] - sampled.min(axis=0), sampled.max(axis=0) - np.array(found)[[1, 3]]
+        assert max(map(np.max, gaps)) <= 1e-14 * size, p
+        assert min(map(np.min, gaps)) >= -1e-2 * size, p
+
+
+def stationary_values(p: Parameters, begin: tuple[Any, Any, Any], duration: Any, which: int) -> list[Any]:
+    """Return x (0) or v (1) at the ends of a flight in domain 2 and at its stationary points, by the oracle's flow."""
+
+    times = [duration * n / 8 for n in range(9)]
+    points = [flow_oracle(p, 2, *begin, tau, dps=20) for tau in times]
+    values = [points[0][which], points[-1][which]]
+    for (a, before), (b, after) in pairwise(zip(times, points, strict=True)):
+        if before[which + 1] * after[which + 1] < 0:
+
+            def rate(tau: Any) -> Any:
+                return flow_oracle(p, 2, *begin, tau, dps=20)[which + 1]
+
+            root = mpmath.findroot(rate, (a, b), solver="anderson", tol=1e-16)
+            values.append(flow_oracle(p, 2, *begin, root, dps=20)[which])
+    return values
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("c", ["0.1", "4.7"])
+def test_extremes_are_those_of_mpmath(c: Any) -> None:
+    p = Parameters(m=1, c=c, k=5, A0=1, B0=7, Omega="1.5", v1=-90, v2=90, mu1=0, mu2=0, FN=0)
+    K, dice = Arithmetic(p).K, random.Random(4)
+    t, x, v = (dice.randint(-300, 300) / 128 for _ in range(3))
+    theta = 1.5 * t
+    start = Launch(v, acceleration(x, v, cos(theta), K.A2, K.cm, K.w0sq, K.f0), sin(theta), cos(theta))
+    found = extremes_of(K, start, x, state_at(4.0, start, K))
+    with mpmath.workdps(20):
+        for which, (low, high) in enumerate(((found.x_min, found.x_max), (found.v_min, found.v_max))):
+            values = stationary_values(p, (mpmath.mpf(t), mpmath.mpf(x), mpmath.mpf(v)), mpmath.mpf(4), which)
+            assert abs(float(min(values) - low)) < 2e-14
+            assert abs(float(max(values) - high)) < 2e-14
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.int32])
+@pytest.mark.parametrize("shape", [(0,), (6, 0), (6, 1), (7, 1000), (5, PAGE // 8 + 3), (PAGE,)], ids=str)
+def test_room_is_an_array_of_its_own(shape: tuple[int, ...], dtype: type) -> None:
+    room = large_array(shape, dtype)
+    assert room.shape == shape
+    assert room.dtype == dtype
+    assert room.flags.c_contiguous
+    assert room.flags.aligned
+    assert room.flags.writeable
+    room[...] = 7
+    assert np.all(room == 7)
+
+
+def test_large_room_begins_at_a_page() -> None:
+    for size in (PAGE // 8, PAGE // 8 + 1, PAGE):
+        assert large_array((size,)).__array_interface__["data"][0] % PAGE == 0
+
+
+def test_copies_are_right_and_share_nothing() -> None:
+    columns = np.arange(12.0).reshape(3, 4)
+    copy = copied(columns[:, :2])
+    assert copy.tolist() == [[0, 1], [4, 5], [8, 9]]
+    assert not np.shares_memory(copy, columns)
+    for pieces in ([columns[0]], [columns[0], columns[2, :3]], [columns[0, ::2]]):
+        whole = joined(pieces)
+        assert whole.tolist() == np.concatenate(pieces).tolist()
+        assert whole.flags.c_contiguous

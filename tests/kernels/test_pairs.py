@@ -1,4 +1,4 @@
-"""Double-double numbers for numba: operators and functions against mpmath, over their whole ranges."""
+"""Double-double numbers: their operators and functions, in CPython and compiled."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from typing import Any
 import pytest
 from samples import sample_of
 
-from symosc.engine.binding import bind
+from symosc.engine.arithmetic import bind
 from symosc.kernels.multiprecision import mp_context
 
 numba = pytest.importorskip("numba")
-pair_type = pytest.importorskip("symosc.kernels.pair_type")
-pair_functions = pytest.importorskip("symosc.kernels.pair_functions")
+pairs = pytest.importorskip("symosc.kernels.pairs")
 
 UNIT = 2.0**-106
 EXACT = mp_context(100)
@@ -42,7 +41,7 @@ def rounded(number: Any) -> tuple[complex, Any]:
 @lru_cache(maxsize=1)
 def compiled() -> Callable[..., Any]:
     """Return all operators and functions of two numbers, compiled once for all tests."""
-    from_complex, to_complex = pair_type.from_complex, pair_type.to_complex
+    from_complex, to_complex = pairs.from_complex, pairs.to_complex
 
     def values(a: Any, b: Any) -> Any:
         x, y = from_complex(a), from_complex(b)
@@ -82,9 +81,9 @@ def numbers(count: int, seed: int) -> Iterator[Any]:
 @pytest.mark.slow
 @sample_of(1_000, 300_000)
 def test_operators_are_right_to_a_few_units(count: int) -> None:
-    pairs = zip(numbers(count, 1), numbers(count, 2), strict=True)
+    given = zip(numbers(count, 1), numbers(count, 2), strict=True)
     worst = dict.fromkeys(OPERATORS, 0.0)
-    for n, (a, b) in enumerate(pairs):
+    for n, (a, b) in enumerate(given):
         (a, x), (b, y) = rounded(a), rounded(-a * (1 + EXACT.mpf(2) ** -(n % 104)) if n % 5 == 0 else b)
         if not (x and y):
             continue
@@ -106,14 +105,14 @@ def test_operators_are_right_to_a_few_units(count: int) -> None:
 @pytest.mark.slow
 @sample_of(1_000, 300_000)
 def test_cpython_gives_the_bits_of_compiled_code(count: int) -> None:
-    bound = bind((pair_functions,), {"pair": pair_type.pair_of})
-    functions = [bound[pair_functions.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")]
+    bound = bind((pairs,), {"pair": pairs.pair_of})
+    functions = [bound[pairs.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")]
     for n, (a, b) in enumerate(zip(numbers(count, 4), numbers(count, 5), strict=True)):
         first = as_complex(a)
         second = complex(first.real, first.imag * (n % 3)) if n % 5 == 0 else as_complex(b)
         if not (first and second) or abs(first) > 600:
             continue
-        x, y = pair_type.pair_of(first.real, first.imag), pair_type.pair_of(second.real, second.imag)
+        x, y = pairs.pair_of(first.real, first.imag), pairs.pair_of(second.real, second.imag)
         told = (
             tuple(map(complex, (x + y, x - y, x * y, x / y))),
             tuple(map(complex, (abs(x), -x, 2 * x, x / 3, 0.5 + x))),
@@ -160,10 +159,10 @@ def test_constants_are_rounded_once() -> None:
     dice = random.Random(5)
     for _ in range(200):
         q = Fraction(dice.randint(-(10**40), 10**40), dice.randint(1, 10**40))
-        made = pair_type.Pair(q)
+        made = pairs.Pair(q)
         assert abs(Fraction(made.hi) + Fraction(made.lo) - q) <= abs(q) * Fraction(1, 2**106)
         assert made.hi == float(q)
-    pi = pair_type.Pair(EXACT.pi)
+    pi = pairs.Pair(EXACT.pi)
     assert abs(EXACT.mpf(pi.hi) + EXACT.mpf(pi.lo) - EXACT.pi) < UNIT
 
 
@@ -171,7 +170,7 @@ def test_no_conversion_to_doubles() -> None:
     """A function for doubles must not be chosen silently."""
 
     def logarithm(a: Any) -> Any:
-        return math.log(pair_type.from_complex(a))
+        return math.log(pairs.from_complex(a))
 
     with pytest.raises(numba.TypingError):
         numba.njit(logarithm)(1 + 0j)
