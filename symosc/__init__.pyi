@@ -82,7 +82,7 @@ from .orbits.periodic_orbit import (
 )
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
-from .reference.sets import reference_cases as reference_cases
+from .reference.cases import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names

@@ -26,7 +26,7 @@ NEED = {
         "cli/test_score.py",
         "reference/test_folder.py",
         "reference/test_score.py",
-        "reference/test_sets.py",
+        "reference/test_cases.py",
     ),
     "pyarrow": ("crosschecks/test_objects.py",),
     "h5netcdf": ("sweeps/test_output.py", "sweeps/test_page.py", "sweeps/test_sweep.py"),
@@ -37,9 +37,6 @@ NEED_CASES = {
         "cli/test_score.py::test_a_table_of_a_group",
         "plot/test_score.py::test_each_case_is_where_it_belongs",
         "plot/test_score.py::test_sixteen_solvers_look_different",
-        "reference/test_case.py::test_a_graze_has_no_condition",
-        "reference/test_case.py::test_conditions_are_those_of_the_scene",
-        "reference/test_case.py::test_words_and_what_is_shown",
         "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
         "[certify]",
     ),

@@ -22,6 +22,8 @@ from symosc.errors import ParameterError, ResultError, brief
 from symosc.exact import read_exact
 from symosc.files import read_path
 
+# -- results --
+
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
@@ -65,13 +67,7 @@ Results = dict[str, CaseResult]
 
 
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file.
-
-    Raises
-    ------
-    ResultError
-        If a file cannot be read, or names a case that is not in `names`. The message is one line.
-    """
+    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file."""
     source = Path(read_path(path))
     if not source.exists():
         raise ResultError(str(source), "does not exist")

@@ -12,7 +12,7 @@ from symosc import certify, find_orbit, load_scene, simulate
 from symosc.certificates.settled import prove_settled
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.exact import read_start_error
-from symosc.reference.hard_cases import hard_cases
+from symosc.reference.cases import hard_cases
 
 LONG = {case.name: case for case in hard_cases() if case.periods}
 

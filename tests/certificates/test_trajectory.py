@@ -17,7 +17,7 @@ from problems import FAMILIES
 from symosc import Certificate, Parameters, Scene, certify, load_scene, simulate
 from symosc.certificates import trajectory
 from symosc.exact import read_exact
-from symosc.reference.hard_cases import hard_cases
+from symosc.reference.cases import hard_cases
 
 PAPER = {"fig5": 16, "fig6": 3, "fig7": 0, "fig7-corrected": 2, "fig8": 22, "fig9": 12, "fig10": 44}
 

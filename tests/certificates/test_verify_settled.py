@@ -17,7 +17,7 @@ import symosc.certificates.verify as checker
 from symosc import certify, find_orbit, load_scene
 from symosc.certificates.settled import prove_settled
 from symosc.certificates.trajectory import EXACT, ToProve
-from symosc.reference.hard_cases import hard_cases
+from symosc.reference.cases import hard_cases
 
 NAMES = ("fig9-orbit", "fig10-orbit")
 Document = dict[str, Any]
