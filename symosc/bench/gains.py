@@ -19,7 +19,7 @@ from symosc.engine.start import Start, first_state
 from symosc.engine.summary import no_tally
 from symosc.kernels import elementary
 from symosc.scenes import load_scene
-from symosc.simulation.run import last_time
+from symosc.simulation.motion import last_time
 
 SEARCHED_SCENES = ("fig5", "fig9", "fig10")
 SEARCHED_EVENTS, QUICK_SEARCHED_EVENTS = 1_000, 300

@@ -28,7 +28,7 @@ from symosc.bench.machine import machine
 from symosc.bench.peers import SOLVERS
 from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
-from symosc.certificates.known import Known, ProvenMiddle, known_events
+from symosc.certificates.certify import Known, ProvenMiddle, known_events
 from symosc.engine.arithmetic import mp_context
 from symosc.reference.case import conditions
 from symosc.reference.cases import HardCase, hard_cases

@@ -10,14 +10,14 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
+from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
 from symosc.kernels._generated import acceleration
 from symosc.model import MODE_NAMES, NEIGHBOURS
-from symosc.simulation.run import EVENT_KINDS
 from symosc.simulation.trajectory import Event, Trajectory
 
-CODES, MODES = ({name: code for code, name in names.items()} for names in (EVENT_KINDS, MODE_NAMES))
+CODES, MODES = ({name: code for code, name in names.items()} for names in (KIND_NAMES, MODE_NAMES))
 # An event of the samples belongs to an exact one that is at most this part of the forcing period away.
 WINDOW = 0.05
 # A contact of the samples with a belt is a stick if they keep to it for this part of the period.

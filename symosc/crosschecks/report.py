@@ -23,9 +23,9 @@ from symosc.display.drawable import Drawable, Reportable
 from symosc.display.frames import imported
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
-from symosc.simulation.event_table import counted
+from symosc.simulation.batch import read_workers
+from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
-from symosc.simulation.workers import read_workers
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # A summary of several solutions lists so many that fail.

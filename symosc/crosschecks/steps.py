@@ -25,18 +25,17 @@ import numpy as np
 
 from symosc.crosschecks.samples import Samples
 from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.batch import Batch, batch_of, keep_state, room_for, state_of
+from symosc.engine.batch import Batch, batch_of, keep_state, state_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
-from symosc.engine.start import belt_rows
+from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
-from symosc.engine.summary import no_tally
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import Course, InterpretBudget, chosen_loops, followed, joined
+from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined
 
 # Fewer steps than this are followed before compiled code is loaded, until so many are done: to load it takes a second.
 COMPILE_FROM = 4000
@@ -221,7 +220,7 @@ class Pieces:
         """Return defects, modes, sizes and events of some steps that begin on belt `on` (0: where the sample is)."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
-        rows = belt_rows(on, self.theta[steps], self.x[steps], start_v, left, self.K)
+        rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
         modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
         quiet, states = quiet_ends(rows, left, self.K)
         ends[quiet] = states
@@ -259,7 +258,7 @@ def _upper_half(value: Any) -> Any:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return which rows of `belt_rows` have no event in the time `left`, and their states [x, v] at the end."""
+    """Return which rows of `start_rows` have no event in the time `left`, and their states [x, v] at the end."""
     numbers = np.flatnonzero(K.rate * left < LONGEST_QUIET)
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
@@ -298,8 +297,8 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
     few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0
-    course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
-    numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
+    follow = chosen_loops(False if few else None).follow
+    numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
     FEW_STEPS.events -= len(rows) * few
     t, x, theta = numbers[[0, 1, 3]]
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])

@@ -27,7 +27,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine import batch, first_exit, first_rows, flow, next_event, state, summary
+from symosc.engine import batch, events, first_exit, flow, next_event, state, summary
 from symosc.engine.batch import Going
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
@@ -35,7 +35,7 @@ from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, entire
 from symosc.model import Parameters
 
-SOURCES = (_generated, entire, state, flow, first_exit, next_event, first_rows, batch)
+SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
 # Summaries are of doubles only.
 IN_DOUBLES_ONLY = (double_double, summary)
 
@@ -54,9 +54,9 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at first_rows
+    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at
     flight_extremes flown follow_all hidden leave_tally march_rows newton_root next_doubt no_contact parts_again periods
-    point_at_end resolve rest_stretches search_row searched section series settle sine_and_cosine_of slow_passing_time
+    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
     stationary stepped stiff_derivatives tally_stretch tolerance touch_belt within
 """
 
@@ -181,9 +181,9 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
     return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
 
 
-def no_rest(a, b):
-    """Return 0, for `symosc.kernels.double_double.rest_of_product`."""
-    return 0.0 * a
+def product_and_zero(a, b):
+    """Return a product and 0: `symosc.kernels.double_double.two_product` for numbers that are no doubles."""
+    return a * b, 0.0 * a
 
 
 # --- doubles ---
@@ -243,6 +243,11 @@ class Arithmetic:
     def handed_out(self) -> Callable[..., Any]:
         """See `symosc.engine.next_event`."""
         return self.following["handed_out"]
+
+    @property
+    def event_numbers(self) -> Callable[..., Any]:
+        """See `symosc.engine.events`."""
+        return self.following["event_numbers"]
 
     paths = property(lambda self: self)
 
@@ -317,7 +322,7 @@ class MpArithmetic(Arithmetic):
             "SIXTH": context.mpf(1) / 6,
             "ROUNDING": context.mpf(MP_ROUNDING),
             "basis": basis,
-            "rest_of_product": no_rest,
+            "two_product": product_and_zero,
         }
         self.namespace = bind(SOURCES, self._replaced, literal=context.mpf)
 
@@ -423,6 +428,7 @@ PLAIN_IN_PAIRS = {
     "end_in_doubles": "end_by_phase",
     "searched_in_doubles": "searched",
     "next_doubt_in_doubles": "next_doubt",
+    "write_event_in_doubles": "write_event",
     **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "leave_tally")},
 }
 
@@ -471,7 +477,7 @@ def compiled_pairs() -> PairLoops:
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
-    callees["rest_of_product"] = numba.njit(no_rest)
+    callees["two_product"] = numba.njit(product_and_zero)
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
     replaced = _pair_constants() | {"from_complex": pairs.from_complex}
     beside = (pairs, double_double, summary)
@@ -498,7 +504,7 @@ def interpreted_pairs() -> PairLoops:
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
-    replaced |= {"min": least, "max": greatest, "float": number, "int": whole, "rest_of_product": no_rest}
+    replaced |= {"min": least, "max": greatest, "float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)

@@ -579,7 +579,8 @@ def sharpened(root, side, now, walls, K):
     """
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
-    over = over_wall(side, now, walls)
+    gap = gap_to(side, now, walls)
+    over = gap if side < 0 else -gap
     square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
     value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
     slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
@@ -587,11 +588,6 @@ def sharpened(root, side, now, walls, K):
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
     return root - shift if abs(shift) < 0.5 * abs(root) else root
-
-
-def over_wall(side, now, walls):
-    """Return the velocity minus that of the wall on a side."""
-    return walls.below + now.dv if side < 0 else now.dv - walls.above
 
 
 def polish(tau, low, high, side, start, walls, K):
@@ -602,12 +598,12 @@ def polish(tau, low, high, side, start, walls, K):
     """
     now, slack = state_at(tau, start, K), 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
-        over = over_wall(side, now, walls)
-        if side * over < 0.0:  # before the contact
+        gap = gap_to(side, now, walls)
+        if gap > 0.0:  # before the contact
             low = tau if tau > low else low
         else:
             high = tau if tau < high else high
-        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
@@ -662,18 +658,18 @@ def ahead(angle):
     return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
 
 
-def belt_exit(tau_max, hold, S11, belt, K):
+def belt_exit(tau_max, held, belt, K):
     """Return the end of a stick within `tau_max` <= one forcing period, a `StickEnd`.
 
-    `hold` is a Hold with F^(below) >= 0 >= F^(above), S11 the variance of the position. NOTHING: the stick lasts (Delta
-    at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`.
-    TANGENCY: a force is 0 within its error at tau.
+    `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at tau_max).
+    HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`. TANGENCY: a
+    force is 0 within its error at tau.
     """
     zero = 0.0 * tau_max
-    tau, Delta, s, c, c_end = zero, zero, hold.s, hold.c, hold.c
+    tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
     first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
     if belt.turns:
-        first, second = ahead(belt.angle - hold.theta) / K.Om, ahead(PI - belt.angle - hold.theta) / K.Om
+        first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
         if second < first:
             first, second, c_first = second, first, -belt.c_cr
     turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
@@ -685,22 +681,22 @@ def belt_exit(tau_max, hold, S11, belt, K):
             continue
         if belt.turns and end < tau_max:
             c_end = c_first if piece == 0 else -c_first
-            Delta_end = stick_acceleration(zero, belt.v, end, c_end - hold.c, K.w0sq, K.f0)
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
         elif end == K.period:
             Delta_end = belt.drift * end
         else:
-            Delta_end, _, _ = gain(end, hold.s, hold.c, belt, K)
+            Delta_end, _, _ = gain(end, held.s, held.c, belt, K)
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
         rising = Delta_end > Delta
-        force, side = (hold.Fa, 1) if rising else (hold.Fb, -1)
+        force, side = (held.Fa, 1) if rising else (held.Fb, -1)
         over = force + Delta_end if rising else -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
-        if turning and abs(over) <= force_noise(hold.Fb, end, S11, belt, K):
+        if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
             return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
         if over >= 0.0:
-            return exit_root(force, side, tau, end, Delta, s, c, hold, belt, K)
+            return exit_root(force, side, tau, end, Delta, s, c, held, belt, K)
         tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
     return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero, zero, zero)
 
@@ -711,7 +707,7 @@ def force_noise(F_below, tau, S11, belt, K):
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
-def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
+def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
     """Return the only root of force + Delta from `low` to `high`, where Delta is monotone, as `belt_exit` does.
 
     Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
@@ -721,9 +717,9 @@ def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
     tau, over = low, force + Delta
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
     sine = 1.0 if side * K.fB < 0.0 else -1.0
-    inflection = wrapped(0.5 * sine * PI - hold.theta) / K.Om
+    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
     if low < inflection < high:
-        there = stick_acceleration(force, belt.v, inflection, -hold.c, K.w0sq, K.f0)
+        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
         if abs(there) < abs(over):
             tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
         if side * there > 0.0:
@@ -754,7 +750,7 @@ def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
         if tau + step == tau:  # the bracket is as narrow as it gets
             return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
         tau, exact = tau + step, True
-        Delta, s, c = gain(tau, hold.s, hold.c, belt, K)
+        Delta, s, c = gain(tau, held.s, held.c, belt, K)
         slope, bend = slopes(s, c, belt, K)
         over = force + Delta
         if side * over > 0.0:

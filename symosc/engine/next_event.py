@@ -35,8 +35,8 @@ from symosc.engine.first_exit import (
     first_exit,
     force_noise,
     gain,
+    gap_to,
     local_root,
-    over_wall,
     shifted,
     slips_at,
     slopes,
@@ -61,7 +61,6 @@ from symosc.engine.state import (
     TANGENCY,
     Covariance,
     FlightEnd,
-    Hold,
     Launch,
     NextEvent,
     State,
@@ -69,7 +68,7 @@ from symosc.engine.state import (
     Walls,
 )
 from symosc.kernels._generated import acceleration, next_derivative
-from symosc.kernels.double_double import rest_of_product
+from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -105,7 +104,7 @@ def advance(state, t_end, t_end_low, K):
     tau_max = left if left < K.chunk else K.chunk
     if state.mode > ON_BELT:
         belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
-        return after_stick(state, belt_exit(tau_max, held_by(state), state.S.S11, belt, K), left, K)
+        return after_stick(state, belt_exit(tau_max, state, belt, K), left, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
     start, walls = launched(state, K)
@@ -165,7 +164,7 @@ def after_flight(state, end, start, left, K):
     turns, theta, theta_low = later(0, theta, theta_low, now.tau, K)
     n, s, c = n + turns, now.s, now.c
     if turns > 0:
-        s, c = sine_and_cosine_of(theta)
+        s, c = sin(theta), cos(theta)
     t, t_low = added(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
@@ -197,7 +196,7 @@ def no_contact(state, there, now, left, K):
     if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    s, c = sine_and_cosine_of(theta)
+    s, c = sin(theta), cos(theta)
     return NextEvent(MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
 
 
@@ -383,11 +382,6 @@ def following_sign(v, F, s, c, K):
 # --- sticks ---
 
 
-def held_by(state):
-    """Return the beginning of a stick."""
-    return Hold(state.Fb, state.Fa, state.theta, state.s, state.c)
-
-
 def after_stick(state, end, left, K):
     """Return the next event of a stick from `state`, given how its search ended; see `advance`."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
@@ -404,7 +398,7 @@ def after_stick(state, end, left, K):
     turns, theta, theta_low = later(0, theta, theta_low, tau, K)
     n = n + turns
     if code != HIT or turns > 0:
-        s, c = sine_and_cosine_of(theta)
+        s, c = sin(theta), cos(theta)
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:
         held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
@@ -432,7 +426,7 @@ def later(n, theta, theta_low, tau, K):
     total = theta + turn
     part = total - theta
     low = (theta - (total - part)) + (turn - part)
-    rest = rest_of_product(K.Om, tau)
+    _, rest = two_product(K.Om, tau)
     theta, theta_low = total, theta_low + (low + rest if abs(rest) < 1.0 else low)  # else out of the range of doubles
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
         turns = int(theta / TWO_PI) - 1
@@ -446,11 +440,6 @@ def later(n, theta, theta_low, tau, K):
     if total < 0.0:  # by the rest of 2 pi
         return n, 0.0 * total, theta_low + total
     return n, total, theta_low
-
-
-def sine_and_cosine_of(theta):
-    """Return the sine and the cosine of a phase, without rounding errors from before."""
-    return sin(theta), cos(theta)
 
 
 def added(t, t_low, tau, K):
@@ -515,7 +504,7 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
     tau = 0.0 * left + tau  # as a number of the same kind
     if code == SLIP:
         belt = K.belt1 if boundary == 1 else K.belt2
-        slip = slip_near(tau, doubt, -1 if there.mode == boundary else 1, held_by(state), belt, K)
+        slip = slip_near(tau, doubt, -1 if there.mode == boundary else 1, state, belt, K)
         if slip.code == HIT:
             return after_stick(state, slip, left, K)
     elif state.mode <= ON_BELT and code in (CROSS, STICK):
@@ -536,7 +525,8 @@ def contact_near(tau, doubt, side, start, walls, K):
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
-        shift = local_root(over_wall(side, now, walls), now.F, now.G1, now.G2, now.G3, EPS * tau)
+        gap = gap_to(side, now, walls)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
         if not (abs(tau + shift - first) <= doubt and side * now.F > 0.0):
             break
         if abs(shift) * K.rate < NEAR:
@@ -546,12 +536,12 @@ def contact_near(tau, doubt, side, start, walls, K):
     return FlightEnd(STALLED, side, now)
 
 
-def slip_near(tau, doubt, side, hold, belt, K):
+def slip_near(tau, doubt, side, held, belt, K):
     """Return the end of a stick within `doubt` of `tau`, as `belt_exit` does; STALLED for none."""
-    first, force = tau, hold.Fa if side > 0 else hold.Fb
+    first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):
-        Delta, s, c = gain(tau, hold.s, hold.c, belt, K)
+        Delta, s, c = gain(tau, held.s, held.c, belt, K)
         slope, bend = slopes(s, c, belt, K)
         step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
         if not (abs(tau + step - first) <= doubt and side * slope > 0.0):

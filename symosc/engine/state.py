@@ -110,16 +110,6 @@ class FlightEnd(NamedTuple):
     now: Flown
 
 
-class Hold(NamedTuple):
-    """The beginning of a stick: the accelerations of both sides, the phase, its sine and cosine."""
-
-    Fb: Number
-    Fa: Number
-    theta: Number
-    s: Number
-    c: Number
-
-
 class StickEnd(NamedTuple):
     """What a search along a stick ends with: its code, the side that it slips to, and where."""
 

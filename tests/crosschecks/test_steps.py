@@ -16,9 +16,9 @@ from symosc.crosschecks.events import CODES
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps, phases, propagated, quiet_ends, sample_errors
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.start import belt_rows
+from symosc.engine.events import KIND_NAMES
+from symosc.engine.start import start_rows
 from symosc.model import MODE_NAMES
-from symosc.simulation.run import EVENT_KINDS
 
 # -- steps -------------------------------------------------------------------------------------------------------------
 
@@ -63,7 +63,7 @@ def test_steps_are_those_of_single_motions() -> None:
             assert steps.events.t[rows] == pytest.approx([float(event.t) for event in motion.events], abs=1e-9)
             assert [MODE_NAMES[code] for code in steps.events.target[rows]] == [event.target for event in motion.events]
             assert steps.events.boundary[rows].tolist() == [event.boundary for event in motion.events]
-            assert [EVENT_KINDS[code] for code in steps.events.kind[rows]] == [event.kind for event in motion.events]
+            assert [KIND_NAMES[code] for code in steps.events.kind[rows]] == [event.kind for event in motion.events]
             kinds |= {event.kind for event in motion.events}
     assert kinds >= {"jump", "stick", "slip", "cross"}
 
@@ -152,7 +152,7 @@ def test_quiet_steps_are_those_of_the_event_search() -> None:
         beside = rng.choice(belts, count) + rng.choice([-1, 1], count) * 10.0 ** rng.uniform(-8, 1, count)
         v = np.where(at > 0, belts[at - 1], beside)
         theta, x, left = rng.uniform(0, 6.2, count), rng.uniform(-9, 9, count), 10.0 ** rng.uniform(-5, 0.5, count)
-        rows = belt_rows(at, theta, x, v, left / K.rate, K)
+        rows, _ = start_rows(at, theta, x, v, (0.0, 0.0, left / K.rate, 0.0, 0.0), K)
         quiet, ends = quiet_ends(rows, left / K.rate, K)
         modes, exact, events = steps._follow(rows, left / K.rate, K)
         assert not np.isin(events.step, quiet).any()
@@ -171,7 +171,8 @@ def test_most_steps_of_a_fine_run_are_quiet() -> None:
     K = Arithmetic(p).K
     theta, x, v = rng.uniform(0, 6.2, 2000), rng.uniform(-5, 5, 2000), rng.uniform(-5, 5, 2000)
     left = np.full(2000, 1e-4 / K.rate)
-    quiet, _ = quiet_ends(belt_rows(np.zeros(2000, int), theta, x, v, left, K), left, K)
+    rows, _ = start_rows(np.zeros(2000, int), theta, x, v, (0.0, 0.0, left, 0.0, 0.0), K)
+    quiet, _ = quiet_ends(rows, left, K)
     assert len(quiet) > 1900
 
 
@@ -193,7 +194,7 @@ def test_a_stick_that_ends_between_the_ends_of_a_step_is_not_quiet() -> None:
         x = (A + np.cos(middle) * K.f0 - belt.v * K.cm - force) / K.w0sq - 0.5 * belt.v * left
         ones = np.ones(1)
         theta = (middle - 0.5 * K.Om * left) % (2 * np.pi)
-        rows = belt_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, left * ones, K)
+        rows, _ = start_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, (0.0, 0.0, left, 0.0, 0.0), K)
         events = steps._follow(rows, left * ones, K)[2]
         there += rows[0, 0] > 3 and len(events.step) > 0
         if len(events.step):

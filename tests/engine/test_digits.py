@@ -24,7 +24,7 @@ from symosc.derive.steps import Step
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.start import Start
 from symosc.kernels.multiprecision import mp_context
-from symosc.simulation import run
+from symosc.simulation import motion
 
 gmpy2: Any = importlib.import_module("gmpy2") if find_spec("gmpy2") else None
 mpfr: Any = importlib.import_module("symosc.kernels.mpfr") if gmpy2 else None
@@ -41,8 +41,8 @@ def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
     return p, {**start, "t_end": start["t0"] + 12}
 
 
-def followed(start: Start, arithmetic: MpArithmetic) -> run.Path:
-    path = run.Path(start, arithmetic)
+def followed(start: Start, arithmetic: MpArithmetic) -> motion.Motion:
+    path = motion.Motion(start, arithmetic)
     while not path.ended:
         path.step()
     return path
@@ -122,7 +122,7 @@ def test_the_precision_of_others_is_left_alone() -> None:
 def test_an_error_leaves_the_precision_as_it_was() -> None:
     p, given = problem(1)
     path, before = (
-        run.Path(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
+        motion.Motion(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
         gmpy2.get_context(),
     )
     path._end = None, None  # type: ignore[assignment]

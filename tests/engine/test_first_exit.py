@@ -38,11 +38,11 @@ from symosc.engine.state import (
     TANGENCY,
     Covariance,
     Flown,
-    Hold,
     Launch,
+    State,
     Walls,
 )
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -204,7 +204,7 @@ def test_a_quartic_start_has_no_root_where_it_says() -> None:
     checked = 0
     for _ in range(200):
         p = BASE.replace(c=tenths(rng, 0, 60), k=tenths(rng, 1, 60), Omega=tenths(rng, 3, 40))
-        K = Path(Start(p, Fraction(0), Fraction(0), Fraction(0), Fraction(1))).K
+        K = Motion(Start(p, Fraction(0), Fraction(0), Fraction(0), Fraction(1))).K
         # F = G1 = G2 = 0 at theta = 3 pi/2 with the belt's speed v = B0 Omega/k
         v, s0, c0 = K.fB / K.w0sq, -1.0, 0.0
         _, w, j = flow.derivatives(v, 0.0, s0, c0, K)
@@ -379,6 +379,12 @@ def test_a_wall_that_is_only_come_near_to_is_not_met() -> None:
     assert min(sides.values()) > 3
 
 
+def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float = 0.0) -> State:
+    """Return the state at the beginning of a stick."""
+    S = Covariance(S11, 0.0, 0.0)
+    return State(4, 1, 0, theta, 0.0, 0.0, Fb, Fa, S, 0.0, 0.0, s, c, 0.0)
+
+
 def test_the_end_of_a_stick_is_the_first() -> None:
     rng = random.Random(9)
     ends = 0
@@ -387,7 +393,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
         s0, c0 = math.sin(theta), math.cos(theta)
-        code, side, tau, *_ = belt_exit(K.period, Hold(below, below - belt.J, theta, s0, c0), 0.0, belt, K)
+        code, side, tau, *_ = belt_exit(K.period, holding(below, below - belt.J, theta, s0, c0), belt, K)
         inside = [below + gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
         assert all(0 < force < belt.J for force in inside)
         if code == HIT:
@@ -402,8 +408,8 @@ def test_constant_forces_never_end_a_stick(below: float) -> None:
     """Without drive and spring's pull nothing changes, not even where a force is 0 already."""
     K = constants_of(random.Random(3), B0=0, v1=0)
     belt, theta = K.belt1, 1.2
-    held = Hold(below * belt.J, (below - 1) * belt.J, theta, math.sin(theta), math.cos(theta))
-    end = belt_exit(K.period, held, 0.0, belt, K)
+    held = holding(below * belt.J, (below - 1) * belt.J, theta, math.sin(theta), math.cos(theta))
+    end = belt_exit(K.period, held, belt, K)
     assert (end.code, end.tau, end.Delta) == (NOTHING, K.period, 0.0)
 
 
@@ -413,8 +419,8 @@ def test_a_stick_that_lasts_has_no_side() -> None:
         K = constants_of(rng, v1=round(rng.uniform(-2, 0.5), 3))
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below, tau_max = rng.uniform(0.01, 0.99) * belt.J, K.period * rng.choice([0.01, 0.3, 1.0])
-        hold = Hold(below, below - belt.J, theta, math.sin(theta), math.cos(theta))
-        end = belt_exit(tau_max, hold, 0.0, belt, K)
+        hold = holding(below, below - belt.J, theta, math.sin(theta), math.cos(theta))
+        end = belt_exit(tau_max, hold, belt, K)
         if end.code == NOTHING:
             lasts += 1
             assert (end.side, end.tau) == (0, tau_max)
@@ -451,7 +457,7 @@ def test_a_force_that_only_touches_0_is_a_touch() -> None:
             below = depth + part * noise
             if 1.5 * below + Delta.max() > belt.J:
                 continue
-            end = belt_exit(K.period, Hold(below, below - belt.J, theta, s0, c0), S11, belt, K)
+            end = belt_exit(K.period, holding(below, below - belt.J, theta, s0, c0, S11), belt, K)
             if code is None:
                 assert end.code == NOTHING or end.tau > turn + 1e-6
                 continue

@@ -38,8 +38,8 @@ from symosc.engine.state import (
 )
 from symosc.kernels.entire import EPS
 from symosc.model import MODE_NAMES, NEIGHBOURS
-from symosc.simulation import run
-from symosc.simulation.run import Path
+from symosc.simulation import motion
+from symosc.simulation.motion import Motion
 from symosc.simulation.trajectory import Event
 
 pytestmark = pytest.mark.usefixtures("interpreted")
@@ -171,19 +171,19 @@ def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
 
 
 def test_rounding_an_event_adds_to_its_errors() -> None:
-    context = run.mp_context(30)
+    context = motion.mp_context(30)
     for t, x in (("1e6", "-3e9"), ("-1e6", "3e9")):
         numbers = (context.mpf(t) / 3, context.mpf(x) / 7, context.mpf(2), context.mpf(1))
         event = Event(*numbers, "cross", 1, "Omega1", "Omega2", 1e-25, 1e-24)
-        rounded = run.rounded_event(event)
+        rounded = motion.rounded_event(event)
         assert isinstance(rounded.t, float)
         assert rounded.t_error == pytest.approx(2.0**-53 * 1e6 / 3)
         assert rounded.x_error == pytest.approx(2.0**-53 * 3e9 / 7)
-        cut = run.cut_event(event, run.mp_context(10))
-        half = float(run.mp_context(10).eps) / 2
+        cut = motion.cut_event(event, motion.mp_context(10))
+        half = float(motion.mp_context(10).eps) / 2
         assert (cut.t_error, cut.x_error) == pytest.approx((half * 1e6 / 3, half * 3e9 / 7))
         assert cut.t.context.dps == 10
-        assert run.rounded_event(rounded) is rounded
+        assert motion.rounded_event(rounded) is rounded
 
 
 def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: int) -> Any:
@@ -259,11 +259,11 @@ def random_start(seed: int) -> Start:
     return Start(p, t0, Fraction(dice.randint(-30, 30), 10), v0, t0 + 9)
 
 
-def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Path, Any, Any, State, NextEvent]]:
+def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, Any, State, NextEvent]]:
     """Yield what goes into a step with many digits, and take the step."""
     arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
-    path = Path(start, arithmetic)
-    end = run.last_time(start, doubles)
+    path = Motion(start, arithmetic)
+    end = motion.last_time(start, doubles)
     for _ in range(most):
         rough = rounded(path.state, start)
         yield path, path._state, path._end, rough, doubles.advance(rough, *end, doubles.K)
@@ -285,7 +285,7 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
         assert abs(exact(a) - exact(b)) <= FINE * max(1, abs(int(b)))
 
 
-def compared(path: Path, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
+def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
     before = path._paths.enter()
     try:
@@ -321,8 +321,7 @@ def test_a_wrong_time_or_belt_is_not_believed(seed: int) -> None:
 def followed(monkeypatch: pytest.MonkeyPatch, start: Start, digits: int | None, searches: bool) -> Any:
     with monkeypatch.context() as patch:
         if not searches:
-            patch.setattr(run, "_search_beside_digits", lambda start: None)
-            patch.setattr(run, "MOST_SEARCHES", 0)
+            patch.setattr(Motion, "_in_digits", lambda self, state: self._paths.advance(state, *self._end, self.K))
         times = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
         accuracy = {"accuracy": 1e-15} if digits is None else {"digits": digits}
         return simulate(start.parameters, max_events=25, **times, **accuracy)  # type: ignore[arg-type]
@@ -346,13 +345,13 @@ def test_motions_are_the_same_with_and_without(seed: int, monkeypatch: pytest.Mo
 SPEED_OF = {1: "v1", 2: "v2"}
 
 
-def random_path(rng: random.Random, digits: int | None) -> Path:
+def random_path(rng: random.Random, digits: int | None) -> Motion:
     """Return a motion of random parameters from a random start between the belts, before its first step."""
     p = BASE.replace(
         m=tenths(rng, 3, 30), c=tenths(rng, 0, 20), k=tenths(rng, 0, 40), B0=tenths(rng, -60, 60), A0=tenths(rng, -9, 9)
     ).replace(Omega=tenths(rng, 3, 30), mu1=tenths(rng, 1, 9), mu2=tenths(rng, 1, 9))
     t0, x0, v0 = tenths(rng, -90, 90), tenths(rng, -20, 20), tenths(rng, -9, 14)
-    return Path(Start(p, t0, x0, v0, t0 + 40), digits)
+    return Motion(Start(p, t0, x0, v0, t0 + 40), digits)
 
 
 def acceleration(p: Parameters, domain: int, s: State) -> Any:
@@ -451,7 +450,7 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
 
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
-    path, found = Path(start), []
+    path, found = Motion(start), []
     while not path.ended and len(found) < most:
         path.step()
         s = path.state

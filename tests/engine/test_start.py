@@ -268,7 +268,7 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         again = start.belt_state(begun, (0, 0.0), phase, x, state.S, arithmetic.K)
         assert again == state
         at, v = np.array([boundary, 0]), np.array([state.v, state.v + 1e-3])
-        rows = start.belt_rows(at, np.zeros(2), np.full(2, x), v, np.full(2, 0.5), arithmetic.K)
+        rows, _ = start.start_rows(at, np.zeros(2), np.full(2, x), v, (0.0, 0.0, 0.5, 0.0, 0.0), arithmetic.K)
         assert batch.state_of(rows, 0) == state
         assert rows[1, 0] == boundary + 1  # beside the belt the speed says where it is
         assert batch.row_of(state, 0.5, 0.0) == rows[0].tolist()
