@@ -2,11 +2,11 @@
 from . import plot as plot
 from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
+from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
-from .crosschecks.faults import Fault as Fault
-from .crosschecks.matching import Match as Match
+from .crosschecks.events import Match as Match
 from .engine.events import Event as Event
 from .errors import (
     MissingExtraError as MissingExtraError,
@@ -83,7 +83,7 @@ from .orbits.periodic_orbit import (
 )
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
-from .reference.sets import reference_cases as reference_cases
+from .reference.cases import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
