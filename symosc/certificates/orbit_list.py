@@ -75,9 +75,9 @@ class ListedOrbit(NamedTuple):
     def points(self) -> list[tuple[float, float]]:
         """Return its switching points (t, x), nearly, by a simulation from the first one."""
         labels, p = read_word(self.word).labels, self.p
-        start = {"t0": self.t, "x0": self.x, "v0": p.belt(MAPS[labels[0]].start.boundary)}
+        v0 = p.belt(MAPS[labels[0]].start.boundary)
         end = self.t + 2 * math.pi / float(p.Omega) * (1 + BEYOND)
-        events = simulate(p, **start, t_end=end, max_events=len(labels)).events
+        events = simulate(p, t0=self.t, x0=self.x, v0=v0, t_end=end, max_events=len(labels)).events
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 
     def prove(self) -> Certificate:

@@ -99,7 +99,7 @@ def _pair(text: str, option: str, form: str) -> tuple[str, str]:
 
 
 def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
-    from symosc.orbits.continuation import continue_orbit
+    from symosc.orbits.branch import continue_orbit
 
     name, limits = read_span(span, "--continue")
     return continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
