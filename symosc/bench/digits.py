@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from importlib.util import find_spec
 from math import inf, pi
 from statistics import median
 from typing import Any
 
 from symosc.bench.formulas import in_turns
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.engine.paths import Paths
 from symosc.engine.start import Start
 from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 from symosc.simulation.simulate import simulate
 
 MOTIONS, QUICK_MOTIONS = 2_000, 300
@@ -69,9 +69,7 @@ def _one(repeats: int) -> dict[str, Any]:
     gains, per_event = [], []
     for name in ("fig8", "fig5", "fig9"):
         scene = load_scene(name)
-        fast, plain = (MpArithmetic(scene.parameters, WORKING_DIGITS) for _ in range(2))
-        plain.__dict__["paths"] = paths = Paths(plain.namespace)
-        paths.advance_near = None  # it searches with all digits
+        fast, plain = (MpArithmetic(scene.parameters, WORKING_DIGITS, fast) for fast in (True, False))
         start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
         columns = in_turns(repeats, lambda s=start, a=fast: _followed(s, a), lambda s=start, a=plain: _followed(s, a))  # type: ignore[misc]
         gains.append(median(b / a for a, b in zip(*columns, strict=True)))
@@ -85,15 +83,15 @@ def _one(repeats: int) -> dict[str, Any]:
         "digits": ASKED_DIGITS,
         "digits_us": per_event[0],
         "digits_over_mpmath": median(gains),
-        "mpfr": type(MpArithmetic(fig8.parameters, WORKING_DIGITS).paths) is not Paths,
+        "mpfr": find_spec("gmpy2") is not None,
     }
 
 
-def _followed(start: Start, arithmetic: MpArithmetic) -> Path:
-    path = Path(start, arithmetic)
-    while not path.ended:
-        path.step()
-    return path
+def _followed(start: Start, arithmetic: MpArithmetic) -> Motion:
+    motion = Motion(start, arithmetic)
+    while not motion.ended:
+        motion.step()
+    return motion
 
 
 def table(result: dict[str, Any]) -> str:

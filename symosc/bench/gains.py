@@ -12,15 +12,14 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.engine import binding, compiled_loop
-from symosc.engine.arithmetic import SOURCES, Arithmetic
-from symosc.engine.gap_bounds import fourth_derivative_bound
-from symosc.engine.march import Marched
+from symosc.engine import batch
+from symosc.engine.arithmetic import SOURCES, Arithmetic, bind
+from symosc.engine.first_exit import Marched, fourth_derivative_bound
 from symosc.engine.start import Start, first_state
-from symosc.engine.tally import no_tally
+from symosc.engine.summary import no_tally
 from symosc.kernels import elementary
 from symosc.scenes import load_scene
-from symosc.simulation.run import last_time
+from symosc.simulation.motion import last_time
 
 SEARCHED_SCENES = ("fig5", "fig9", "fig10")
 SEARCHED_EVENTS, QUICK_SEARCHED_EVENTS = 1_000, 300
@@ -64,14 +63,14 @@ def _search(name: str, way: str, events: int) -> Record:
         return call if function.__name__ in COUNTED_FUNCTIONS else function
 
     def follow(functions: dict[str, Any]) -> float:
-        batch = compiled_loop.batch_of(np.array([compiled_loop.row_of(first_state(start, arithmetic), *end)]))
+        motions = batch.batch_of(np.array([batch.row_of(first_state(start, arithmetic), *end)]))
         begin = time.process_time()
-        functions["follow_all"](0, batch, events, inf, compiled_loop.room_for(events), no_tally(), [K])
+        functions["follow_all"](0, motions, events, inf, batch.room_for(events), no_tally(), [K])
         return (time.process_time() - begin) / events
 
     end = last_time(start, arithmetic)
-    follow(binding.bind(SOURCES, replaced, counting))
-    plain = binding.bind(SOURCES, replaced)
+    follow(bind(SOURCES, replaced, counting))
+    plain = bind(SOURCES, replaced)
     seconds = min(follow(plain) for _ in range(3))
     flow, force, *looks = (counts[each] / events for each in COUNTED_FUNCTIONS)
     return {"scene": name, "way": way, "flow": flow, "force": force, "looks": sum(looks), "python_us": seconds * 1e6}
@@ -86,7 +85,7 @@ def _functions(repeats: int) -> list[Record]:
     """Measure compiled calls that wait for each other, as in the event loop, and calls over an array."""
     import numba
 
-    own = binding.bind((elementary,), {}, lambda function: numba.njit(function, error_model="numpy"))
+    own = bind((elementary,), {}, lambda function: numba.njit(function, error_model="numpy"))
     library = {"sine_cosine": numba.njit(lambda x: (sin(x), cos(x))), "exp": numba.njit(lambda x: (exp(x), 0.0))}
     exp_of = own["exp"]
     ours = {"sine_cosine": own["sine_cosine"], "exp": numba.njit(lambda x: (exp_of(x), 0.0))}

@@ -22,7 +22,7 @@ from symosc.bench import scalar_logic
 from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, Motion
 from symosc.bench.scalar_logic import LAST_BIT, ONE_STEP_OFFSET, UNSOLVED, force, margins, root, runner, scalars, turn
 from symosc.bench.solvers import Solver
-from symosc.engine import binding
+from symosc.engine.arithmetic import compile_modules
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -220,7 +220,7 @@ DOP853_MODULES = (scalar_logic, sys.modules[__name__])
 @lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled(DOP853_MODULES)
+    return compile_modules(DOP853_MODULES)
 
 
 def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:

@@ -21,7 +21,7 @@ from symosc.bench import scalar_logic
 from symosc.bench.event_logic import Motion, PeerError
 from symosc.bench.scalar_logic import UNSOLVED, Scalars, margins, root, runner, scalars
 from symosc.bench.solvers import Solver
-from symosc.engine import binding
+from symosc.engine.arithmetic import bind, compile_modules
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -156,7 +156,7 @@ def interpreted() -> Record:
     import numpy as np
     from scipy.optimize import brentq
 
-    arrays = binding.bind(SCAN_MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
+    arrays = bind(SCAN_MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
     state_at_all, margins_of_all = arrays["state_at"], arrays["margins"]
 
     def leave(q: Scalars, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
@@ -175,7 +175,7 @@ def interpreted() -> Record:
             taus += s.points * s.distance
         return 0, t_end, x
 
-    return binding.bind(SCAN_MODULES, {"leave": leave})
+    return bind(SCAN_MODULES, {"leave": leave})
 
 
 SCAN_MODULES = (scalar_logic, sys.modules[__name__])
@@ -184,7 +184,7 @@ SCAN_MODULES = (scalar_logic, sys.modules[__name__])
 @lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled(SCAN_MODULES)
+    return compile_modules(SCAN_MODULES)
 
 
 def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:

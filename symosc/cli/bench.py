@@ -1,4 +1,4 @@
-"""The command `symosc bench`."""
+"""`symosc bench` and `symosc warm`: measure speed and error, and compile the loops ahead."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from typing import Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import json_option, write, write_json
-from symosc.cli.settings import goes_to_stdout
+from symosc.cli.common import FAILED, check_picture, goes_to_stdout, json_option, write, write_json, write_table, wrote
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
 
@@ -61,8 +60,7 @@ def bench(
         return _scores(page)
     if readme is not None and (hard_cases or output is not None):
         raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
-    if output is not None:
-        plot.check_suffix(output)  # before the work
+    check_picture(output)
     if readme is not None:
         results.check(readme)
     result: Record = {"quick": quick}
@@ -73,7 +71,7 @@ def bench(
     written = [] if readme is None else results.write(readme, result)
     if output is not None:
         written.append(plot.save(_picture(result), output))
-    code = 0 if "hard" not in result or result["hard"]["ok"] else 1
+    code = 0 if "hard" not in result or result["hard"]["ok"] else FAILED
     if as_json:
         write_json(_plain(result))
     if as_json or piped:
@@ -81,7 +79,7 @@ def bench(
     if readme is None:
         write(_tables(result))
     for path in written:
-        write(f"wrote {click.format_filename(path)}")
+        write(wrote(path))
     return code
 
 
@@ -116,7 +114,7 @@ def _scores(page: str) -> int:
         raise click.BadParameter(f"{page!r} must end in .md", param_hint="--scores")
     check_folder_of(page)  # before the work
     for path in scores.write(page, scores.run(progress=partial(_bar, "reference cases"))):
-        write(f"wrote {click.format_filename(path)}")
+        write(wrote(path))
     return 0
 
 
@@ -156,3 +154,25 @@ def _plain(value: object) -> object:
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return None if isinstance(value, float) and not isfinite(value) else value
+
+
+@click.command()
+@json_option
+def warm(as_json: bool) -> None:
+    """Compile ahead what simulate_many needs, so that no later program waits for a compiler.
+
+    Needs numba (extra fast), and takes a minute. What is compiled is kept on disk; it is made anew when symosc or numba
+    changes. Without this command it is compiled when there is enough work for it, and smaller work is interpreted.
+
+    \b
+    Examples:
+      symosc warm
+    """
+    from symosc.simulation.batch import warm as compile_all
+
+    rows = compile_all()
+    if as_json:
+        write_json([row._asdict() for row in rows])
+        return
+    table = [[row.what, "loaded" if row.was_there else "compiled", f"{row.seconds:.1f}"] for row in rows]
+    write_table(table, ["what", "how", "seconds"])

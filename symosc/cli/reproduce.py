@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import folder_name
+from symosc.cli.common import FAILED, folder_name, json_option, write, write_json, write_table
 from symosc.display.progress import bar
 
 if TYPE_CHECKING:
@@ -37,12 +36,13 @@ def reproduce(output: str, only: str | None, as_json: bool) -> int:
     folder = Path(folder_name(output))
     from symosc.derive.chapters import CHAPTERS
     from symosc.derive.errata import read_errata
-    from symosc.paper.claims import read_claims, read_unjudged
+    from symosc.paper.claims import read_claims
     from symosc.paper.pictures import PICTURES
     from symosc.paper.run import Plan
 
     errata = tuple(erratum.in_unicode() for erratum in read_errata())
-    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS), errata, read_unjudged())
+    claims, unjudged = read_claims(PICTURES)
+    plan = Plan(claims, PICTURES, tuple(CHAPTERS), errata, unjudged)
     return carry_out(plan if only is None else plan.only(only), folder, as_json)
 
 
@@ -61,7 +61,7 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
         write_json(report.data(results))
     else:
         _show(results, output)
-    return 0 if results.ok else 1
+    return 0 if results.ok else FAILED
 
 
 def _show(results: Results, output: Path) -> None:

@@ -16,7 +16,7 @@ from symosc.bench import peers_heyoka, peers_numba, peers_scan
 from symosc.bench.event_logic import PeerError
 from symosc.bench.scalar_logic import runner, scalars
 from symosc.bench.solvers import Solver
-from symosc.engine.binding import bind
+from symosc.engine.arithmetic import bind
 from symosc.reference.compare import FoundEvents
 
 pytestmark = pytest.mark.slow  # compiles for half a minute

@@ -9,7 +9,7 @@ import pytest
 from symosc.derive import stops
 from symosc.derive.published import wall
 from symosc.errors import ParameterError
-from symosc.orbits.continuation import continue_orbit
+from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
 
 
