@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, pairwise
 from math import ceil, cos, floor, inf, pi, sin
 from typing import Any, NamedTuple
 
@@ -103,35 +104,21 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    found = _read_word(word)
-    _check_parameters(parameters)
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
-    digits = read_digits(digits)
-    equations = ClosingEquations(parameters, found, periods or 1)
-    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
-    root = _best_root(equations, batches)
-    return orbit_at(root[0], root[1], digits)
-
-
-def _read_word(word: Any) -> Word:
-    """Return a word that is short enough to look for its orbit."""
     found = read_word(word)
     if len(found.labels) > MOST_MAPPINGS:
         reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
         raise WordError(f"{str(found)[:20]}...", reason)
-    return found
-
-
-def _check_parameters(parameters: Parameters) -> None:
-    """Raise ParameterError unless these are Parameters with a spring."""
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-
-
-def _guesses(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    for batch in from_simulations(equations, periods):
-        yield batch[:TRIES_PER_BATCH]
-    yield evenly_spaced(equations, periods or 1)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    digits = read_digits(digits)
+    equations = ClosingEquations(parameters, found, periods or 1)
+    if guess is None:
+        simulated = (batch[:TRIES_PER_BATCH] for batch in from_simulations(equations, periods))
+        batches: Iterator[list[Guess]] = chain(simulated, [evenly_spaced(equations, periods or 1)])
+    else:
+        batches = iter([[_read_guess(guess, equations, periods)]])
+    return orbit_at(*_best_root(equations, batches), digits)
 
 
 def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:
@@ -190,42 +177,33 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
 
 def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None = None) -> PeriodicOrbit:
     """Return the orbit of a root in double precision, polished to `digits`."""
-    turns = 2 * pi * floor(solution.points[0][1] / (2 * pi))
-    solution.points = np.array(solution.points, dtype=float) - [0.0, turns]
-    failed = tuple(failures(equations, solution.points))
-    double = solution.points
-    near = grazing_distance(equations, double)
-    repeated = repetitions(equations, solution.points)
-    final, steps = equations, solution.steps
+    double = np.array(solution.points, dtype=float) - [0.0, 2 * pi * floor(solution.points[0][1] / (2 * pi))]
+    solution = replace(solution, points=double)
+    failed = tuple(failures(equations, double))
+    near, repeated = grazing_distance(equations, double), repetitions(equations, double)
+    final, steps, word = equations, solution.steps, str(equations.word)
     if digits is not None:
         final = ClosingEquations(equations.parameters, equations.word, equations.periods, digits + ORBIT_GUARD_DIGITS)
-        solution = polish(final, solution.points)
+        solution = polish(final, double)
         if not solution.converged:
             best = tuple(switching_points(equations, solution.points))
-            raise ConvergenceError(
-                str(equations.word), best, equations.periods, float(solution.residual), solution.reason
-            )
+            raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
     flow = monodromy(final, solution.points)
-    values = multipliers(flow.trace, flow.determinant, final.complex_root)
-    points: Sequence[SwitchingPoint] = switching_points(final, solution.points)
-    period = final.turn / final.K.Om
-    if digits is not None:
-        context = mp_context(digits)
-        points = [SwitchingPoint(*(+context.convert(value) for value in point)) for point in points]
-        period = +context.convert(period)
-        values = (+context.convert(values[0]), +context.convert(values[1]))
-    else:
-        values = (complex(values[0]), complex(values[1]))
+    first, second = multipliers(flow.trace, flow.determinant, final.complex_root)
+
+    def rounded(value: Number) -> Number:
+        return value if digits is None else +mp_context(digits).convert(value)
+
+    values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
     gap = inside(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
-    word = str(equations.word)
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
         labels=equations.word.labels,
-        points=tuple(points),
-        period=period,
+        points=tuple(SwitchingPoint(rounded(t), rounded(x)) for t, x in switching_points(final, solution.points)),
+        period=rounded(final.turn / final.K.Om),
         periods=equations.periods,
         multipliers=values,
         stable=stable,
@@ -248,31 +226,25 @@ def _message(
     repeated: int,
 ) -> str:
     if failed:
-        what = "; ".join(map(_failure, failed))
-        zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
-        return f"a root that is not an orbit ({what}){_instead(equations, zero)}"
-    periods = equations.periods
+        parts, resting = [], False
+        for c in failed:
+            lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
+            how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
+            parts.append(f"{c.text}: {how} at t = {c.t:.6g}")
+            resting = resting or lasts
+        return f"a root that is not an orbit ({'; '.join(parts)}){_instead(equations, resting)}"
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-    text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
-    text += f", largest |multiplier| {_size(gap)}"
+    text = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
+    # The largest multiplier is 1 - gap, written so that it differs from 1.
+    if gap is None:
+        text += ", largest |multiplier| 1"
+    else:
+        size = f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
+        text += f", largest |multiplier| {size}"
     text += " (no neighbour need come nearer)" if stable is None else ""
     if near < inf:
         text += f", {near:.3g} in velocity away from grazing"
     return text + (f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else "")
-
-
-def _failure(condition: Condition) -> str:
-    if condition.value == 0:
-        lasts = condition.rank in (STICK_LASTS, FLIGHT_LASTS)
-        return f"{condition.text}: {'it has no length' if lasts else 'just fails'} at t = {condition.t:.6g}"
-    return f"{condition.text}: fails by {-condition.value:.3g} at t = {condition.t:.6g}"
-
-
-def _size(gap: float | None) -> str:
-    """Return 1 - gap, written so that it differs from 1."""
-    if gap is None:
-        return "1"
-    return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
