@@ -69,8 +69,8 @@ from .orbits.admissibility import Condition as Condition
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
+from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
-from .orbits.continuation import continue_orbit as continue_orbit
 from .orbits.find import find_orbit as find_orbit
 from .orbits.periodic_orbit import (
     Approach as Approach,

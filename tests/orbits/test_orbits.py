@@ -1,33 +1,36 @@
-"""Periodic orbits: the paper's two against 50 digits and the oracle, other words, inadmissible roots, bad input."""
+"""Periodic orbits: the paper's against 50 digits and the oracle, other words, equations, multipliers and states."""
 
 from __future__ import annotations
 
+import cmath
 import pickle
+import re
+from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
 from oracle import simulate_oracle
-from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P4645
+from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
 
 from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
 from symosc.orbits import find
-from symosc.orbits.admissibility import STICK_LASTS, Condition
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, OrbitPiece, newton
 from symosc.orbits.find import find_orbit
-from symosc.orbits.guesses import Guess
-from symosc.orbits.newton import Solution, newton
+from symosc.orbits.floquet import multipliers
 from symosc.words import WordError, read_word
 
 # Sticks on both belts; found by simulating random parameters.
 MANY_SLIPS = Parameters(
     m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
 )
+
+
 CROSSING_BOTH = FIG9.replace(Omega="5.1")
+
 
 PAPER = [(FIG9, "P32", P32), (FIG10, "P4645", P4645)]
 
@@ -177,114 +180,6 @@ def test_newton_converges_quadratically():
         assert solution.steps <= 6
 
 
-def test_roots_are_one_but_for_whole_turns():
-    """Shifted by whole turns of the phase a root is the same; by half a turn, or a little in x, it is another."""
-    orbit = find_orbit(FIG9, "P32")
-    equations = ClosingEquations(FIG9, read_word("P32"), 1)
-    points = np.array([[x, float(FIG9.Omega) * t] for t, x in orbit.points], dtype=float)
-
-    def same(shift, at=equations):
-        one, other = (Solution(each, 0.0, 0, True, "") for each in (points + shift, points))
-        return find._same(at, one, equations, other)
-
-    for turns in (-3, -1, 0, 1, 2):
-        assert same(np.array([0, 2 * np.pi * turns]))
-        assert not same(np.array([0, 2 * np.pi * turns + np.pi]))
-        assert not same(np.array([1e-5, 2 * np.pi * turns]))
-    assert not same(0.0, ClosingEquations(FIG9, read_word("P32"), 2))
-
-
-# --- which of several roots is taken ---
-
-
-class Roots:
-    """Guesses whose roots are told: by the number that stands for the points."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, told: dict[float, dict[str, Any]]) -> None:
-        self.told, self.asked = told, []
-        monkeypatch.setattr(find, "solve", self.solve)
-        monkeypatch.setattr(find, "failures", lambda _, points: self.of(points).get("failed", []))
-        monkeypatch.setattr(find, "repetitions", lambda _, points: self.of(points).get("repeats", 1))
-        monkeypatch.setattr(find, "_instead", lambda *_: "; and so on")
-
-    def of(self, points: np.ndarray) -> dict[str, Any]:
-        return self.told[float(points[0, 0])]
-
-    def solve(self, equations: ClosingEquations, points: np.ndarray) -> Solution:
-        self.asked.append(float(points[0, 0]))
-        known = self.of(points)
-        return Solution(points, known.get("residual", 0.0), 1, known.get("converged", True), "why")
-
-    def best(self, equations: ClosingEquations, batches: list[list[float]]) -> float:
-        guesses = [[Guess(np.full((2, 2), float(name)), 1, 0.0) for name in batch] for batch in batches]
-        tried, root = find._best_root(equations, iter(guesses))
-        assert tried.word == equations.word
-        return float(root.points[0, 0])
-
-
-def fails(*values: float) -> list[Condition]:
-    return [Condition(0, "", value, 0.0, "", 0, 1.0) for value in values]
-
-
-def test_the_first_orbit_is_taken_and_else_the_root_that_fails_least(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: dict[float, dict[str, Any]] = {
-        1: {"converged": False, "residual": 0.5},
-        2: {"failed": fails(-0.3, -5.0)},
-        3: {"failed": fails(-0.4)},
-        4: {"failed": fails(-0.1), "repeats": 2},
-        5: {},
-        6: {"repeats": 3},
-        7: {"converged": False, "residual": 0.2},
-    }
-    damped, free = (ClosingEquations(FIG9.replace(c=c), read_word("P32"), 1) for c in ("1/10", 0))
-    for equations, batches, taken, asked in (
-        (damped, [[1, 2, 5], [3]], 5, [1, 2, 5]),
-        (damped, [[2, 6], [5]], 6, [2, 6]),  # with damping a repeated orbit is the only one
-        (free, [[2, 6, 3], [5]], 5, [2, 6, 3, 5]),  # without, a shorter one may be meant
-        (free, [[2, 6, 3]], 6, [2, 6, 3]),
-        (free, [[2], [4, 3]], 3, [2, 4, 3]),  # -5 is worse than -0.4
-        (damped, [[4, 3, 2]], 3, [4, 3, 2]),
-        (damped, [[4]], 4, [4]),
-        (damped, [[2, 2, 3, 3]], 3, [2, 2, 3, 3]),
-    ):
-        roots = Roots(monkeypatch, told)
-        assert roots.best(equations, batches) == taken
-        assert roots.asked == asked
-    with pytest.raises(ConvergenceError, match="why; and so on") as caught:
-        Roots(monkeypatch, told).best(damped, [[1], [7, 1]])
-    assert (caught.value.residual, caught.value.periods) == (0.2, 1)
-    assert [x for _, x in caught.value.best] == [7.0, 7.0]
-    with pytest.raises(ConvergenceError, match="no guess was found; and so on") as caught:
-        Roots(monkeypatch, told).best(damped, [])
-    assert (caught.value.best, caught.value.periods, caught.value.residual) == ((), 0, np.inf)
-
-
-@pytest.mark.parametrize("periods", [None, 3])
-def test_what_is_said_of_an_orbit(periods: int | None) -> None:
-    """Every part of the message: the kind, the periods, the multiplier, the graze, repetitions."""
-    equations = ClosingEquations(FIG9, read_word("P32"), periods or 1)
-    span = "3 forcing periods" if periods else "1 forcing period"
-    for stable, kind in ((True, "a stable"), (False, "an unstable"), (None, "a marginal")):
-        for gap, size in ((0.25, "0.75"), (-0.5, "1.5"), (1e-7, "1 - 1e-07"), (-2e-9, "1 + 2e-09"), (None, "1")):
-            far = " (no neighbour need come nearer)" if stable is None else ""
-            for near, graze in ((0.12345, ", 0.123 in velocity away from grazing"), (np.inf, "")):
-                for repeated, shorter in ((1, ""), (2, "; it runs 2 times through a shorter orbit")):
-                    text = f"{kind} orbit of {span}, largest |multiplier| {size}{far}{graze}{shorter}"
-                    assert find._message(equations, stable, gap, (), near, repeated) == text
-
-
-def test_what_is_said_of_a_root_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    equations = ClosingEquations(FIG9, read_word("P32"), 1)
-    monkeypatch.setattr(find, "_instead", lambda _, resting: f"; resting: {resting}")
-    for rank, value, what, resting in (
-        (0, -0.5, "fails by 0.5", False), (0, 0.0, "just fails", False), (3, 0.0, "just fails", False),
-        (1, 0.0, "it has no length", True), (6, 0.0, "it has no length", True), (1, -2.0, "fails by 2", False),
-    ):  # fmt: skip
-        failed = (Condition(0, "F > 0", value, 1.25, "", rank, 1.0),)
-        text = f"a root that is not an orbit (F > 0: {what} at t = 1.25); resting: {resting}"
-        assert find._message(equations, None, None, failed, 1.0, 1) == text
-
-
 def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
     """A word that repeats with its points, moved on by the parts of the whole period; else it is one orbit."""
     rng = np.random.default_rng(6)
@@ -328,16 +223,190 @@ def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None
     assert abs(other) < 1
 
 
-@pytest.mark.parametrize(("values", "resting"), [((0.0, -0.5), True), ((-0.5, 0.0), True), ((-0.5, -0.1), False)])
-def test_one_stick_without_end_is_enough_to_ask_for_rest(
-    values: tuple[float, float], resting: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whatever else fails: a stick of length 0 at a root may stand for one that lasts for ever."""
-    asked: list[bool] = []
-    monkeypatch.setattr(find, "_instead", lambda _, zero: asked.append(zero) or "; asked")
-    failed = tuple(Condition(0, "a stick", value, 1.5, "event", STICK_LASTS, 1.0) for value in values)
-    message = find._message(None, None, None, failed, 0.0, 1)  # type: ignore[arg-type]
-    assert asked == [resting]
-    assert message.startswith("a root that is not an orbit (a stick: ")
-    assert message.count("it has no length at t = 1.5") == values.count(0.0)
-    assert message.endswith("; asked")
+P4645_MULTIPLIER = 1.9589682640e-4
+
+
+def test_multipliers_of_the_paper_orbits():
+    for digits in (None, 20):
+        first, second = find_orbit(FIG9, "P32", digits=digits).multipliers
+        assert abs(complex(first) - P32_MULTIPLIER) < 1e-14
+        assert abs(complex(second) - P32_MULTIPLIER.conjugate()) < 1e-14
+        first, second = find_orbit(FIG10, "P4645", digits=digits).multipliers
+        assert abs(complex(first) - P4645_MULTIPLIER) < 1e-14
+        assert second == 0
+
+
+@pytest.mark.slow
+def test_determinant_shrinks_by_damping_and_friction():
+    """det M = exp(-(c/m) T) prod F(target)/F(source) < 1: no multipliers leave the unit circle as a pair."""
+    rng = np.random.default_rng(7)
+    for _ in range(5):
+        p = FIG9.replace(Omega=round(rng.uniform(3.4, 4.9), 3), c=round(rng.uniform(0.05, 0.4), 3))
+        orbit = find_orbit(p, "P32")
+        determinant = (orbit.multipliers[0] * orbit.multipliers[1]).real
+        ratio = np.exp(-float(p.c / p.m) * orbit.period)
+        for (t, x), (source, target) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
+            force = [
+                float((p.A(alpha) - p.c * p.v1) / p.m)
+                + float(p.B0 / p.m) * np.cos(float(p.Omega) * t)
+                - float(p.k / p.m) * x
+                for alpha in (source, target)
+            ]
+            ratio *= force[1] / force[0]
+        assert determinant == pytest.approx(ratio, rel=1e-9)
+        assert 0 < determinant < 1
+        assert max(abs(value) for value in orbit.multipliers) < 1
+
+
+def test_multipliers_are_the_eigenvalues() -> None:
+    """Of random matrices, also of such with a tiny determinant: both to all digits, the larger one first."""
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        if rng.random() < 0.3:
+            size, angle = rng.uniform(0, 1.1), rng.uniform(0, np.pi)
+            trace, determinant, large = 2 * size * np.cos(angle), size * size, size
+            first, second = multipliers(trace, determinant, cmath.sqrt)
+            assert (first * second).real == pytest.approx(determinant)
+            assert abs(first) == pytest.approx(large)
+            assert second == pytest.approx(np.conj(first)) or abs(np.sin(angle)) < 1e-6
+            continue
+        large = rng.choice([-1, 1]) * rng.uniform(0, 1.1)
+        small = rng.choice([-1, 1]) * abs(large) * rng.choice([0.0, 1e-30, 1e-9, 0.5, 0.999])
+        first, second = multipliers(large + small, large * small, cmath.sqrt)
+        assert complex(first) == pytest.approx(large, rel=1e-12)
+        assert complex(second) == pytest.approx(small, rel=1e-12, abs=0)
+    assert multipliers(0.0, 0.0, cmath.sqrt) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (MANY_SLIPS, "P174648")]
+)
+def test_jacobian_matches_differences_of_its_residuals(p, word):
+    orbit = find_orbit(p, word, digits=15)
+    points = [(x, t * orbit.period.context.mpf(p.Omega.numerator) / p.Omega.denominator) for t, x in orbit.points]
+    exact_ = ClosingEquations(p, read_word(word), 1, 40)
+    context = exact_.arithmetic.context
+    # Off the orbit, where the residuals do not vanish.
+    points = [
+        (context.mpf(x) + context.mpf("0.01") * i, context.mpf(theta) + context.mpf("0.01"))
+        for i, (x, theta) in enumerate(points)
+    ]
+    ours = ClosingEquations(p, read_word(word), 1).matrix([(float(x), float(theta)) for x, theta in points])
+    h = context.mpf("1e-15")
+    for column in range(2 * len(points)):
+        sides = []
+        for sign in (1, -1):
+            moved = [list(point) for point in points]
+            moved[column // 2][column % 2] += sign * h
+            sides.append(exact_.residuals(moved))
+        differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
+        assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
+def test_the_largest_residual_is_that_of_all_maps(p: Parameters, word: str) -> None:
+    """Of eq. (54), as `symosc.residual` has it, in x and v of every map, off the orbit."""
+    rng = np.random.default_rng(4)
+    equations = ClosingEquations(p, read_word(word), 1)
+    on_it = find_orbit(p, word).phases()
+    for _ in range(5):
+        points = on_it + rng.uniform(-0.02, 0.02, (len(word) - 1, 2))
+        ends = [*points[1:], points[0] + [0.0, 2 * np.pi]]
+        each = [
+            residual(p, label, tuple(start), tuple(end), exit_of(piece))
+            for label, piece, start, end in zip(equations.word.labels, equations.pieces, points, ends, strict=True)
+        ]
+        assert equations.largest_residual(points) == pytest.approx(np.abs(each).max(), rel=1e-9)
+
+
+def exit_of(piece: OrbitPiece) -> str | None:
+    return None if not piece.sticks else "below" if piece.side < 0 else "above"
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+def test_states_of_the_orbit(p, word):
+    """The orbit as a function of time: continuous at switchings, periodic, on the belts where it must be."""
+    orbit = find_orbit(p, word)
+    T = orbit.period
+    times = np.linspace(-T, 2 * T, 100)
+    assert np.abs(orbit(times) - orbit(times + 3 * T)).max() < 1e-11
+    assert orbit(0.3).shape == (2,)
+    for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
+        for state in (orbit(t - 1e-12), orbit(t + 1e-12)):
+            assert state == pytest.approx([x, float(p.belt(piece.start))], abs=1e-8)
+
+
+@pytest.mark.slow
+def test_more_than_one_period():
+    """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.orbits.floquet)."""
+    orbit = find_orbit(FIG9, "P3232", periods=2)
+    assert orbit.admissible
+    assert orbit.periods == 2
+    assert "runs 2 times" in orbit.message
+    assert orbit.period == pytest.approx(2 * find_orbit(FIG9, "P32").period, rel=1e-15)
+    for value in orbit.multipliers:
+        assert min(abs(value - P32_MULTIPLIER**2), abs(value - P32_MULTIPLIER.conjugate() ** 2)) < 1e-14
+    root = find_orbit(FIG9, "P32", periods=3)  # closes after three periods, but passes its belt on the way
+    assert root.residual < 1e-11
+    assert root.periods == 3
+    assert not root.admissible
+    assert any("stays in Omega1" in condition.text for condition in root.failures)
+
+
+@pytest.mark.slow
+def test_as_dict_is_plain():
+    import json
+
+    data = json.loads(json.dumps(find_orbit(FIG10, "P4645", digits=20).as_dict()))
+    assert data["points"][0]["t"].startswith("0.44364498555745564947")
+    assert data["stable"] is True
+    data = json.loads(json.dumps(find_orbit(FIG9.replace(Omega=3), "P32").as_dict()))
+    assert data["admissible"] is False
+    assert data["failures"][0]["event"] == "birth of a stick"
+
+
+def test_the_formula_of_an_orbit_has_all_its_numbers() -> None:
+    """Points, real and complex multipliers, with the signs of their parts, and powers of ten."""
+    rng = np.random.default_rng(7)
+    orbit = find_orbit(FIG9, "P32")
+    for _ in range(30):
+        re, im = (float(rng.choice([-1, 1]) * 10 ** rng.uniform(-7, 2)) for _ in range(2))
+        im = im if rng.random() < 0.7 else 0.0
+        text = replace(orbit, multipliers=(complex(re, im), complex(re, -im)))._repr_latex_()
+        assert text.startswith(rf"${orbit.equations().word.latex()},\quad \begin{{array}}{{lll}}")
+        for label, (t, x) in zip(orbit.labels, orbit.points, strict=True):
+            assert rf"P_{label[1:]}: & {t:.12g} & {x:.12g}" in text
+        shown = text.split(r"\lambda = ")[1].rstrip("$").split(r",\; ")
+        numbers = [re_read(each) for each in shown]
+        assert numbers == pytest.approx([complex(re, im), complex(re, -im)], rel=1e-5)
+        assert all((r"\mathrm{i}" in each) == (im != 0) for each in shown)
+
+
+def re_read(text: str) -> complex:
+    """Return the number that a formula shows."""
+    plain = re.sub(r" \\cdot 10\^\{(-?\d+)\}", r"e\1", text).replace(r"\,\mathrm{i}", "j").replace(" ", "")
+    assert re.fullmatch(r"-?[\d.]+(e-?\d+)?([+-][\d.]+(e-?\d+)?j)?", plain), text
+    return complex(plain)
+
+
+def test_guesses():
+    rough = [(0.2, 4.0), (1.0, -4.0)]
+    for guess in (rough, np.array(rough), (0.18, 4.15), (0.9, 4.15), find_orbit(FIG9, "P32")):
+        assert find_orbit(FIG9, "P32", guess).points[0].t == pytest.approx(float(P32[0][0]), abs=1e-13)
+    moved = [(t + 5 * np.pi, x) for t, x in rough]  # the first point is brought into the first period
+    assert find_orbit(FIG9, "P32", moved).points[1].t == pytest.approx(float(P32[1][0]), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("guess", "says"),
+    [
+        ([(0.2, 4.0)] * 3, r"must be 2 pairs \(t, x\)"),
+        ([1, 2, 3], "must be 2 pairs"),
+        ("nonsense", "must be 2 pairs"),
+        ([(0.2, 4.0), (float("nan"), 1)], "must be 2 pairs"),
+        ([(1.0, 4.0), (0.2, -4.0)], "times must increase"),
+    ],
+)
+def test_guesses_of_the_wrong_form(guess, says):
+    with pytest.raises(ParameterError, match=says):
+        find_orbit(FIG9, "P32", guess)
