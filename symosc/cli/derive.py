@@ -33,7 +33,7 @@ from symosc.derive.chapters import CHAPTERS
 from symosc.display.progress import VERBOSE, bar, level
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import write_text
-from symosc.symbolic.languages import LANGUAGES
+from symosc.symbolic.export import LANGUAGES
 
 FILES = (".tex", ".pdf", ".txt", ".csv", ".json", ".html")
 

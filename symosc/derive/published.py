@@ -25,7 +25,7 @@ from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.reference.coulomb import wall
+from symosc.reference.cases import wall
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution

@@ -190,13 +190,7 @@ def _data_uri(svg: str) -> str:
 
 
 class Folder:
-    """A folder for a report: made and tried out before the work, filled when all of it is done, else taken away again.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be made or written to.
-    """
+    """A folder for a report: made and tried out before the work, filled when all is done, else taken away again."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)

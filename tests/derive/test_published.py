@@ -15,7 +15,7 @@ from symosc import simulate
 from symosc.derive import citation, literature_page, published
 from symosc.derive.published import MP, RESTING, TABLES, Formulas, Value, wall
 from symosc.errors import ParameterError
-from symosc.orbits.continuation import continue_orbit
+from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 
