@@ -20,16 +20,9 @@ SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
-    return (
-        _balls(),
-        _motions(),
-        _orbits(),
-        _branches(),
-        _settled_motions(),
-        _windows(),
-    )
+    return _balls(), _motions(), _orbits(), _branches(), _settled_motions(), _windows()
 
 
 def _balls() -> Items:

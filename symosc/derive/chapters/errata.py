@@ -37,7 +37,7 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     figure = scope.scene and scope.scene.name.partition("-")[0]
     figures = [section() for name, section in (("fig7", _figure7), ("fig8", _figure8)) if figure in (None, name)]
     return _list(), _flows(), _exits(), figures, _starts()

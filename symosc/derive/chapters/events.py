@@ -20,7 +20,7 @@ C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
     bounds = (r"\subsection{Two bounds for later times}", _bound_for_ever(), _bound_for_a_while())
     return _gap(), _two_zeros(), bounds, _search()

@@ -30,7 +30,7 @@ def partial(what: str, by: str) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
     return _flights(), _sticks(), perturbations(), saltation(), _monodromy()
 
@@ -89,7 +89,7 @@ def _sticks() -> Items:
 
 
 def perturbations() -> Items:
-    """Yield the lemma on perturbations in a domain."""
+    """Return the lemma on perturbations in a domain."""
     flow = solution.flow()
     entries = {
         "11": (flow.x, x_i, 1 - w0sq * E2),
@@ -124,7 +124,7 @@ def perturbations() -> Items:
 
 
 def saltation() -> Items:
-    """Yield the theorem on saltation."""
+    """Return the theorem on saltation."""
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}

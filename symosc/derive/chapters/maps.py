@@ -26,7 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return _planes(scope), _flights(), _sticks(), _with_numbers(scope) if scope.scene else ()
 
 

@@ -59,7 +59,7 @@ def at_both(scope: Scope) -> Each:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return _balance(), _domains(scope), _well_posed(scope), _held(scope)
 
 
