@@ -50,7 +50,7 @@ FLOW_DIGITS = 130
 # Times before and after a contact, over the largest rate: in double precision, and two for the adversarial phases.
 FLOW_TIME = 1e-9
 FINE_FLOW_TIMES = ("1e-21", "1e-24")
-# DOP853: times before and after the contact, over the largest rate; the second one where the first leaves it open.
+# DOP853: times before and after the contact, over the largest rate; the second one where the first cannot decide.
 DOP853_TIMES = (1e-2, 1e-13)
 DECIDER_TOLERANCE = 1e-13
 # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
