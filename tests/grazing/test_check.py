@@ -126,6 +126,7 @@ def test_a_shifted_window_is_found_out(monkeypatch: pytest.MonkeyPatch, size: in
     assert "FAILED" in report.summary()
 
 
+@pytest.mark.slow
 def test_the_papers_reading_fails_at_the_equality(monkeypatch: pytest.MonkeyPatch) -> None:
     _replace_window(monkeypatch, lambda p, mapping: grazing_window(p, mapping, "paper"))
     report = check_grazing(load_scene("fig8").parameters, "P3", n=100)

@@ -33,6 +33,7 @@ KERNELS = pytest.mark.parametrize("name", NAMES)
 # --- what is committed ---
 
 
+@pytest.mark.slow
 def test_the_committed_module_is_what_codegen_prints() -> None:
     difference = codegen.check()
     assert not difference, f"run `symosc codegen --regenerate` to accept this change:\n{difference}"
