@@ -676,30 +676,21 @@ def _python(program: _Program, arrays: bool) -> str:
 def _python_whole(program: _Program, arrays: bool) -> list[str]:
     """Return the functions of the whole word, on numbers, or on arrays that broadcast."""
     calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
-    spread = [f"        *{label}({z})," for label, z, _ in calls]
-    blocks = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
+    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if arrays:
-        docs = [
-            f"{what} of each map, in order of time: shape ({shape}) and that of the numbers in z."
-            for what, shape in (("f1, f2", 2 * len(calls)), ("the derivatives of f1, f2", f"{len(calls)}, 2, 4"))
-        ]
-        bodies = [
-            [
-                "    z, shape = flat(*z)",
-                "    rows = [",
-                *rows,
-                "    ]",
-                f"    return np.array(rows).reshape(({shape}, *shape))",
-            ]
-            for rows, shape in ((spread, 2 * len(calls)), (blocks, f"{len(calls)}, 2, 4"))
-        ]
+        shapes = str(2 * len(calls)), f"{len(calls)}, 2, 4"
+        ends = [f": shape ({shape}) and that of the numbers in z" for shape in shapes]
+        what = "f1, f2", "the derivatives of f1, f2"
+        frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
+        bodies = [frame.format(each, shape) for each, shape in zip((rows, blocks), shapes, strict=True)]
     else:
-        docs = [f"{what} of each map, in order of time." for what in ("f1, f2", "the 2 x 4 derivatives of f1, f2")]
-        end = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
-        bodies = [["    return [", *spread, "    ]"], ["    blocks = [", *blocks, "    ]", end]]
+        ends, what = ["", ""], ("f1, f2", "the 2 x 4 derivatives of f1, f2")
+        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
+        bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
     return [
-        "\n".join([f"def {name}({arguments}):", f'    """Return {doc}"""', *body])
-        for name, doc, body in zip(("residual", "jacobian"), docs, bodies, strict=True)
+        f'def {name}({arguments}):\n    """Return {of} of each map, in order of time{end}."""\n{body}'
+        for name, of, end, body in zip(("residual", "jacobian"), what, ends, bodies, strict=True)
     ]
 
 
@@ -772,14 +763,23 @@ def _julia(program: _Program, name: str) -> str:
         parts.append("\n".join([f"function constants(; {arguments})", *(f"    {line}" for line in lines), "end"]))
     parts += [julia.function(node) for node in program.functions.values()]
     calls, arguments = program.calls(1), ", ".join(["z", *passed])
-    lines = [f"        {label}({z})...," for label, z, _ in calls]
-    doc = "# Return f1, f2 of each map, in order of time."
-    parts.append("\n".join([doc, f"function residual({arguments})", "    return [", *lines, "    ]", "end"]))
-    lines = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
-    doc = "# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."
-    rows = "    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]"
-    body = [f"function jacobian({arguments})", "    blocks = (", *lines, "    )", rows, "end"]
-    parts.append("\n".join([doc, *body]))
+    rows = "\n".join(f"        {label}({z})...," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
+    parts.append(f"""\
+# Return f1, f2 of each map, in order of time.
+function residual({arguments})
+    return [
+{rows}
+    ]
+end
+
+# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time.
+function jacobian({arguments})
+    blocks = (
+{blocks}
+    )
+    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]
+end""")
     return "\n\n".join([*(part for part in parts if part), "end"]) + "\n"
 
 
