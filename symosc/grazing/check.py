@@ -255,8 +255,8 @@ class _Check:
                 rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
                 if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
-        phases, *columns = zip(*rows, strict=True)
-        *columns, floats = map(np.array, columns)
+        phases = [row[0] for row in rows]
+        *columns, floats = (np.array(column) for column in list(zip(*rows, strict=True))[1:])
         self._count(phases, *columns, self.ways.solver(floats))
         self.n_adversarial = len(phases)
 

@@ -215,7 +215,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progres
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer, arc, samples = Tracer(p, mapping), _arc_of(window), []
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
-        phases = [] if arc is None else _phases_of(*arc, n)
+        phases = np.array([]) if arc is None else _phases_of(*arc, n)
         for done, theta in enumerate(phases, start=1):
             samples.append(tracer.sample(float(theta)))
             if advance:
