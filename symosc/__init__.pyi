@@ -2,11 +2,11 @@
 from . import plot as plot
 from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
+from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
-from .crosschecks.faults import Fault as Fault
-from .crosschecks.matching import Match as Match
+from .crosschecks.events import Match as Match
 from .engine.events import Event as Event
 from .errors import (
     MissingExtraError as MissingExtraError,
@@ -69,8 +69,8 @@ from .orbits.admissibility import Condition as Condition
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
+from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
-from .orbits.continuation import continue_orbit as continue_orbit
 from .orbits.find import find_orbit as find_orbit
 from .orbits.periodic_orbit import (
     Approach as Approach,
@@ -83,7 +83,7 @@ from .orbits.periodic_orbit import (
 )
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
-from .reference.sets import reference_cases as reference_cases
+from .reference.cases import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names

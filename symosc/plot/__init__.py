@@ -36,7 +36,7 @@ DRAWN_BY = {
     "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
-    "symosc.sweeps.dataset.SweptDataset": "swept_figure",
+    "symosc.sweeps.output.SweptDataset": "swept_figure",
 }
 
 
