@@ -6,6 +6,7 @@ import pickle
 import random
 from fractions import Fraction
 from math import pi, sin
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -15,6 +16,7 @@ from effort import at_most
 from oracle import flow_oracle
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene, solve_grazing
+from symosc.grazing.solve import CLOSE, has_value
 from symosc.grazing.start import GrazingStart
 
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
@@ -260,3 +262,16 @@ def test_a_touch_is_looked_at_with_twice_the_digits() -> None:
     p = FREE.replace(k=1, Omega=1, c=Fraction(1, 10**70))
     assert grazing_start(p, "P2", 1).touch is False  # 60 digits leave it open
     assert grazing_start(p.replace(c=Fraction(1, 10**200)), "P2", 1).touch is True
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("x_i", "1000"), ("x_i", "-0.001"), ("theta_i", "2.5"), ("theta_i", "0.001")]
+)
+def test_a_value_is_met_to_the_digits_asked_for(name: str, value: str) -> None:
+    """Relative to the value, or to 1 where it is less."""
+    p, wanted, digits = load_scene("fig9").parameters.replace(Omega="1/4"), Fraction(value), 20
+    size = max(Fraction(1), abs(wanted))
+    for part, met in (("0.9", True), ("-0.9", True), ("1.1", False)):
+        off = Fraction(part) * Fraction(CLOSE) * size / 10**digits
+        found = SimpleNamespace(start={"x0": wanted + off, "t0": (wanted + off) / p.Omega})
+        assert has_value(found, p, name, wanted, digits) is met, part  # type: ignore[arg-type]

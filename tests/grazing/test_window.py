@@ -426,3 +426,12 @@ def test_sweeps() -> None:
         assert_refused(name, lambda swept=swept: grazing_windows(P, "P6", **swept))
     with pytest.raises(ParameterError, match=re.escape("k: (2,), B0: (3,)")):
         grazing_windows(P, "P6", k=[1.0, 2.0], B0=[1.0, 2.0, 3.0])
+
+
+def test_columns_are_equal_by_their_values() -> None:
+    """Not a number equals itself here; what is no column of windows is never equal."""
+    one, two, other = (grazing_windows(FIG9, "P2", Omega=[0.05, 1, last]) for last in (4, 4, 5))
+    assert np.isnan(one.low).any()
+    assert (one == two, one != two) == (True, False)
+    assert (one == other, one != other) == (False, True)
+    assert (one == tuple(one), one != tuple(one)) == (False, True)
