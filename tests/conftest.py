@@ -33,7 +33,6 @@ NEED = {
 }
 NEED_CASES = {
     "flint": (
-        "bench/test_hard.py::test_a_proven_reference_is_that_of_40_digits",
         "cli/test_cases.py::test_a_table_of_a_group",
         "cli/test_cases.py::test_a_folder",
         "plot/test_score.py::test_each_case_is_where_it_belongs",

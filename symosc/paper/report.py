@@ -17,7 +17,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from symosc.bench.machine import machine
+from symosc.bench import machine
 from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES, Erratum
 from symosc.errors import OutputError

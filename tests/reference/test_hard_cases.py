@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import mpmath
 import pytest
 from oracle import flow_oracle, simulate_oracle
 
 from symosc import load_scene, simulate
-from symosc.bench import ours
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import place
 from symosc.reference.compare import relative_error
@@ -108,9 +106,3 @@ def test_long_runs_end_with_the_orbit() -> None:
     assert LATE_PERIODS < turns < LATE_PERIODS + 0.1
     last = case.reference()[-1]
     assert 0 < case.scene.t_end - Fraction(float(last.t)) < Fraction(1)
-
-
-def row(**cell: Any) -> dict[str, Any]:
-    good = {"failure": "", "error": 1e-16, "missed": 0, "invented": 0, "found": 2, "worst": 0.1, "undecidable": None}
-    cells = {solver.name: good | cell for solver in ours.SOLVERS[:1]}
-    return {"group": "easy", "case": "a", "events": 2, "condition": 3.0, "open": "", "cells": cells}
