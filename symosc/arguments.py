@@ -26,19 +26,7 @@ MOST_ENTRIES, MOST_DEPTH = 10**8, 8
 
 
 class Kind(NamedTuple):
-    """What an argument may be.
-
-    Attributes
-    ----------
-    text : str
-        What a message calls it.
-    of_type : callable
-        Tells for a type whether its values may be meant.
-    of_value : callable, optional
-        Tells for a value of such a type whether it is meant. None: all are.
-    source : str
-        Where to get one, for a message.
-    """
+    """What an argument may be: `of_type` decides by its type, `of_value` by its value; the texts are for messages."""
 
     text: str
     of_type: Callable[[type], bool]
@@ -46,7 +34,7 @@ class Kind(NamedTuple):
     source: str = ""
 
     def takes(self, value: object) -> bool:
-        """Tell whether a value is of this kind."""
+        """Return whether a value is of this kind."""
         return self.of_type(type(value)) and (self.of_value is None or self.of_value(value))
 
 
@@ -60,26 +48,26 @@ def _is_truth(kind: type) -> bool:
 
 
 def _is_real(kind: type) -> bool:
-    """Tell whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
+    """Return whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
     if issubclass(kind, numbers.Real | Decimal):
         return not (_is_truth(kind) or kind.__name__ == "timedelta64")
     return hasattr(kind, "_mpf_") or _inherits("Expr")(kind)
 
 
 def _is_row(kind: type) -> bool:
-    """Tell whether a type holds entries in order, and is neither text nor bytes."""
+    """Return whether a type holds entries in order, and is neither text nor bytes."""
     if issubclass(kind, Sequence):
         return not issubclass(kind, str | bytes | bytearray | memoryview)
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
 
 
 def _is_short(value: Any) -> bool:
-    """Tell whether a row has entries, and not more than can be read."""
+    """Return whether a row has entries, and not more than can be read."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
 def _takes_arguments(count: int | None, value: Any) -> bool:
-    """Tell whether a value can be called, with so many arguments."""
+    """Return whether a value can be called, with so many arguments."""
     if not callable(value) or count is None:
         return callable(value)
     try:
@@ -104,7 +92,7 @@ def _may_be_solution(kind: type) -> bool:
 
 
 def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
-    """Tell whether lists in lists have an end, and not more entries than can be read."""
+    """Return whether lists in lists have an end, and not more entries than can be read."""
     if not isinstance(value, list | tuple | range):
         return True
     if not depth or not _is_short(value):
@@ -252,13 +240,7 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """What one parameter takes.
-
-    Attributes
-    ----------
-    known : set of type
-        Types all of whose values were found to be allowed.
-    """
+    """What one parameter takes; `known` are types all of whose values are allowed."""
 
     __slots__ = ("kinds", "known", "name")
 

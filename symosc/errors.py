@@ -36,6 +36,9 @@ class SymoscError(Exception):
     SceneError
     """
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), tuple(vars(self).values())  # each class keeps what it is made from, in order
+
 
 class ParameterError(SymoscError, ValueError):
     """A value that the model does not allow.
@@ -63,9 +66,6 @@ class ParameterError(SymoscError, ValueError):
         self.name, self.value, self.allowed = name, value, allowed
         super().__init__(f"{name} = {shown(value)}: {allowed}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.name, self.value, self.allowed)
-
 
 class SceneError(SymoscError, ValueError):
     """A scene that does not exist, or a scene file that cannot be read.
@@ -89,9 +89,6 @@ class SceneError(SymoscError, ValueError):
         self.scene, self.reason = scene, reason
         super().__init__(f"scene {brief(scene) or repr(scene)}: {reason}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.scene, self.reason)
-
 
 class OutputError(SymoscError, OSError):
     """A file that cannot be written; nothing is left behind.
@@ -114,9 +111,6 @@ class OutputError(SymoscError, OSError):
         self.path, self.reason = path, reason
         super().__init__(f"cannot write {brief(path) or repr(path)}: {reason}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.path, self.reason)
-
 
 class MissingExtraError(SymoscError, ImportError):
     """An optional dependency is needed and not installed.
@@ -138,9 +132,6 @@ class MissingExtraError(SymoscError, ImportError):
         self.what, self.extra = what, extra
         super().__init__(f"{what} needs an optional package: pip install 'symosc[{extra}]'")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.what, self.extra)
-
 
 class SweepError(SymoscError, RuntimeError):
     """A sweep that cannot go on: its output is another sweep's, or a worker failed. Finished chunks are kept.
@@ -159,9 +150,6 @@ class SweepError(SymoscError, RuntimeError):
     def __init__(self, reason: str) -> None:
         self.reason = reason
         super().__init__(reason)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.reason,)
 
 
 class ResultError(SymoscError, ValueError):
@@ -183,12 +171,9 @@ class ResultError(SymoscError, ValueError):
         self.path, self.reason = path, reason
         super().__init__(f"{brief(path) or repr(path)}: {reason}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.path, self.reason)
-
 
 def meant(word: object, known: Iterable[str]) -> str:
-    """Return the end of a message about a word that is not known: which one is much like it, if any."""
+    """Return the end of a message about an unknown word: the most similar known one, if any."""
     from difflib import get_close_matches
 
     by_letters = {name.lower(): name for name in known}

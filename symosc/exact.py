@@ -39,12 +39,7 @@ def read_exact(name: str, value: object) -> Fraction:
     """Return `value` as an exact Fraction, at most LARGEST in size.
 
     A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
-
-    Raises
-    ------
-    ParameterError
-        For text that is not a number, for NaN, infinities and numbers that are too large, and for types that are not
-        exact numbers.
+    ParameterError for all that is no finite exact number of moderate size.
     """
     number = _read(name, value)
     if abs(number) > LARGEST:
@@ -134,23 +129,14 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
 
 
 def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
-    """Return how many digits are asked for, or None for doubles.
-
-    Raises
-    ------
-    ParameterError
-        Unless it is None or a whole number from LEAST_ASKED_DIGITS to `most`.
-    """
+    """Return how many digits are asked for, or None for doubles; ParameterError if out of range."""
     return None if digits is None else whole_number("digits", digits, LEAST_ASKED_DIGITS, most)
 
 
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
     """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
 
-    Raises
-    ------
-    ParameterError
-        Unless they are numbers >= 0.
+    ParameterError unless they are numbers >= 0.
     """
     if value is None:
         return None

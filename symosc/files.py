@@ -8,7 +8,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 
 from symosc.errors import OutputError, ParameterError
@@ -19,24 +18,10 @@ STDOUT = "-"
 DRAFT_PREFIX = ".symosc-"
 
 
-def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "") -> Path:
+def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
     """Let `write` fill a draft beside `path`, then move it there; on an error nothing is left behind.
 
-    Parameters
-    ----------
-    path : str or Path
-        ``"-"`` is standard output.
-    write : callable
-        Gets the draft's path, which has the same suffix.
-    suffix : str
-        The draft's suffix if it goes to standard output.
-
-    Raises
-    ------
-    ParameterError
-        If `path` is not a file name.
-    OutputError
-        If the folder does not exist or cannot be written to.
+    ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     """
     name = read_path(path)
     target, draft = Path(name), None
@@ -66,25 +51,12 @@ def write_whole(path: str | Path, write: Callable[[Path], None], suffix: str = "
 
 
 def read_path(path: object) -> str:
-    """Return the text of a file name.
-
-    Raises
-    ------
-    ParameterError
-        If it is neither text nor a Path, or can name no file.
-    """
+    """Return the text of a file name; ParameterError if it is neither text nor a Path, or can name no file."""
     text = os.fspath(path) if isinstance(path, os.PathLike) else path
-    if not isinstance(text, str) or not text or "\0" in text or not _can_be_encoded(text):
-        raise ParameterError("path", path, "must be the name of a file; '-' is standard output")
-    return text
-
-
-def _can_be_encoded(text: str) -> bool:
-    try:
-        os.fsencode(text)
-    except UnicodeEncodeError:  # half of a surrogate pair
-        return False
-    return True
+    with suppress(UnicodeEncodeError):  # half of a surrogate pair
+        if isinstance(text, str) and text and b"\0" not in os.fsencode(text):
+            return text
+    raise ParameterError("path", path, "must be the name of a file; '-' is standard output")
 
 
 def check_folder_of(path: str | Path) -> None:
@@ -96,7 +68,7 @@ def check_folder_of(path: str | Path) -> None:
         raise OutputError(str(path), "Permission denied")
 
 
-def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
+def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)
@@ -113,38 +85,21 @@ def _to_stdout(write: Callable[[Path], None], suffix: str) -> None:
 
 
 def drop_stdout() -> None:
-    """Send what is still to come on standard output nowhere; it would fail once more at exit."""
+    """Discard further output; it would fail once more at exit."""
     with suppress(OSError):  # in a notebook or a test it may be something that is not a file
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_text(path: str | Path, text: str) -> Path:
     """Write text (UTF-8) whole or not at all; see `write_whole`."""
-    return write_whole(path, partial(_fill, text))
-
-
-def _fill(text: str, draft: Path) -> None:
-    draft.write_text(text, encoding="utf-8")
+    return write_whole(path, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 
 def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
     """Write a folder of text files whole or not at all, in place of an earlier one.
 
-    Parameters
-    ----------
-    path : str or Path
-    texts : mapping of str to str
-        Names inside the folder, with ``/``, and contents.
-    earlier : callable
-        ``earlier(folder)`` returns the names of the files that an earlier run has written there. A folder with any
-        other file is not touched.
-
-    Raises
-    ------
-    ParameterError
-        If `path` is not the name of a folder.
-    OutputError
-        If the folder cannot be written, or has files that are not of an earlier run.
+    `earlier(folder)` returns the names of the files that an earlier run has written; a folder with any other file stays
+    as it is. OutputError then, and if it cannot be written.
     """
     target, draft = check_folder(path, earlier), None
     try:
@@ -163,7 +118,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Return where `write_folder` would write; it raises what that would raise, before the work."""
+    """Return where `write_folder` would write, or raise its errors before the work."""
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

@@ -42,19 +42,9 @@ class WordError(SymoscError, ValueError):
         self.word, self.reason, self.step = word, reason, step
         super().__init__(f"mapping structure {brief(word)}: {reason}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.word, self.reason, self.step)
-
 
 class Plane(NamedTuple):
-    """A switching plane of the paper, where the mappings start and end.
-
-    Attributes
-    ----------
-    superscript : int
-        0: on the belt, sticking. 1: just below its speed. 2: just above it.
-    boundary : int
-    """
+    """A switching plane of the paper; superscript 0: sticking on the belt, 1: just below its speed, 2: just above."""
 
     superscript: int
     boundary: int
@@ -64,15 +54,7 @@ class Plane(NamedTuple):
 
 
 class Map(NamedTuple):
-    """One row of the table of mappings.
-
-    Attributes
-    ----------
-    label : str
-    start, end : Plane
-    domain : int
-        1, 2 or 3; 0 for a stick.
-    """
+    """One row of the table of mappings; the domain is 0 for a stick."""
 
     label: str
     start: Plane

@@ -70,7 +70,6 @@ def test_contributing_opens_with_three_commands_that_others_use_too() -> None:
     assert quick == sessions["quick"]
     assert lint == [*sessions["lint"][:2], *sessions["types"]]
     assert regenerate == ["symosc codegen --regenerate"]
-    assert regenerate[0] in readme
     assert sessions["codegen"] == ["symosc codegen"]
     assert all(f".venv/bin/{command}\n" in text(".ci/run") for command in lint)
     assert f".venv/bin/{sessions['tests'][0]}\n" in readme
@@ -88,7 +87,7 @@ def test_files_that_a_page_names_exist(page: str) -> None:
 
 
 def test_rules_that_are_not_followed_have_a_reason() -> None:
-    answered = re.findall(r"^\| ([A-Z]+\d+) \| .+ \| .{9,} \|$", text("CONTRIBUTING.md"), re.M)
+    answered = re.findall(r'^    "([A-Z]+\d+)", # .{8,}$', text("pyproject.toml"), re.M)
     assert answered == PYPROJECT["tool"]["repo-review"]["ignore"]
 
 

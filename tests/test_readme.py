@@ -18,6 +18,7 @@ from symosc.cli.app import main
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDE = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^```python\n(.*?)^```$\s*prints\s*^```text\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
 
 
 def blocks(language: str, text: str = README) -> list[str]:
@@ -98,10 +99,13 @@ def test_the_readme_is_short() -> None:
     assert max(map(len, lines)) <= 120
 
 
-def test_where_things_are() -> None:
-    """What the map of the code names is there."""
-    map_of_code = README[README.index("## Where things are") :]
-    for name in re.findall(r"`((?:symosc|tests)/[^`]+)`", map_of_code):
-        assert (ROOT / name).exists(), name
-    for row in re.findall(r"^\| (`.*?) \|", map_of_code, re.MULTILINE):
-        assert all((ROOT / "symosc" / name.strip(" `")).is_dir() for name in row.split(",")), row
+def test_every_example_of_the_guide_says_what_it_prints() -> None:
+    assert len(EXAMPLES) == GUIDE.count("```python") > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(EXAMPLES)))
+def test_an_example_of_the_guide(number: int, tmp_path: Path) -> None:
+    code, expected = EXAMPLES[number]
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.stderr, result.stdout) == ("", expected)

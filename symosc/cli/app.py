@@ -15,35 +15,32 @@ from typing import Any, NoReturn
 import click
 
 import symosc
-from symosc.cli.output import tell, write
+from symosc.cli.common import BAD_INPUT, INTERRUPTED, note, write
 from symosc.display import progress
 from symosc.errors import CodeCacheWarning, SymoscError, meant
 from symosc.files import drop_stdout
 
-BAD_INPUT, INTERRUPTED = 2, 130
-
-
-#: The commands, each in a module of its name that is loaded when it is used.
-COMMANDS = (
-    "simulate",
-    "figure",
-    "scenes",
-    "new",
-    "orbit",
-    "grazing",
-    "codegen",
-    "check",
-    "certify",
-    "verify",
-    "cases",
-    "score",
-    "derive",
-    "sweep",
-    "bench",
-    "warm",
-    "explore",
-    "reproduce",
-)
+#: The commands, and the module of each, which is loaded when the command is used.
+COMMANDS = {
+    "simulate": "simulate",
+    "figure": "simulate",
+    "explore": "simulate",
+    "scenes": "scenes",
+    "new": "scenes",
+    "orbit": "orbit",
+    "grazing": "grazing",
+    "check": "check",
+    "cases": "check",
+    "score": "check",
+    "certify": "certify",
+    "verify": "certify",
+    "derive": "derive",
+    "codegen": "derive",
+    "sweep": "sweep",
+    "bench": "bench",
+    "warm": "bench",
+    "reproduce": "reproduce",
+}
 
 
 class CommandLine(click.Group):
@@ -54,17 +51,16 @@ class CommandLine(click.Group):
         return sorted(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return a command, from its module if it has one."""
+        """Return a command from its module, with --quiet and --verbose."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = getattr(import_module(f"symosc.cli.{cmd_name}"), cmd_name)
-        _keep_help(command)
+        command: click.Command = getattr(import_module(f"symosc.cli.{COMMANDS[cmd_name]}"), cmd_name)
         known = {option for each in command.params for option in each.opts}
-        command.params += [option for option in _tellings() if not known & set(option.opts)]
+        command.params += [option for option in _verbosity_options() if not known & set(option.opts)]
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the command and its arguments; of a word that is none, say which command is like it."""
+        """Return the command and its arguments; suggest one for a mistyped name."""
         if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
@@ -102,7 +98,7 @@ class CommandLine(click.Group):
                 code = super().invoke(ctx)
             if progress.level() == progress.VERBOSE:
                 about = f"symosc {symosc.__version__}, Python {python_version()}"
-                tell(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
+                note(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
         except (KeyboardInterrupt, RuntimeError) as error:
             if not _is_interrupt(error):
                 raise
@@ -112,25 +108,15 @@ class CommandLine(click.Group):
         return code
 
 
-def _keep_help(command: click.Command) -> None:
-    """Take a command's help from its source, where Python has no docstrings (-OO)."""
-    if sys.flags.optimize > 1 and not command.help and command.callback is not None:
-        import ast
-        import inspect
+def _verbosity_options() -> list[click.Option]:
+    """Return --quiet and --verbose, which every command has."""
 
-        function = ast.parse(inspect.getsource(command.callback)).body[0]
-        command.help = ast.get_docstring(function) if isinstance(function, ast.FunctionDef) else None
-
-
-def _tellings() -> list[click.Option]:
-    """Return the options of every command that say how much is told on stderr."""
-
-    def tell_so(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+    def set_verbosity(context: click.Context, option: click.Parameter, wanted: bool) -> None:
         if wanted:
             progress.set_level(progress.QUIET if option.name == "quiet" else progress.VERBOSE)
 
-    about = {"quiet": "No bars and no notes, results and errors alone.", "verbose": "Tell more on stderr."}
-    options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": tell_so}
+    about = {"quiet": "Print results and errors only: no bars, no notes.", "verbose": "Print more on stderr."}
+    options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": set_verbosity}
     return [click.Option([f"--{name}", f"-{name[0]}"], help=text, **options) for name, text in about.items()]
 
 
@@ -147,7 +133,7 @@ def _warn(
 ) -> None:
     """Say our warnings without a file and a line of code."""
     if issubclass(category, CodeCacheWarning):
-        tell(str(message))
+        note(str(message))
     else:
         _as_python_does(message, category, filename, lineno, file, line)
 
@@ -188,6 +174,3 @@ def main() -> None:
     Example:
       symosc simulate fig5
     """
-
-
-_keep_help(main)

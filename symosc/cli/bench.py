@@ -1,4 +1,4 @@
-"""The command `symosc bench`."""
+"""`symosc bench` and `symosc warm`: measure speed and error, and compile the loops ahead."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from typing import Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import json_option, write, write_json
-from symosc.cli.settings import goes_to_stdout
+from symosc.cli.common import FAILED, check_picture, goes_to_stdout, json_option, write, write_json, write_table, wrote
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
 
@@ -62,8 +61,7 @@ def bench(
         return _scores(page)
     if readme is not None and (hard_cases or output is not None):
         raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
-    if output is not None:
-        plot.check_suffix(output)  # before the work
+    check_picture(output)
     if readme is not None:
         results.check(readme)
     result: Record = {"quick": quick}
@@ -79,7 +77,7 @@ def bench(
     if output is not None:
         picture = error_map.figure(result["error_map"]) if hard_cases else work.figure(result["work_precision"])
         written.append(plot.save(picture, output))
-    code = int(not all(result[key]["ok"] for key in ("hard", "scores") if key in result))
+    code = 0 if all(result[key]["ok"] for key in ("hard", "scores") if key in result) else FAILED
     if as_json:
         plain = {key: cases.as_json(each) if key in ("hard", "scores") else each for key, each in result.items()}
         write_json(_plain(plain))
@@ -92,7 +90,7 @@ def bench(
         tables |= {"sweeping": speed.sweeping_table, "work_precision": work.table}
         write("\n\n".join(table(result[name]) for name, table in tables.items()))
     for path in written:
-        write(f"wrote {click.format_filename(path)}")
+        write(wrote(path))
     return code
 
 
@@ -119,7 +117,7 @@ def _scores(page: str) -> int:
     check_folder_of(page)  # before the work
     result = cases.run(progress=partial(_bar, "reference cases"))
     for path in cases.write(page, result, f"symosc bench --scores {Path(page).as_posix()}"):
-        write(f"wrote {click.format_filename(path)}")
+        write(wrote(path))
     return 0
 
 
@@ -138,3 +136,25 @@ def _plain(value: object) -> object:
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return None if isinstance(value, float) and not isfinite(value) else value
+
+
+@click.command()
+@json_option
+def warm(as_json: bool) -> None:
+    """Compile ahead what simulate_many needs, so that no later program waits for a compiler.
+
+    Needs numba (extra fast), and takes a minute. What is compiled is kept on disk; it is made anew when symosc or numba
+    changes. Without this command it is compiled when there is enough work for it, and smaller work is interpreted.
+
+    \b
+    Examples:
+      symosc warm
+    """
+    from symosc.simulation.warm import warm as compile_all
+
+    rows = compile_all()
+    if as_json:
+        write_json([row._asdict() for row in rows])
+        return
+    table = [[row.what, "loaded" if row.was_there else "compiled", f"{row.seconds:.1f}"] for row in rows]
+    write_table(table, ["what", "how", "seconds"])

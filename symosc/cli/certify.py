@@ -1,17 +1,30 @@
-"""The command `symosc certify`."""
+"""`symosc certify` and `symosc verify`: prove events, orbits, branches and windows, and prove them again."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from symosc.certificates.certificate import common_complex, common_digits
-from symosc.cli.orbit import read_span
-from symosc.cli.output import complain, json_option, write, write_json, write_table
-from symosc.cli.settings import complete, complete_scene, goes_to_stdout, scene_with, set_option
+from symosc.cli.common import (
+    FAILED,
+    complain,
+    complete,
+    goes_to_stdout,
+    json_option,
+    optional_scene,
+    read_error,
+    read_span,
+    scene_with,
+    set_option,
+    start_error_option,
+    write,
+    write_json,
+    write_table,
+)
 from symosc.display.progress import bar
-from symosc.exact import read_start_error
+from symosc.errors import MissingExtraError
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
 
@@ -20,13 +33,11 @@ if TYPE_CHECKING:
     from symosc.orbits.periodic_orbit import PeriodicOrbit
     from symosc.scenes import Scene
 
-NOT_PROVEN = 1
-
 
 @click.command()
-@click.argument("scene", required=False, shell_complete=complete_scene)
+@optional_scene
 @click.option("--t-end", metavar="T", help="End time in place of the scene's; 10T: after 10 periods.")
-@click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
+@start_error_option
 @click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")
 @click.option(
     "--branch",
@@ -77,7 +88,7 @@ def certify(
     if listed:
         if scene is not None:
             raise click.UsageError("--orbits proves its own list; give no scene")
-        return _list()
+        return _prove_list()
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if (word or span or mapping) and (t_end or start_error):
@@ -85,7 +96,7 @@ def certify(
     problem = scene_with(scene, settings, {"t_end": t_end})
     certificate = _proof(problem, start_error, word, span, mapping)
     if certificate is None:
-        return NOT_PROVEN
+        return FAILED
     if output is not None:
         certificate.to_json(output)
     if as_json:
@@ -94,7 +105,7 @@ def certify(
         _report(certificate)
     if not certificate.proven:
         complain(f"not proven: {certificate.message}")
-    return 0 if certificate.proven else NOT_PROVEN
+    return 0 if certificate.proven else FAILED
 
 
 def _proof(
@@ -108,9 +119,7 @@ def _proof(
 
         return prove(grazing_window(problem.parameters, mapping))
     if word is None and span is None:
-        parts = None if start_error is None else start_error.split(",")
-        error = None if parts is None else read_start_error(parts if len(parts) > 1 else start_error)
-        return prove(problem, start_error=error)
+        return prove(problem, start_error=read_error(start_error))
     found = _orbit(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
@@ -140,8 +149,10 @@ def _orbit(problem: Scene, word: str | None) -> PeriodicOrbit | None:
 
 
 def _report(certificate: Certificate) -> None:
-    rows = [[*_ends(event), event[0], f"{event[1]} -> {event[2]}"] for event in certificate.events]
-    if rows and rows[0][0]:
+    # The events of a branch have no times: these depend on the parameter.
+    timed = [event for event in certificate.events if len(event) > 3]
+    rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]
+    if rows:
         write_table(rows, ["t", "x", "kind", "from -> to"])
         write("")
     for i, multiplier in enumerate(certificate.multipliers, 1):
@@ -150,12 +161,7 @@ def _report(certificate: Certificate) -> None:
         write(f"proven: {certificate.message}")
 
 
-def _ends(event: tuple[Any, ...]) -> tuple[str, str]:
-    """Return t and x of an event, "" where it has none: the events of a branch are at other times for each value."""
-    return (common_digits(*event[3]), common_digits(*event[4])) if len(event) > 3 else ("", "")
-
-
-def _list() -> int:
+def _prove_list() -> int:
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
     count = len(listed_orbits())
@@ -165,4 +171,52 @@ def _list() -> int:
     write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
     for message in done.open:
         complain(f"not proven: {message}")
-    return NOT_PROVEN if done.open else 0
+    return FAILED if done.open else 0
+
+
+@click.command()
+@click.argument("file", required=False)
+@click.option("--orbits", "listed", is_flag=True, help="Certify and verify the list of orbits that ships.")
+@click.option("--bytes", "size", metavar="N", type=click.IntRange(1), help="Largest file. Default: 10,000,000.")
+@click.option("--events", metavar="N", type=click.IntRange(1), help="Most events and boxes. Default: 50,000.")
+@click.option("--steps", metavar="N", type=click.IntRange(1), help="Most steps of the proof. Default: 2,000,000.")
+def verify(file: str | None, *, listed: bool, size: int | None, events: int | None, steps: int | None) -> int:
+    """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
+
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches. They need
+    python-flint and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not
+    proven, 2 no certificate.
+
+    \b
+    Examples:
+      symosc verify fig8.json
+      symosc verify --orbits
+    """
+    if (file is None) != listed:
+        raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
+    try:
+        from symosc.certificates import verify_orbits
+    except ImportError:
+        raise MissingExtraError("verify", "certify") from None
+    if file is None:
+        return _verify_list()
+    limits = {name: most for name, most in (("bytes", size), ("events", events), ("steps", steps)) if most is not None}
+    code, answer = verify_orbits.verify(file, **limits)
+    if code:
+        complain(answer)
+    else:
+        write(answer)
+    return code
+
+
+def _verify_list() -> int:
+    from symosc.certificates.orbit_list import listed_orbits, verify_list
+
+    count = len(listed_orbits())
+    with bar("proven again", count, "orbits") as report:
+        answers = verify_list(progress=report)
+    wrong = [answer for answer in answers if answer]
+    write(f"proven again: {count - len(wrong)} of {count} orbits")
+    for line in wrong:
+        complain(line)
+    return FAILED if wrong else 0

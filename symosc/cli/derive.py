@@ -1,8 +1,7 @@
-"""`symosc derive`: derivations, each step checked by machine, as LaTeX, PDF, HTML, Markdown or text."""
+"""`symosc derive` and `symosc codegen`: derivations with every step checked, and code printed from them."""
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -11,14 +10,29 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
 from symosc.aliases import Record
-from symosc.cli.output import complain, tell, write_json
-from symosc.cli.settings import WholeNumber, complete, complete_scene, goes_to_stdout, read_settings, set_option
+from symosc.cli.common import (
+    FAILED,
+    WholeNumber,
+    complain,
+    complete,
+    complete_scene,
+    goes_to_stdout,
+    json_option,
+    note,
+    read_settings,
+    set_option,
+    write,
+    write_json,
+    wrote,
+)
 from symosc.display.progress import VERBOSE, bar, level
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import write_text
+from symosc.symbolic.languages import LANGUAGES
 
 FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
 
@@ -63,7 +77,7 @@ def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> 
 @click.option("--tags", type=click.Choice(["paper"]), help="Fragments: give equations the paper's numbers.")
 @click.option("--prefix", metavar="TEXT", help="Fragments: what labels begin with (default: symosc).")
 @click.option("--alone", is_flag=True, help="Fragments: a document of its own.")
-@click.option("--json", "as_json", is_flag=True, help="Print every step's check (kind, margin, points) as JSON.")
+@json_option
 def derive(subject: str, output: str | None, form: str, as_json: bool, **options: Any) -> int:
     """Derive SUBJECT step by step, checking each step before it is written.
 
@@ -115,7 +129,7 @@ def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: boo
         fragment = pages.check_fragment(name, scope)
     except StepError as error:
         complain(f"check failed: {error}")
-        return 1
+        return FAILED
     if form == "latex":
         prefix = pages.PREFIX if options["prefix"] is None else options["prefix"]
         text = pages.as_latex(fragment, scope, prefix, options["tags"] == "paper", options["alone"])
@@ -124,23 +138,24 @@ def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: boo
     if as_json:
         write_json({"fragment": name, "text": text, "steps": pages.log(fragment)})
     elif printed:
-        click.echo(text, nl=False)
+        write(text, end="")
     if output is not None and not printed:
         path = write_text(Path(output), text)
         if not as_json:
-            click.echo(str(path))
+            write(str(path))
     return 0
 
 
 def _chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
     printed = goes_to_stdout(output, "--output", as_json)
     from symosc.derive import document
+    from symosc.derive.pdf import has_latex, make_pdf
     from symosc.derive.steps import StepError
     from symosc.scenes import load_scene
 
     if pdf and (form != "latex" or printed):
         raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
-    if pdf and not _has_latex():
+    if pdf and not has_latex():
         raise click.BadParameter("there is no pdflatex here (Debian: texlive-latex-base)", param_hint="--pdf")
     folder = Path(output or ".")
     _check_folder(folder)
@@ -150,20 +165,24 @@ def _chapters(subject: str, scene: str | None, output: str | None, form: str, as
             scope, chapters = document.build([subject], problem, progress)
     except StepError as error:
         complain(f"check failed: {error}")
-        return 1
+        return FAILED
     if printed:
-        click.echo(document.printed(chapters, scope, form), nl=False)
+        write(document.printed(chapters, scope, form), end="")
         return 0
     paths = document.write_document(chapters, scope, folder, form)
     status = 0
     if pdf:
-        status = _compile(folder, paths)
+        try:
+            paths.insert(0, make_pdf(folder / document.MAIN))
+        except SymoscError as error:
+            complain(f"{error}")
+            status = FAILED
     if as_json:
-        click.echo(json.dumps(_log(chapters, problem, paths), indent=1))
+        write_json(_log(chapters, problem, paths))
     else:
-        click.echo(_summary(chapters))
+        write(_summary(chapters))
         for path in paths:
-            click.echo(str(path))
+            write(str(path))
     return status
 
 
@@ -181,27 +200,9 @@ def _check_folder(folder: Path) -> None:
     raise OutputError(str(folder), reason)
 
 
-def _has_latex() -> bool:
-    from symosc.derive import pdf
-
-    return pdf.has_latex()
-
-
-def _compile(folder: Path, paths: list[Path]) -> int:
-    from symosc.derive import pdf
-    from symosc.derive.document import MAIN
-
-    try:
-        paths.insert(0, pdf.make_pdf(folder / MAIN))
-    except SymoscError as error:
-        complain(f"{error}")
-        return 1
-    return 0
-
-
 @contextmanager
 def _bars() -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar for each subject, one after the other; yield what is told how far one is."""
+    """Show a bar for each subject, one after the other; yield the progress callback."""
     with ExitStack() as stack:
         shown: dict[str, Callable[[float, float], None]] = {}
 
@@ -211,7 +212,7 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
                 shown[subject] = stack.enter_context(bar(subject, count))
             shown[subject](done, count)
             if done == count and level() == VERBOSE:
-                tell(f"{subject}: {count} steps checked")
+                note(f"{subject}: {count} steps checked")
 
         yield progress
 
@@ -225,3 +226,91 @@ def _summary(chapters: list[Any]) -> str:
     kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
     parts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds)
     return f"{len(kinds)} steps checked: {parts}"
+
+
+@click.command()
+@click.argument("word", required=False)
+@click.option("--check", is_flag=True, help="Without WORD: compare symosc's own kernels; exit code 1 if they differ.")
+@click.option("--regenerate", is_flag=True, help="Without WORD: write symosc's own kernels anew.")
+@click.option(
+    "--language", "-l", type=click.Choice(LANGUAGES), default="python", show_default=True, help="What to write."
+)
+@click.option(
+    "--fix",
+    metavar="SCENE",
+    shell_complete=complete_scene,
+    help="Fold the parameters of a scene in and drop what that leaves unused.",
+)
+@click.option("--name", help="Base of the file names, and of the names in C and Julia. Default: from the word.")
+@click.option(
+    "-o", "--output", metavar="FOLDER", default=".", help="Where to write; made if needed. Default: here. '-': print."
+)
+@click.option("--force", is_flag=True, help="Replace files that have another content.")
+@json_option
+@click.pass_context
+def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bool, **options: Any) -> int:
+    """Write a mapping structure's residual and Jacobian for your own program.
+
+    WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python with NumPy, C99
+    with a header, or Julia. It has the maps of the word only. A file that is there with another content stays, unless
+    --force is given.
+
+    Without WORD it is about the kernels that symosc itself runs, symosc/kernels/_generated.py, which are printed from
+    the formulas that sympy derives: --check compares them, --regenerate writes them.
+
+    \b
+    Examples:
+      symosc codegen P32 --language c --fix fig9
+      symosc codegen P4645 --language julia -o - > p4645.jl
+      symosc codegen --check
+    """
+    if word is not None:
+        if check or regenerate:
+            flag = "--check" if check else "--regenerate"
+            raise click.UsageError(f"{flag} is about symosc's own kernels; leave WORD out")
+        return _export(word, **options)
+    given = [name for name in options if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE]
+    if given:
+        names = {parameter.name: max(parameter.opts, key=len) for parameter in ctx.command.params}
+        raise click.UsageError(f"{', '.join(names[name] for name in given)} needs a WORD, such as P32")
+    if check == regenerate:
+        either = "not both" if check else "or a WORD, such as P32"
+        raise click.UsageError(f"give --check or --regenerate, {either}")
+    return _kernels(regenerate)
+
+
+def _export(
+    word: str, language: str, fix: str | None, name: str | None, output: str, force: bool, as_json: bool
+) -> int:
+    from symosc.scenes import load_scene
+    from symosc.symbolic.export import export, write_export
+
+    printed = goes_to_stdout(output, "--output", as_json)
+    if printed and force:
+        raise click.UsageError("--force is about files; leave it out with -o -")
+    parameters = None if fix is None else load_scene(fix).parameters
+    if printed:
+        write("\n".join(export(word, language, parameters, name).values()), end="")
+        return 0
+    paths = [str(path) for path in write_export(output, word, language, parameters, name, force=force)]
+    if as_json:
+        write_json(paths)
+    else:
+        write("\n".join(map(wrote, paths)))
+    return 0
+
+
+def _kernels(regenerate: bool) -> int:
+    """Write symosc's own kernels, or compare them with what the formulas print."""
+    from symosc.symbolic import codegen as generator
+
+    if regenerate:
+        write(wrote(generator.write()))
+        return 0
+    difference = generator.check()
+    if difference:
+        write(difference)
+        complain("the committed kernels differ from the generated ones; accept: symosc codegen --regenerate")
+        return FAILED
+    write(f"{Path(generator.PATH).name} is what the formulas print")
+    return 0

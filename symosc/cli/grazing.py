@@ -1,4 +1,4 @@
-"""The command `symosc grazing`: Theorem 7's windows of a scene, exactly."""
+"""`symosc grazing`: Theorem 7's windows of a scene, exactly, and for which parameters they have a property."""
 
 from __future__ import annotations
 
@@ -7,9 +7,21 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.aliases import Order, Record
-from symosc.cli import inverse
-from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import WholeNumber, complete, complete_scene, goes_to_stdout, read_parameters
+from symosc.cli.common import (
+    WholeNumber,
+    check_picture,
+    complete,
+    goes_to_stdout,
+    json_option,
+    optional_scene,
+    read_parameters,
+    read_span,
+    set_option,
+    write,
+    write_json,
+    write_table,
+)
+from symosc.display.progress import late_bar
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
@@ -24,15 +36,8 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("scene", required=False, shell_complete=complete_scene)
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    shell_complete=complete(PARAMETER_NAMES, "="),
-    help="Change a parameter, such as k=3. Repeatable; all of them in place of SCENE.",
-)
+@optional_scene
+@set_option
 @click.option(
     "--map",
     "mappings",
@@ -89,6 +94,8 @@ def grazing(
     window, exactly; without --phase, for which values the window is empty and for which it is everything. Two
     parameters give a region, which --plot draws. Without SCENE and --set the answer is in letters.
 
+    All eleven parameters by --set stand for a SCENE.
+
     \b
     Examples:
       symosc grazing fig9
@@ -104,67 +111,45 @@ def grazing(
     piped = goes_to_stdout(output, "--plot", as_json or as_latex)
     if as_latex and as_json:
         raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
-    _check_questions(solve, phase, compared=phases is not None or against is not None)
-    if against is not None and (output is None or len(mappings) != 1):
-        raise click.UsageError("--against needs --plot FILE and one --map")
-    letters = solve is not None and scene is None and not settings
-    name, p = (None, None) if letters else _parameters(scene, settings)
-    chosen = _chosen(mappings)
-    if solve is not None:
-        forms: dict[str, Any] = {"as_latex": as_latex, "as_json": as_json, "output": output, "piped": piped}
-        inverse.solve(p, chosen, solve, phase, order, **forms)
-        return 0
-    assert p is not None
-    windows, reports = _decided(p, chosen or list(PLACES), order, phases)
-    if output is not None:
-        _draw(windows, against, output)
-    if not piped:
-        _show(name, windows, reports, as_latex, as_json)
-    return int(any(not report.ok for report in reports))
-
-
-def _check_questions(solve: str | None, phase: str | None, compared: bool) -> None:
-    """Refuse a phase that nothing is asked about, and checks of an answer about parameters."""
     if phase is not None and solve is None:
         raise click.UsageError("--phase needs --solve, which says what is asked for")
-    if solve is not None and compared:
+    if solve is not None and (phases is not None or against is not None):
         raise click.UsageError("--solve goes without --check and --against")
-
-
-def _chosen(mappings: tuple[str, ...]) -> list[str]:
-    """Return each map once; ParameterError for one without grazing."""
-    for mapping in mappings:
-        place(mapping)
-    return list(dict.fromkeys(mappings))
-
-
-def _decided(
-    p: Parameters, mappings: list[str], order: Order, phases: int | None
-) -> tuple[list[GrazingWindow], list[GrazingReport]]:
-    """Return the windows, and reports that check each at so many phases, if any."""
+    if against is not None and (output is None or len(mappings) != 1):
+        raise click.UsageError("--against needs --plot FILE and one --map")
+    check_picture(output)
+    letters = solve is not None and scene is None and not settings
+    name, p = (None, None) if letters else _parameters(scene, settings)
+    chosen = list(dict.fromkeys(mappings))
+    for mapping in chosen:
+        place(mapping)  # ParameterError for a map that cannot graze
+    if solve is not None:
+        answers = _solve(p, chosen, solve, phase, order, output)
+        if as_json:
+            given = None if p is None else p.as_dict()
+            write_json({"parameters": given, "order": order, "answers": list(map(_answer_data, answers))})
+        elif not piped:
+            for answer in answers:
+                write(answer.latex() if as_latex else answer.text())
+        return 0
+    assert p is not None
+    from symosc.grazing.check import check_grazing
     from symosc.grazing.window import grazing_window
 
-    windows = [grazing_window(p, mapping, order) for mapping in mappings]
-    if phases is None:
-        return windows, []
-    from symosc.grazing.check import check_grazing
-
-    return windows, [check_grazing(p, mapping, n=phases, progress=True) for mapping in mappings]
-
-
-def _show(
-    name: str | None, windows: list[GrazingWindow], reports: list[GrazingReport], as_latex: bool, as_json: bool
-) -> None:
-    """Print windows and reports as JSON, the windows as LaTeX, or both as tables."""
+    windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
+    reports = [] if phases is None else [check_grazing(p, each, n=phases, progress=True) for each in chosen or PLACES]
+    if output is not None:
+        _draw(windows, against, output)
     if as_json:
         data: Record = {"scene": name, "parameters": windows[0].parameters.as_dict(), "order": windows[0].order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
         write_json(data | {"windows": [_data(window) for window in windows]})
-    elif as_latex:
+    elif as_latex and not piped:
         for window in windows:
             write(window.latex())
-    else:
+    elif not piped:
         _print(windows, reports)
+    return int(any(not report.ok for report in reports))
 
 
 def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
@@ -230,20 +215,70 @@ def _plane(axes: Axes, window: GrazingWindow) -> None:
 
 
 def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
-    from symosc.plot.drawing import check_suffix, save
-
-    check_suffix(output)
+    from symosc.plot.drawing import save
     from symosc.plot.sweep import sweep_figure
     from symosc.plot.windows import window_figure
 
-    if against is None:
-        save(window_figure(windows, _plane if windows[0].parameters.k else None), output)
-        return
-    name, equals, span = against.partition("=")
-    low, colon, high = span.partition(":")
-    if equals and not (colon and low and high):
-        form = "is not NAME or NAME=LOW:HIGH, such as Omega=0.1:4"
-        raise click.BadParameter(f"{against!r} {form}", param_hint="--against")
     window = windows[0]
-    drawing = sweep_figure(window.parameters, window.mapping, name, low or None, high or None, window.order)
+    if against is None:
+        drawing = window_figure(windows, _plane if window.parameters.k else None)
+    else:
+        name, low, high = against, None, None
+        if "=" in against:
+            name, (low, high) = read_span(against, "--against")
+        drawing = sweep_figure(window.parameters, window.mapping, name, low, high, window.order)
     save(drawing, output)
+
+
+def _solve(
+    p: Parameters | None, mappings: list[str], names: str, phases: str | None, order: Order, output: str | None
+) -> list[Any]:
+    """Return the answers for all maps, and draw the only one if it is a region; p = None asks with letters."""
+    asked = [name.strip() for name in names.split(",")]
+    if not all(asked) or len(asked) > 2:
+        raise click.BadParameter(f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
+    if p is None and len(asked) > 1:
+        raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
+    if output is not None and (p is None or len(asked) == 1 or phases is None or len(mappings) != 1):
+        raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
+    if not mappings:  # those that depend on what is asked
+        belts = {name for name in asked if name in ("v1", "v2")}
+        mappings = [mapping for mapping in PLACES if belts <= {f"v{place(mapping).boundary}"}] or list(PLACES)
+    answers: list[Any] = []
+    with late_bar(True, "solve", "maps") as advance:
+        for count, mapping in enumerate(mappings, start=1):
+            answers += _answers(p, mapping, asked[0] if len(asked) == 1 else tuple(asked), phases, order)
+            if advance:
+                advance(count / len(mappings), count)
+    if output is not None:
+        from symosc.plot.drawing import save
+
+        save(answers[0].plot(), output)
+    return answers
+
+
+def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
+    from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
+
+    if phases is None:
+        return [values_empty(p, mapping, asked), values_everything(p, mapping, asked, order)]
+    low, colon, high = phases.partition(":")
+    if colon and not (low.strip() and high.strip()):
+        raise click.BadParameter(f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase")
+    return [values_containing(p, mapping, asked, (low, high) if colon else phases, order)]
+
+
+def _answer_data(answer: Any) -> Record:
+    from symosc.symbolic.grazing_answers import Answers, ParameterRegion, condition_text, interval_text
+
+    question = answer.question
+    data: dict[str, Any] = {"map": question.mapping, "names": list(question.names), "question": question.text()}
+    if isinstance(answer, Answers):
+        data["answers"] = [
+            {"condition": condition_text(each.condition), "values": interval_text(each.values)} for each in answer
+        ]
+    elif isinstance(answer, ParameterRegion):
+        data |= {"condition": condition_text(answer.condition), "allowed": condition_text(answer.allowed)}
+    else:
+        data["values"] = interval_text(answer.values)
+    return data | {"latex": answer.latex()}

@@ -1,4 +1,4 @@
-"""The command `symosc orbit`."""
+"""`symosc orbit`: a periodic orbit, its stability, and its branch over a parameter."""
 
 from __future__ import annotations
 
@@ -7,8 +7,22 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import FLOAT_FORMAT, complain, json_option, write, write_json
-from symosc.cli.settings import WholeNumber, complete, goes_to_stdout, scene_argument, scene_with, set_option
+from symosc.cli.common import (
+    FAILED,
+    FLOAT_FORMAT,
+    WholeNumber,
+    check_picture,
+    complain,
+    complete,
+    goes_to_stdout,
+    json_option,
+    read_span,
+    scene_argument,
+    scene_with,
+    set_option,
+    write,
+    write_json,
+)
 from symosc.display.tables import plain_table
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
@@ -17,8 +31,6 @@ if TYPE_CHECKING:
     from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
     from symosc.scenes import Scene
-
-NOT_FOUND = 1
 
 
 @click.command()
@@ -70,61 +82,29 @@ def orbit(
     structure = problem.structure if structure is None else structure
     if structure is None:
         raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
-    if output is not None:
-        _check_suffix(output)
+    check_picture(output)
     try:
         found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)
     except ConvergenceError as error:
         complain(f"{error}")
-        return NOT_FOUND
-    branch = None if span is None or not found.admissible else _branch(found, span, periods)
+        return FAILED
+    branch = None
+    if span is not None and found.admissible:
+        from symosc.orbits.continuation import continue_orbit
+
+        name, limits = read_span(span, "--continue")
+        branch = continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
     if output is not None and found.admissible:
-        _draw(found, branch, output)
-    if piped:
-        if not found.admissible:
-            click.echo(_report(problem, found, branch), err=True)
-        return 0 if found.admissible else NOT_FOUND
+        from symosc import plot
+
+        plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
     if as_json:
         write_json(_data(problem, found, branch))
-    else:
+    elif not piped:
         write(_report(problem, found, branch))
-    return 0 if found.admissible else NOT_FOUND
-
-
-def _pair(text: str, option: str, form: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not (equals and name and value):
-        raise click.BadParameter(f"{text!r} is not {form}", param_hint=option)
-    return name, value
-
-
-def _branch(found: PeriodicOrbit, span: str, periods: int | None) -> Branch:
-    from symosc.orbits.continuation import continue_orbit
-
-    name, limits = read_span(span, "--continue")
-    return continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
-
-
-def read_span(span: str, option: str) -> tuple[str, tuple[str, str]]:
-    """Return a parameter's name and two values of it."""
-    form = "NAME=LOW:HIGH, such as Omega=3:5"
-    name, limits = _pair(span, option, form)
-    low, colon, high = limits.partition(":")
-    if not colon:
-        raise click.BadParameter(f"{span!r} is not {form}", param_hint=option)
-    return name, (low, high)
-
-
-def _check_suffix(output: str) -> None:
-    from symosc.plot.drawing import check_suffix
-
-    check_suffix(output)
-
-
-def _draw(found: PeriodicOrbit, branch: Branch | None, output: str) -> None:
-    from symosc import plot
-
-    plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
+    elif not found.admissible:
+        click.echo(_report(problem, found, branch), err=True)
+    return 0 if found.admissible else FAILED
 
 
 def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:

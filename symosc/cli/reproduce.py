@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import folder_name
+from symosc.cli.common import FAILED, folder_name, json_option, write, write_json, write_table
 from symosc.display.progress import bar
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
         write_json(report.data(results))
     else:
         _show(results, output)
-    return 0 if results.ok else 1
+    return 0 if results.ok else FAILED
 
 
 def _show(results: Results, output: Path) -> None:

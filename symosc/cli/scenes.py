@@ -1,21 +1,25 @@
-"""The command `symosc scenes`."""
+"""`symosc scenes` and `symosc new`: list the shipped scenes, and write a scene file to edit."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import takewhile
+from os.path import lexists
+from pathlib import Path
 
 import click
 
 from symosc.aliases import Record
-from symosc.cli.output import json_option, write, write_json, write_table
-from symosc.cli.settings import complete_scene
+from symosc.cli.common import goes_to_stdout, json_option, optional_scene, write, write_json, write_table
+from symosc.errors import OutputError
 from symosc.exact import show
+from symosc.files import write_text
 from symosc.scenes import START_NAMES, Scene, figure_of, load_scene, scene_names
 from symosc.scenes.writing import as_toml
 
 
 @click.command()
-@click.argument("scene", required=False, shell_complete=complete_scene)
+@optional_scene
 @json_option
 def scenes(scene: str | None, as_json: bool) -> None:
     """List the shipped scenes, or print one as a TOML file.
@@ -53,3 +57,31 @@ def _scene_data(scene: Scene) -> Record:
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
     error = None if scene.start_error is None else [show(each) for each in scene.start_error]
     return {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
+
+
+@click.command()
+@click.argument("file")
+@click.option("--like", default="fig5", show_default=True, metavar="SCENE", help="The scene whose numbers it has.")
+@click.option("--force", is_flag=True, help="Replace a file that is there.")
+def new(file: str, like: str, force: bool) -> None:
+    """Write a scene file of your own to begin with: each number with what it is, its unit and what is allowed.
+
+    All commands take such a file in place of a scene's name.
+
+    \b
+    Examples:
+      symosc new mine.toml
+      symosc new orbit.toml --like fig9
+    """
+    piped = goes_to_stdout(file, "FILE")
+    scene = load_scene(like)
+    if not piped:
+        if Path(file).suffix != ".toml":
+            raise OutputError(file, "the name of a scene file ends in .toml")
+        if lexists(file) and not force:
+            raise OutputError(file, "there is such a file already; --force replaces it")
+        scene = replace(scene, name=Path(file).stem, source=f"the numbers of {like}")
+    shown = click.format_filename(file)
+    write_text(file, as_toml(scene, explained=True, file="mine.toml" if piped else shown) + "\n")
+    if not piped:
+        write(f"{shown}: a scene like {like}; symosc simulate {shown} follows it")

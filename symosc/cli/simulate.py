@@ -1,14 +1,34 @@
-"""The command `symosc simulate`."""
+"""`symosc simulate`, `figure` and `explore`: one motion as a table, a figure and an interactive page."""
 
 from __future__ import annotations
+
+import webbrowser
+from threading import Thread
+from typing import Any
 
 import click
 
 import symosc
 from symosc.aliases import Record
-from symosc.cli.output import FLOAT_FORMAT, counted, json_option, undecidable, write, write_json, write_table
-from symosc.cli.settings import WholeNumber, goes_to_stdout, scene_argument, scene_with, set_option
-from symosc.exact import read_start_error
+from symosc.cli.common import (
+    FLOAT_FORMAT,
+    WholeNumber,
+    check_picture,
+    complete_scene,
+    count_events,
+    goes_to_stdout,
+    json_option,
+    read_end,
+    read_error,
+    scene_argument,
+    scene_with,
+    set_option,
+    start_error_option,
+    undecidable,
+    write,
+    write_json,
+    write_table,
+)
 
 
 @click.command()
@@ -17,7 +37,7 @@ from symosc.exact import read_start_error
 @click.option("--t0", metavar="T", help="Start time in place of the scene's.")
 @click.option("--x0", metavar="X", help="Start position in place of the scene's.")
 @click.option("--v0", metavar="V", help="Start velocity in place of the scene's.")
-@click.option("--start-error", metavar="E", help="How far t0, x0, v0 may be off: a number, or three with commas.")
+@start_error_option
 @set_option
 @click.option("--max-events", type=WholeNumber(), metavar="N", help="Stop after N events.")
 @click.option(
@@ -37,12 +57,12 @@ def simulate(
 ) -> int:
     """Follow a scene and print its events.
 
-    Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; what it is (cross a belt's speed,
-    stick: onset, slip: end of a stick, graze); on which belt; the motion before and after it; estimated errors of t
-    and x. A trajectory that this precision cannot decide ends there, with exit code 1.
+    Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a belt's speed, stick:
+    onset, slip: end of a stick, graze); its belt; the modes before and after it; estimated errors of t and x. A motion
+    that this precision cannot decide ends there, with exit code 1.
 
-    A start that is known to so much only says so by --start-error; a contact within its reach is then a graze. Without
-    it the start is exact, or known as well as the scene says.
+    --start-error says how far a measured start may be off; a contact within its reach is then a graze. Without it the
+    start is exact, or known as well as the scene says.
 
     With --digits the numbers of the motion are strings in JSON: a reader would round numbers to doubles.
 
@@ -53,18 +73,13 @@ def simulate(
     """
     piped = goes_to_stdout(csv_path, "--csv", as_json)
     problem = scene_with(scene, settings, start)
-    known: Record = {}
-    if start_error is not None:
-        parts = start_error.split(",")
-        known["start_error"] = read_start_error(parts if len(parts) > 1 else start_error)
+    known: Record = {} if start_error is None else {"start_error": read_error(start_error)}
     trajectory = symosc.simulate(problem, max_events=max_events, digits=digits, progress=True, **known)
     if csv_path is not None:
         trajectory.to_csv(csv_path)
-    if piped:
-        pass
-    elif as_json:
+    if as_json:
         write_json({"scene": problem.name, **trajectory.as_dict()})
-    else:
+    elif not piped:
         _print_events(trajectory)
     return int(undecidable(trajectory))
 
@@ -73,16 +88,86 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
     rows = []
     for row in trajectory.table():
         numbers = [_number(row[name]) for name in ("t", "x", "v", "theta")]
-        moves = f"{row['source']} -> {row['target']}"
         errors = [f"{row[name]:.0e}" for name in ("t_error", "x_error")]
-        rows.append([*numbers, row["kind"], str(row["boundary"]), moves, *errors])
+        rows.append([*numbers, row["kind"], str(row["boundary"]), f"{row['source']} -> {row['target']}", *errors])
     if rows:
         write_table(rows, ["t", "x", "v", "theta", "kind", "belt", "from -> to", "t error", "x error"])
         write("")
     write(f"word, in order of time: {' '.join(trajectory.word) or 'none'}")
     if trajectory.status != "undecidable":
-        write(f"{trajectory.status}: {trajectory.message}; {counted(rows)}")
+        write(f"{trajectory.status}: {trajectory.message}; {count_events(rows)}")
 
 
 def _number(value: float | str) -> str:
     return value if isinstance(value, str) else FLOAT_FORMAT.format(value)
+
+
+@click.command()
+@scene_argument
+@click.option("-o", "--output", required=True, metavar="FILE", help="The file: .pdf, .svg or .png. -: SVG to stdout.")
+@click.option(
+    "--t-end",
+    metavar="T",
+    help="End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.",
+)
+@set_option
+@click.option(
+    "--panels",
+    metavar="LETTERS",
+    help="a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).",
+)
+@click.option("--boundary", type=WholeNumber(1, 2), help="Forces at belt 1 or 2. Default: of the first event.")
+@click.option("--columns", type=WholeNumber(1, 2), default=2, help="2: as wide as a page. 1: as a column of it.")
+def figure(
+    scene: str, output: str, settings: tuple[str, ...], t_end: str | None, panels: str | None, **options: Any
+) -> int:
+    """Draw a scene in panels like those of the paper's figures 5 to 10.
+
+    \b
+    Examples:
+      symosc figure fig5 -o fig5.pdf
+      symosc figure fig8 -o phase.svg --panels c --t-end 22
+      symosc figure fig10 -o product.pdf --panels bdg --boundary 2
+    """
+    piped = goes_to_stdout(output, "--output")
+    problem = scene_with(scene, settings, {})
+    end = None if t_end is None else read_end(t_end, problem.parameters, problem.t0)
+    check_picture(output)
+    from symosc import plot
+
+    panels = plot.default_panels(problem) if panels is None else panels
+    plot.check_panels(panels)
+    trajectory = plot.simulated(problem, end)
+    plot.save(plot.figure(trajectory, panels=panels, **options), output)
+    if not piped:
+        span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
+        write(f"{click.format_filename(output)}: {span}, {count_events(trajectory.events)}")
+    return int(undecidable(trajectory))
+
+
+@click.command()
+@click.argument("scene", default="fig5", shell_complete=complete_scene)
+@set_option
+@click.option(
+    "--port", type=WholeNumber(0, 65_535), metavar="N", help="The port of the page; 0: any free one. Default: 8519."
+)
+@click.option("--no-browser", is_flag=True, help="Only print the page's address.")
+def explore(scene: str, settings: tuple[str, ...], port: int | None, no_browser: bool) -> None:
+    """Open a page in the browser with a slider for each number; it shows the motion as you move them.
+
+    The page shows the phase plane, position, velocity and forces, the events and the grazing windows. Its link has all
+    its numbers, and it saves and opens scene files. It is on this machine only. Ctrl-C ends it.
+
+    \b
+    Examples:
+      symosc explore
+      symosc explore fig9 --set Omega=3.5
+    """
+    problem = scene_with(scene, settings, {})
+    from symosc.plot.explorer.server import PORT, ExplorerServer
+
+    with ExplorerServer(problem, PORT if port is None else port) as server:
+        write(f"{server.address} (Ctrl-C ends it)")
+        if not no_browser:  # in a thread: some browsers come back only when they are closed
+            Thread(target=webbrowser.open, args=[server.address], daemon=True).start()
+        server.serve_forever()

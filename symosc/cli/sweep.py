@@ -1,4 +1,4 @@
-"""The command `symosc sweep`."""
+"""`symosc sweep`: motions over a grid of parameters and starts."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ import click
 from click.shell_completion import CompletionItem
 
 from symosc.aliases import Record
-from symosc.cli.output import complain, json_option, write, write_json
-from symosc.cli.settings import (
+from symosc.cli.common import (
     WholeNumber,
+    check_picture,
+    complain,
     complete,
     goes_to_stdout,
-    read_duration_typed,
+    json_option,
+    read_duration,
     scene_argument,
     scene_with,
     set_option,
+    split_setting,
+    write,
+    write_json,
+    wrote,
 )
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES
@@ -25,7 +31,6 @@ from symosc.scenes import START_NAMES
 if TYPE_CHECKING:
     import xarray
 
-OVER_OPTION = "NAME=LO:HI:N, such as Omega=1:6:500"
 # Values of a column that are printed, the most frequent first.
 SHOWN_VALUES = 8
 
@@ -84,16 +89,19 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
     goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
     names = tuple(options["record"].split(","))
-    times = {name: options[name] and read_duration_typed(name, options[name]) for name in ("t_end", "skip")}
+    over: dict[str, str] = {}
+    for axis in axes:
+        name, values = split_setting(axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over)
+        over[name] = values
+    times = {name: options[name] and read_duration(name, options[name]) for name in ("t_end", "skip")}
     asked: Record = {"record": names, **times, "path": output}
     if options["status"]:
         if output is None:
             raise click.UsageError("--status tells about the file of -o; name it")
-        _tell(sweep_status(problem, _over(axes), **asked)._asdict(), as_json)
+        _show_status(sweep_status(problem, over, **asked)._asdict(), as_json)
         return
-    if picture is not None:
-        _check_suffix(picture)
-    dataset = _swept(problem, _over(axes), asked, options)
+    check_picture(picture)
+    dataset = _swept(problem, over, asked, options)
     if picture is not None:
         from symosc import plot
 
@@ -102,18 +110,6 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
         write_json(_data(dataset, output))
     elif not piped:
         write(_report(dataset, [path for path in (output, picture) if path is not None]))
-
-
-def _over(axes: tuple[str, ...]) -> dict[str, str]:
-    over: dict[str, str] = {}
-    for axis in axes:
-        name, equals, values = axis.partition("=")
-        if not (equals and name and values):
-            raise click.BadParameter(f"{axis!r} is not {OVER_OPTION}", param_hint="--over")
-        if name in over:
-            raise click.BadParameter(f"{name} is there twice", param_hint="--over")
-        over[name] = values
-    return over
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -> xarray.Dataset:
@@ -127,7 +123,7 @@ def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -
     except KeyboardInterrupt:
         if asked["path"] is not None:
             about = sweep_status(problem, over, **asked)
-            complain(f"interrupted: {_kept(about)}; the same command goes on")
+            complain(f"interrupted: {about.done:,} of {about.total:,} motions are kept; the same command goes on")
         raise
     finally:
         if executor is not None:
@@ -144,17 +140,7 @@ def _executor(text: str) -> Any:
     return dask_client(address)
 
 
-def _check_suffix(picture: str) -> None:
-    from symosc.plot.drawing import check_suffix
-
-    check_suffix(picture)
-
-
-def _kept(about: Any) -> str:
-    return f"{about.done:,} of {about.total:,} motions are kept"
-
-
-def _tell(about: Record, as_json: bool) -> None:
+def _show_status(about: Record, as_json: bool) -> None:
     if as_json:
         write_json(about)
         return
@@ -190,4 +176,4 @@ def _report(dataset: xarray.Dataset, written: list[str]) -> str:
         shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:SHOWN_VALUES]]
         more = len(found) - len(shown)
         lines.append(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
-    return "\n".join([*lines, *(f"wrote {click.format_filename(path)}" for path in written)])
+    return "\n".join([*lines, *map(wrote, written)])

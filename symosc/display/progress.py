@@ -1,7 +1,6 @@
-"""Telling how far long work is: a bar on a terminal, with the rate and the time that is left, and nothing elsewhere.
+"""Progress of long work on a terminal: a bar with rate and time left, drawn by rich on stderr; nothing elsewhere.
 
-Work that takes longer than two seconds shows that it goes on; the environment variable SYMOSC_PROGRESS_DELAY sets
-another number of seconds. All goes to stderr. rich, which draws it, is loaded when there is something to show.
+A bar appears after two seconds, or after the seconds in the environment variable SYMOSC_PROGRESS_DELAY.
 """
 
 from __future__ import annotations
@@ -15,38 +14,38 @@ from threading import Lock, Timer
 from time import monotonic
 from typing import Any
 
-#: Gets how much is done, and how much there is in all.
+#: Called with the amount done and the total.
 Report = Callable[[float, float], Any]
-#: Gets which part of the work is done, from 0 to 1, and how many things that took; None: nobody wants to know.
+#: Called with the part done, from 0 to 1, and the number of things done; None: there is no one to report to.
 Advance = Callable[[float, int], Any] | None
-#: How much is told: results and errors alone; notes, and bars on a terminal; what was done and how long it took too.
+#: Verbosity: results and errors only; notes and bars too; versions and times too.
 QUIET, NORMAL, VERBOSE = 0, 1, 2
-#: Seconds until work shows that it goes on, unless SYMOSC_PROGRESS_DELAY says another number.
+#: Seconds until a bar appears.
 USUAL_DELAY = 2.0
-#: Seconds between two pictures of a bar.
+#: Seconds between two drawings of a bar.
 LEAST_PAUSE = 0.1
 
 _level = NORMAL
 
 
 def set_level(level: int) -> None:
-    """Say how much is told."""
+    """Set the verbosity."""
     global _level
     _level = level
 
 
 def level() -> int:
-    """Return how much is told: QUIET, NORMAL or VERBOSE."""
+    """Return the verbosity."""
     return _level
 
 
 def shows_bars() -> bool:
-    """Tell whether bars are shown: on a terminal, unless all is to be quiet."""
+    """Return whether to show bars: on a terminal, unless quiet."""
     return _level > QUIET and sys.stderr is not None and sys.stderr.isatty()
 
 
 def delay() -> float:
-    """Return the seconds until work shows that it goes on, at most a day."""
+    """Return the seconds until a bar appears, at most a day."""
     try:
         seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
     except ValueError:
@@ -58,18 +57,7 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Return what is called with how much is done and how much there is in all.
-
-    Parameters
-    ----------
-    progress : bool, None or callable
-        True: a bar on stderr, if that is a terminal. A callable is returned itself.
-    there : number
-        What an earlier run has done.
-    total : number
-    label, unit : str
-        What is done, and what is counted.
-    """
+    """Yield a report function: `progress` itself if it is callable, else that of a bar, which begins at `there`."""
     if callable(progress):
         yield progress
     elif not (progress and shows_bars()):
@@ -81,23 +69,16 @@ def reporting(
 
 @contextmanager
 def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
-    """Show a bar while something is done; yield what is called with how much is done, and how much there is in all."""
+    """Show a bar; yield its report function."""
     with reporting(True, 0, total, label, unit) as report:
         yield report
 
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Return what is called with the part that is done; a bar is shown once the work has taken two seconds.
+    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds.
 
-    The part may fall back to 0 where work is begun anew; rate and time left are then told anew.
-
-    Parameters
-    ----------
-    progress, label : bool or callable, str
-        As for `reporting`; the numbers that a callable gets are the part that is done, and 1.
-    unit : str
-        What is counted beside the part, such as events.
+    The part may fall back to 0 where work begins anew; rate and time left then begin anew.
     """
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
@@ -109,7 +90,7 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 
 
 class _LateBar:
-    """A bar for work of which nobody knows before that it takes long."""
+    """A bar for work that may turn out to take long."""
 
     def __init__(self, stack: ExitStack, label: str, unit: str) -> None:
         self.stack, self.label, self.unit = stack, label, unit
@@ -139,7 +120,7 @@ def _bar(label: str, there: float, total: float, unit: str) -> Iterator[Report]:
 
 @contextmanager
 def _drawn(label: str, there: float, total: float, unit: str) -> Iterator[Callable[[float, float, str], None]]:
-    """Return what draws a bar that says so much is done of so much, and a text; not more often than one can see."""
+    """Yield a function that draws a bar with the amount done, the total and a text, at a visible rate."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
@@ -153,27 +134,18 @@ def _drawn(label: str, there: float, total: float, unit: str) -> Iterator[Callab
         shown.update(task, completed=there)
         shown.refresh()
 
-        def show(done: float, of: float, said: str) -> None:
+        def show(done: float, of: float, text: str) -> None:
             nonlocal last
             now = monotonic()
             if done >= of or now - last >= LEAST_PAUSE:
                 last = now
-                shown.update(task, completed=done, total=of, pace=said, refresh=True)
+                shown.update(task, completed=done, total=of, pace=text, refresh=True)
 
         yield show
 
 
 def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str:
-    """Return the rate and the time that is left.
-
-    Parameters
-    ----------
-    done, left : number
-        What was done since the program has begun, and what is to do.
-    seconds : float
-    unit : str
-        What is counted; "": only the time is told.
-    """
+    """Return the rate and the time left, of work done in some seconds; without a unit only the time."""
     rate = done / max(seconds, 1e-9)
     time = timedelta(seconds=round(left / max(rate, 1e-9))) if done > 0 or left == 0 else "?"
     return f"{_rate(rate, unit)}, {time} left" if unit else f"{time} left"
@@ -184,7 +156,7 @@ def _rate(rate: float, unit: str) -> str:
 
 
 class _Working:
-    """A line that shows that work goes on, begun after a while and ended for good."""
+    """A line with a spinner that appears after a while."""
 
     def __init__(self, label: str) -> None:
         self.label, self.lock, self.over = label, Lock(), False
@@ -223,7 +195,7 @@ _working: _Working | None = None
 
 @contextmanager
 def working(label: str) -> Iterator[None]:
-    """Show on a terminal that work goes on, if it takes longer than two seconds and nothing else is shown."""
+    """Show a spinner on a terminal if work takes longer than two seconds and no bar is shown."""
     global _working
     if shows_bars():
         _working = _Working(label)
@@ -234,7 +206,7 @@ def working(label: str) -> Iterator[None]:
 
 
 def pause_working() -> None:
-    """End what `working` shows: a bar takes its place, or a result is printed."""
+    """End the spinner: a bar takes its place, or a result is printed."""
     global _working
     if _working is not None:
         _working.end()

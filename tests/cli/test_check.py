@@ -6,20 +6,17 @@ import json
 from pathlib import Path
 from typing import Any
 
-import click
+import cli_runs
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from symosc import reference_cases, simulate
-from symosc.cli.app import CommandLine
-from symosc.cli.check import check
-
-main = CommandLine(commands={"check": check})
+from symosc.cli.app import main
 
 
 def run(*words: Any) -> Result:
-    return CliRunner().invoke(main, ["check", *map(str, words)])
+    return cli_runs.run("check", *map(str, words))
 
 
 def run_part(*words: Any) -> Result:
@@ -68,19 +65,6 @@ def test_a_reference_case_is_taken_by_its_name(name: str, tmp_path: Path) -> Non
     t = np.linspace(float(case.t0), float(case.t_end), 300)
     x, v = motion(t)
     assert run(write(tmp_path / "run.csv", t, x, v), "--case", name).exit_code == 0
-    assert run(write(tmp_path / "bad.csv", t, x * (1 + 1e-3), v), "--case", name).exit_code == 1
-
-
-def test_a_case_that_is_none_and_a_case_beside_a_scene(tmp_path: Path) -> None:
-    path = tmp_path / "run.csv"
-    path.write_text("t,x,v\n0,1,2\n1,1,2\n")
-    for words, says in (
-        (("--case", "free-decay"), "is no reference case; near it: free-decay-"),
-        (("--case", "free-decay-2", "--scene", "fig9"), "give --scene or --case, not both"),
-    ):
-        result = run(path, *words)
-        assert (result.exit_code, result.stdout) == (2, "")
-        assert says in result.stderr
 
 
 @pytest.mark.slow
@@ -117,52 +101,6 @@ def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
     assert "invented: stick at t = 5.5" in result.output
 
 
-@pytest.mark.parametrize(
-    ("text", "options", "words"),
-    [
-        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig99"), "fig99"),
-        ("t,x,w\n0,1,2\n1,1,2\n", ("--scene", "fig9"), "column = 'v': is missing"),
-        ("t,x,v\n1,1,2\n0,1,2\n", ("--scene", "fig9"), "must increase"),
-        ("t,x,v\n0,1,2\n1,nan,2\n", ("--scene", "fig9"), "must be finite"),
-        ("t,x,v\n0,1,2\n1,1,2\n", (), "--scene"),
-        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "--columns", "y=a"), "is not t=NAME"),
-        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "--tolerance", "0"), "must be > 0"),
-        ("t,x,v\n0,1,2\n1,1,2\n", ("--scene", "fig9", "-o", "errors.doc"), ".svg"),
-    ],
-)
-def test_bad_input_is_one_line(text: str, options: tuple[str, ...], words: str, tmp_path: Path) -> None:
-    path = tmp_path / "run.csv"
-    path.write_text(text)
-    result = run(path, *options)
-    assert result.exit_code == 2
-    assert words in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1
-    assert not result.stdout
-
-
-@pytest.mark.parametrize(
-    ("text", "options", "words"),
-    [
-        ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', (), "t[0] = 'abc'"),
-        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2], "events": 5}', (), "events = 5"),
-        ("[" * 100_000 + "]" * 100_000, (), "nested too deeply"),
-        ("", (), "is empty"),
-        ('{"\\ud800": 1}', (), "is missing"),
-        ('{"t": [1, 1], "x": [1, 2], "v": [1, 2]}', (), "is repeated"),
-        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", ""), "--columns"),
-        ('{"t": [1, 2], "x": [1, 2], "v": [1, 2]}', ("--columns", "t=x"), "three columns"),
-    ],
-)
-def test_bad_json_is_one_line(text: str, options: tuple[str, ...], words: str, tmp_path: Path) -> None:
-    path = tmp_path / "run.json"
-    path.write_text(text)
-    result = run(path, "--scene", "fig9", *options)
-    assert result.exit_code == 2
-    assert words in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1
-    assert not result.stdout
-
-
 @pytest.mark.slow
 def test_json_has_no_nan(tmp_path: Path) -> None:
     """A step that cannot be decided has no defect."""
@@ -179,13 +117,6 @@ def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
     result = run_part(path, "--scene", "fig9")
     assert result.exit_code == 0, result.output
     assert "x to 6 significant digits, v to 6 significant digits; they are judged" in result.output
-
-
-def test_help_has_an_example() -> None:
-    result = run("--help")
-    assert result.exit_code == 0
-    assert "symosc check run.csv --scene fig9" in result.output
-    assert isinstance(check, click.Command)
 
 
 @pytest.mark.slow
@@ -237,25 +168,3 @@ def test_a_solver_is_run(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert json.loads(result.stdout)["compared_until"] == 4
     assert run(*words, f"{tmp_path}/mine.py:wrong").exit_code == 1
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ((), "give SCENE FILE"),
-        (("fig9",), "give SCENE FILE"),
-        (("--scene", "fig9"), "give a file of samples"),
-        (("fig9", "run.csv", "--solver", "a:b"), "not both"),
-        (("fig9", "--solver", "nothing"), "must be MODULE:FUNCTION"),
-        (("fig9", "none.parquet"), "cannot be read"),
-        (("fig9", "."), "folder"),
-        (("fig9", "none.csv.gz"), "cannot be read"),
-        (("fig9", "run.csv", "--workers", "0"), "--workers"),
-        (("fig9", "run.csv", "--columns", "z=1"), "--columns"),
-    ],
-)
-def test_words_that_do_not_go_together(words: tuple[str, ...], said: str) -> None:
-    result = run(*words)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert said in result.stderr, result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1

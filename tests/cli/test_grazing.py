@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from sympy.parsing.sympy_parser import parse_expr
 
+from symosc import values_containing, values_empty, values_everything
 from symosc.errors import ParameterError
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EVERYTHING
@@ -24,7 +25,7 @@ FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
 
 
-run, good = partial(cli_runs.run, "grazing"), partial(cli_runs.good, "grazing")
+good = partial(cli_runs.good, "grazing")
 
 
 def test_the_table() -> None:
@@ -52,10 +53,6 @@ def test_order_map_and_set() -> None:
 def test_parameters_without_a_scene() -> None:
     settings = [f"--set={name}={value}" for name, value in FIG9.as_dict().items()]
     assert good(*settings) == good("fig9")
-    for result in (run(), run("--set", "k=3")):
-        assert result.exit_code == 2
-        assert "missing: m, c," in result.stderr
-        assert len(result.stderr.splitlines()) == 1
 
 
 def test_without_a_spring_the_phase_is_named() -> None:
@@ -88,52 +85,6 @@ def test_latex() -> None:
     assert lines[0] == grazing_window(load_scene("fig7").parameters, "P2").latex()
 
 
-@pytest.mark.quick(14)
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["fig9", "--map", "P1"], "sticks on belt 1; grazing is defined for P2, P3, P5, P6"),
-        (["fig9", "--map", "P7"], "leads from v2 to v1"),
-        (["fig9", "--map", "P9"], "P2, P3, P5, P6"),
-        (["fig9", "--set", "Omega=abc"], "Omega = 'abc'"),
-        (["fig9", "--set", "B0=abc"], "B0 = 'abc'"),
-        (["fig9", "--set", "Omega=0"], "must be > 0"),
-        (["fig9", "--set", "B0"], "not NAME=VALUE"),
-        (["fig9", "--set", "k=1", "--set", "k=2"], "k is set twice"),
-        (["fig9", "--set", "w=1"], "is not a parameter"),
-        (["--set", "w=1"], "is not a parameter"),
-        (["nowhere"], "scene nowhere: unknown"),
-        (["fig9", "--check", "1000000000000"], "n = 1000000000000: must be a whole number from 1 to"),
-        (["fig9", "--check", "1000000000000", "--plot", "w.png"], "n = 1000000000000"),
-        (["fig9", "--check", "1", "--set", "k=0", "--plot", "w.png"], "k = '0'"),
-        (["fig9", "--check", "nan"], "nan"),
-        (["fig9", "--set", "k=nan"], "must be finite"),
-        (["fig9", "--order", "second"], "second"),
-        (["fig9", "--latex", "--json"], "not both"),
-        (["fig9", "--plot", "window.txt"], ".png"),
-        (["fig9", "--plot", "no/such/folder/window.png"], "No such file"),
-        (["fig9", "--against", "Omega"], "--against needs --plot FILE and one --map"),
-        (["fig9", "--against", "Omega", "--plot", "w.png"], "--against needs --plot FILE and one --map"),
-        (["fig9", "--map", "P2", "--against", "c", "--plot", "w.png"], "depends on Omega, B0, k, v1 only"),
-        (["fig9", "--map", "P2", "--against", "Omega=3", "--plot", "w.png"], "NAME=LOW:HIGH"),
-        (["fig9", "--map", "P2", "--against", "Omega=3:1", "--plot", "w.png"], "lower to a higher"),
-        (["fig9", "--map", "P2", "--against", "Omega=-1:1", "--plot", "w.png"], "must be > 0"),
-        (["fig9", "--map", "P2", "--against", "Omega=a:1", "--plot", "w.png"], "Omega = 'a'"),
-    ],
-)
-def test_bad_input_costs_one_line(arguments: list[str], message: str, tmp_path: Path, monkeypatch: Any) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = run(*arguments)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert message in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not list(tmp_path.iterdir())
-
-
-def test_help_has_an_example() -> None:
-    assert "symosc grazing fig9" in good("--help")
-
-
 @pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
@@ -147,6 +98,59 @@ def test_plot_files(suffix: str, tmp_path: Path) -> None:
     assert len(path.read_bytes()) == pytest.approx(len(first), rel=1e-3)
     good("fig9", "--map", "P3", "--against", "Omega=0.1:4", "--plot", str(path))
     assert len(path.read_bytes()) != pytest.approx(len(first), rel=1e-3)
+
+
+# -- --solve: for which parameters
+
+
+def test_one_parameter_and_a_phase() -> None:
+    shown = good("fig9", "--map", "P2", "--solve", "Omega", "--phase", "7*pi/6")
+    assert shown == "P2 grazes at theta = 7*pi/6 for Omega in (0, 2/3)\n"
+    every = good("fig9", "--map", "P2", "--solve", "k", "--phase", "pi:3*pi/2")
+    assert every == "P2 grazes at every theta in [pi, 3*pi/2] for k in [36, oo)\n"
+    assert good("fig9", "--map", "P2", "--solve", "k", "--phase", "pi:3*pi/2", "--order", "paper") == every.replace(
+        "[36", "(36"
+    )
+    changed = good("fig9", "--set", "B0=18", "--map", "P2", "--solve", "Omega", "--phase", "7*pi/6")
+    assert "(0, 1/3)" in changed
+
+
+def test_without_a_phase_empty_and_everything() -> None:
+    lines = good("fig9", "--map", "P2", "--solve", "Omega").splitlines()
+    assert lines == [values_empty(FIG9, "P2", "Omega").text(), values_everything(FIG9, "P2", "Omega").text()]
+    assert lines == ["P2 grazes at no phase for no Omega", "P2 grazes at every phase for Omega in (0, 1/3]"]
+
+
+def test_maps_that_depend_on_what_is_asked() -> None:
+    maps = [line[:2] for line in good("fig9", "--solve", "v1", "--phase", "0").splitlines()]
+    assert maps == ["P2", "P3"]
+    assert len(good("fig9", "--solve", "Omega", "--phase", "1").splitlines()) == 4
+
+
+def test_two_parameters_and_letters() -> None:
+    region = good("fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6")
+    assert region == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
+    letters = good("--map", "P3", "--solve", "Omega", "--phase", "pi").splitlines()
+    assert letters[0] == "P3 grazes at theta = pi:"
+    assert set(letters[1:]) == {
+        "  if k*v_lambda < 0: Omega in (0, oo)",
+        "  if k*v_lambda >= 0: Omega in the empty set",
+    }
+
+
+def test_latex_and_json() -> None:
+    for names in ("Omega", "Omega,k"):
+        arguments = ["fig9", "--map", "P2", "--solve", names, "--phase", "7*pi/6"]
+        asked: Any = tuple(names.split(",")) if "," in names else names
+        answer = values_containing(FIG9, "P2", asked, "7*pi/6")
+        assert good(*arguments, "--latex") == answer.latex() + "\n"
+        (data,) = json.loads(good(*arguments, "--json"))["answers"]
+        assert data["latex"] == answer.latex()
+        assert data["names"] == names.split(",")
+        assert data.get("values", "(0, 2/3)") == "(0, 2/3)"
+        assert data.get("condition", "k > 9*Omega/2") == "k > 9*Omega/2"
+    (data,) = json.loads(good("--map", "P3", "--solve", "Omega", "--phase", "pi", "--json"))["answers"]
+    assert {each["values"] for each in data["answers"]} == {"(0, oo)", "the empty set"}
 
 
 # -- what the figures show -------------------------------------------------------------------------------------------

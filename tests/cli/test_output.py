@@ -9,7 +9,7 @@ import click
 import pytest
 
 from symosc import simulate
-from symosc.cli import output
+from symosc.cli import common as output
 
 
 def test_tables_align_numbers_at_their_points(capsys: pytest.CaptureFixture[str]) -> None:
@@ -30,7 +30,7 @@ def test_json_is_read_back(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_counts_in_words() -> None:
-    assert [output.counted([0] * n) for n in (0, 1, 2)] == ["0 events", "1 event", "2 events"]
+    assert [output.count_events([0] * n) for n in (0, 1, 2)] == ["0 events", "1 event", "2 events"]
 
 
 def test_an_undecided_motion_is_said_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:

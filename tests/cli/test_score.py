@@ -1,4 +1,4 @@
-"""`symosc score`."""
+"""`symosc cases` and `symosc score`."""
 
 from __future__ import annotations
 
@@ -75,29 +75,6 @@ def test_two_solvers_pages_and_a_picture(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [
-        (),
-        ("SET",),
-        ("nothing", "MINE"),
-        ("SET", "nothing.csv"),
-        ("SET", "MINE", "--tolerance", "0"),
-        ("SET", "MINE", "--tolerance", "small"),
-        ("SET", "MINE", "-o", "page.pdf"),
-        ("SET", "MINE", "--plot", "picture.gif"),
-        ("SET", "MINE", "--plot", "-", "--json"),
-        ("SET", "MINE", "-o", "no/such/folder/page.md"),
-        ("MINE", "SET"),
-    ],
-)
-def test_bad_input(arguments: tuple[str, ...], folder: Path, tmp_path: Path) -> None:
-    names = {"SET": str(folder), "MINE": str(results(folder, tmp_path / "mine.csv"))}
-    result = run("score", *(names.get(each, each) for each in arguments))
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert len(result.stderr.splitlines()) == 1
-
-
-@pytest.mark.parametrize(
     "text", ["", "t,kind\n", "case,t,kind\npaper-fig6,nan,stick\n", "\0", "case,t,kind\nfig6,1,stick\n"]
 )
 def test_files_that_say_nothing(text: str, folder: Path, tmp_path: Path) -> None:
@@ -107,3 +84,23 @@ def test_files_that_say_nothing(text: str, folder: Path, tmp_path: Path) -> None
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(f"symosc: error: {str(path)[:20]}")
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_a_table_of_a_group() -> None:
+    lines = good("cases", "--group", "easy").splitlines()
+    assert lines[0].split() == ["name", "group", "events", "status"]
+    assert lines[2].split() == ["easy-fig9", "easy", "12", "proven"]
+    assert lines[-1] == "2 cases, 2 of them proven"
+    listed = json.loads(good("cases", "--group", "continuum", "--json"))["cases"]
+    assert len(listed) == 9
+    assert listed[0]["status"] == "computed, not proven"
+
+
+@pytest.mark.slow
+def test_a_folder(tmp_path: Path) -> None:
+    target = tmp_path / "cases"
+    assert good("cases", "--group", "easy", "-o", str(target)) == f"wrote 2 cases into {target}\n"
+    assert (target / "easy-fig9" / "events.csv").is_file()
+    answer = json.loads(good("cases", "--group", "easy", "-o", str(target), "--json"))
+    assert answer == {"folder": str(target), "cases": ["easy-fig9", "easy-fig10"]}
+    assert good("score", str(target), str(target)).splitlines()[-1] == "cases: right in all 2 cases"

@@ -1,0 +1,363 @@
+"""What each command prints, writes and draws, if all is right; `grazing`, `check`, `score` have files of their own."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+import pytest
+from cli_runs import good, run
+from effort import PATIENCE
+
+import symosc
+from symosc import load_scene
+from symosc.symbolic.export import export
+
+# -- simulate
+
+
+def test_the_table_shows_every_event_of_fig5() -> None:
+    lines = good("simulate", "fig5").splitlines()
+    assert re.split(r"\s{2,}", lines[0].strip()) == [
+        *("t", "x", "v", "theta", "kind", "belt", "from -> to", "t error", "x error")
+    ]
+    trajectory = symosc.simulate("fig5")
+    rows = [re.split(r"\s{2,}", line.strip()) for line in lines[2 : 2 + len(trajectory.events)]]
+    for row, event in zip(rows, trajectory.events, strict=True):
+        assert [float(value) for value in row[:4]] == pytest.approx([event.t, event.x, event.v, event.theta], rel=1e-13)
+        assert row[4:7] == [event.kind, str(event.boundary), f"{event.source} -> {event.target}"]
+        assert float(row[7]) == pytest.approx(event.t_error, rel=0.5)
+    assert lines[-2] == f"word, in order of time: {' '.join(trajectory.word)}"
+    assert lines[-1] == "t_end: reached t_end = 40; 16 events"
+
+
+def test_no_events_and_one_event() -> None:
+    assert good("simulate", "fig7").splitlines() == [
+        "word, in order of time: none",
+        "t_end: reached t_end = 15.1; 0 events",
+    ]
+    assert good("simulate", "fig7-exact").endswith("; 1 event\n")
+    assert "stopped after max_events = 3" in good("simulate", "fig5", "--max-events", "3")
+
+
+def test_json_is_the_trajectory() -> None:
+    data = json.loads(good("simulate", "fig10", "--json", "--t-end", "5"))
+    trajectory = symosc.simulate("fig10", t_end=5)
+    assert data == {"scene": "fig10", **trajectory.as_dict()}
+    assert [event["t"] for event in data["events"]] == [event.t for event in trajectory.events]
+
+
+def test_digits_are_all_there() -> None:
+    text = good("simulate", "fig8", "--digits", "40", "--t-end", "8")
+    assert "3.139006225737682851938965627055696709296" in text
+    data = json.loads(good("simulate", "fig8", "--digits", "40", "--t-end", "8", "--json"))
+    assert data["events"][0]["t"] == "3.139006225737682851938965627055696709296"
+
+
+def test_csv_round_trips(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    good("simulate", "fig9", "--csv", str(path))
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row, event in zip(rows, symosc.simulate("fig9").events, strict=True):
+        assert (float(row["t"]), float(row["x"]), float(row["theta"])) == (event.t, event.x, event.theta)
+        assert (row["kind"], row["source"], row["target"]) == (event.kind, event.source, event.target)
+
+
+def test_starts_and_parameters_from_the_command_line() -> None:
+    arguments = ["--t0", "1/3", "--x0", "-0.5", "--v0", "-2", "--t-end", "12", "--set", "k=3/2", "--set", "mu2=0"]
+    data = json.loads(good("simulate", "fig5", "--json", *arguments))
+    p = symosc.load_scene("fig5").parameters.replace(k="3/2", mu2=0)
+    assert data["parameters"] == p.as_dict()
+    trajectory = symosc.simulate(p, t0="1/3", x0="-0.5", v0=-2, t_end=12)
+    assert data["events"] == trajectory.table()
+
+
+def test_a_scene_file(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(good("scenes", "fig9"))
+    assert good("simulate", str(path)) == good("simulate", "fig9")
+
+
+@pytest.mark.slow
+def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
+    result = run("simulate", "fig8", "--t-end", "160")
+    assert result.exit_code == 1
+    assert result.stderr.startswith("symosc: undecidable: ")
+    assert result.stderr.count("\n") == 1
+    assert "word, in order of time: P1 P3" in result.stdout
+    as_json = run("simulate", "fig8", "--t-end", "160", "--json")
+    assert as_json.exit_code == 1
+    assert json.loads(as_json.stdout)["status"] == "undecidable"
+
+
+def test_a_start_from_the_command_line_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulated = symosc.simulate
+    seen: list[symosc.Scene] = []
+    monkeypatch.setattr(symosc, "simulate", lambda scene, **rest: seen.append(scene) or simulated("fig6"))
+    half = Fraction("5e-45")
+    for arguments, errors in (([], (0, half, half)), (["--x0", "6"], (0, 0, half)), (["--v0", "2"], (0, half, 0))):
+        good("simulate", "fig8-exact", *arguments)
+        assert seen[-1].start_error == errors
+    good("simulate", "fig8", "--x0", "6")
+    assert seen[-1].start_error is None
+
+
+def test_csv_to_standard_output_is_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    good("simulate", "fig6", "--csv", str(path))
+    assert good("simulate", "fig6", "--csv", "-") == path.read_text()
+
+
+# -- figure
+
+
+@pytest.mark.slow
+def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
+    path = tmp_path / "fig5.pdf"
+    assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 9, 6 events\n"
+    assert path.read_bytes().startswith(b"%PDF-")
+    assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
+
+
+@pytest.mark.slow
+def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
+    path = tmp_path / "fig6.svg"
+    good("figure", "fig6", "-o", str(path), "--panels", "a")
+    assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["orbit", "fig9", "-o"],
+        ["grazing", "fig9", "--map", "P2", "--plot"],
+        ["check", "s.csv", "--scene", "fig6", "--partial", "-o"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_the_figures_of_other_commands_go_there_too(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    trajectory = symosc.simulate("fig6", t_end=5)
+    rows = [f"{t},{x!r},{v!r}" for t in (n / 64 for n in range(321)) for x, v in [trajectory(t).tolist()]]
+    Path("s.csv").write_text("\n".join(["t,x,v", *rows]))
+    text = good(*arguments, "-")
+    assert text.startswith("<?xml")
+    assert text.endswith("</svg>\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
+
+
+# -- scenes and new
+
+
+def test_scenes_lists_all_with_their_source() -> None:
+    text = good("scenes")
+    for name in symosc.scene_names():
+        assert re.search(rf"^{name} ", text, re.MULTILINE)
+    assert "WSEAS" in text.splitlines()[-1]
+    data = json.loads(good("scenes", "--json"))
+    assert [entry["name"] for entry in data] == symosc.scene_names()
+
+
+@pytest.mark.parametrize("name", symosc.scene_names())
+def test_a_printed_scene_is_the_scene(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "copy.toml"
+    path.write_text(good("scenes", name))
+    assert symosc.load_scene(path) == symosc.load_scene(name)
+
+
+def test_the_error_of_a_start_survives_the_scene_file(tmp_path: Path) -> None:
+    text = good("scenes", "fig8-exact")
+    assert "start_error = [0, 5e-45, 5e-45]" in text
+    assert json.loads(good("scenes", "fig8-exact", "--json"))["start_error"] == ["0", "5e-45", "5e-45"]
+    assert "start_error" not in good("scenes", "fig8")
+    path = tmp_path / "one.toml"
+    for given, read in (('"1/3"', Fraction(1, 3)), ("1e-9", Fraction(1, 10**9)), ("0", Fraction(0))):
+        path.write_text(re.sub(r"start_error = .*", f"start_error = {given}", text))
+        assert symosc.load_scene(path).start_error == (read,) * 3
+        copy = tmp_path / "copy.toml"
+        copy.write_text(good("scenes", str(path)))
+        assert symosc.load_scene(copy).start_error == (read,) * 3
+
+
+def test_the_file_is_a_scene(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    assert "symosc simulate" in good("new", str(file), "--like", "fig9")
+    scene, like = symosc.load_scene(file), symosc.load_scene("fig9")
+    assert (scene.name, scene.parameters, scene.x0, scene.t_end) == ("mine", like.parameters, like.x0, like.t_end)
+    assert "simulate" in file.read_text().splitlines()[0]
+    assert good("new", "-").startswith("# A scene of symosc")
+
+
+@pytest.mark.parametrize("name", ["mine.toml", "no/such/folder.toml", "mine.txt", "link.toml"])
+def test_nothing_is_lost_and_nothing_half_written(name: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text("mine")
+    (tmp_path / "link.toml").symlink_to(tmp_path / "nowhere")
+    before = sorted(tmp_path.iterdir())
+    found = run("new", str(tmp_path / name))
+    assert found.exit_code == 2
+    assert found.stderr.count("\n") == 1
+    assert (tmp_path / "mine.toml").read_text() == "mine"
+    assert sorted(tmp_path.iterdir()) == before
+    assert run("new", str(tmp_path / "mine.toml"), "--force").exit_code == 0
+
+
+def test_notes_go_to_stderr(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    good("new", str(file))
+    file.write_text(file.read_text().replace("x0 = 0 ", 'x0 = "pi/6" '))
+    found = run("simulate", str(file), "--t-end", "2", "--json")
+    assert found.stderr == "symosc: mine: x0 = pi/6: read to 40 digits, 0.5235987755982988730771…\n"
+    assert found.stdout.startswith("{")
+
+
+# -- codegen
+
+
+def test_codegen_writes_files(tmp_path: Path) -> None:
+    folder = tmp_path / "a" / "b"
+    shown = good("codegen", "P32", "-l", "c", "--fix", "fig9", "-o", str(folder), "--json")
+    assert [Path(path).name for path in json.loads(shown)] == ["p32.h", "p32.c"]
+    assert (folder / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
+
+
+@pytest.mark.slow
+def test_codegen_prints_and_compares(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from symosc.symbolic import codegen
+
+    assert good("codegen", "P32", "--language", "julia", "-o", "-") == export("P32", "julia")["p32.jl"]
+    assert "is what the formulas print" in good("codegen", "--check")
+    monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
+    codegen.PATH.write_text("committed\n")
+    result = run("codegen", "--check")
+    assert (result.exit_code, "-committed\n" in result.stdout) == (1, True)
+    assert "accept: symosc codegen --regenerate" in result.stderr
+    good("codegen", "--regenerate")
+    assert "is what the formulas print" in good("codegen", "--check")
+
+
+# -- explore
+
+
+@pytest.mark.slow
+def test_it_serves_the_scene_and_ends_quietly() -> None:
+    pytest.importorskip("bokeh")
+    # An interrupt that a shell's background job ignores would be ignored by its children too.
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    begin = f"{heard}; from symosc.cli.app import main; main()"
+    command = [sys.executable, "-c", begin, "explore", "fig9", "--set", "k=1/3", "--no-browser", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        try:
+            line = process.stdout.readline()
+            assert line.startswith("http://127.0.0.1:")
+            assert 'value="1/3"' in urlopen(line.split()[0], timeout=PATIENCE).read().decode()
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE) == 130
+            assert process.stderr.read() == ""
+        finally:
+            process.kill()
+
+
+def test_a_port_in_use_is_one_line() -> None:
+    pytest.importorskip("bokeh")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        result = run("explore", "--no-browser", "--port", str(taken.getsockname()[1]))
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert "name another one" in result.stderr
+
+
+def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith(("bokeh", "symosc.plot.explorer"))]:
+        monkeypatch.delitem(sys.modules, name)
+    for name in ("bokeh", "bokeh.embed", "bokeh.models", "bokeh.plotting", "bokeh.settings"):
+        monkeypatch.setitem(sys.modules, name, None)
+    result = run("explore", "--no-browser")
+    assert result.exit_code == 2
+    assert result.stderr == "symosc: error: explore needs an optional package: pip install 'symosc[explore]'\n"
+
+
+# -- sweep
+
+CALL = ("sweep", "fig9", "--over", "Omega=3:5:3", "--over", "FN=5:10:2", "--t-end", "6T", "--skip", "4T")
+
+
+def test_it_tells_what_was_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = symosc.sweep("fig9", {"Omega": "3:5:3", "FN": "5:10:2"}, t_end="6T", skip="4T").word.values.ravel().tolist()
+    first, second, third, *wrote = good(*CALL, "-o", "map.nc", "--plot", "map.svg").splitlines()
+    assert first == "Omega (3) × FN (2): 6 motions"
+    assert all(f"{word} {words.count(word) / 6:.1%}" in second for word in words)
+    assert third == "status: t_end 100.0%"
+    assert wrote == ["wrote map.nc", "wrote map.svg"]
+    assert {path.name for path in tmp_path.iterdir()} == {"map.nc", "map.svg"}
+    data = json.loads(good(*CALL, "-o", "map.nc", "--json"))  # read, not computed
+    assert (data["sizes"], data["output"]) == ({"Omega": 3, "FN": 2}, "map.nc")
+    assert data["columns"]["word"] == {word: words.count(word) for word in words}
+    assert data["call"].startswith("sweep(Scene('fig9', ")
+
+
+def test_numbers_are_told_by_their_range() -> None:
+    found = symosc.sweep("fig9", {"k": "2:4:5"}, record=("events", "x"), t_end=3)
+    lines = good("sweep", "fig9", "--over", "k=2:4:5", "--record", "events,x", "--t-end", "3").splitlines()
+    assert lines[1] == f"events: from {found.events.values.min()} to {found.events.values.max()}"
+    assert lines[2] == f"x: from {found.x.values.min():.6g} to {found.x.values.max():.6g}"
+
+
+def test_status(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    output = ("-o", "map.csv", "--status")
+    assert good(*CALL, *output) == "map.csv: 0 of 6 motions (0.0%), not yet written\n"
+    good(*CALL, "-o", "map.csv")
+    assert good(*CALL, *output) == "map.csv: 6 of 6 motions (100.0%), written\n"
+    assert json.loads(good(*CALL, *output, "--json")) == {"path": "map.csv", "done": 6, "total": 6, "written": True}
+
+
+def test_settings_and_restart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    good(*CALL, "-o", "map.nc")
+    assert run(*CALL, "--set", "k=2", "-o", "map.nc").exit_code != 0
+    data = json.loads(good(*CALL, "--set", "k=2", "-o", "map.nc", "--restart", "--json"))
+    assert json.loads(data["scene"])["k"] == "2"
+
+
+def test_svg_to_stdout() -> None:
+    assert "<svg" in good(*CALL, "--plot", "-")
+
+
+def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("symosc.sweeps.sweep.sweep", interrupted)
+    result = run(*CALL, "-o", "map.nc")
+    assert result.exit_code == 130
+    assert result.stderr == "symosc: interrupted: 0 of 6 motions are kept; the same command goes on\n"
+
+
+# -- warm
+
+
+@pytest.mark.slow
+@pytest.mark.compiled("pairs")
+def test_warm_compiles_once() -> None:
+    pytest.importorskip("numba")
+    good("warm")
+    assert {row["was_there"] for row in json.loads(good("warm", "--json"))} == {True}
