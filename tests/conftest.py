@@ -34,8 +34,7 @@ NEED = {
 NEED_CASES = {
     "flint": (
         "cli/test_score.py::test_a_table_of_a_group",
-        "plot/test_score.py::test_each_case_is_where_it_belongs",
-        "plot/test_score.py::test_sixteen_solvers_look_different",
+        "plot/test_judged.py::test_each_case_is_where_it_belongs",
         "reference/test_case.py::test_a_graze_has_no_condition",
         "reference/test_case.py::test_conditions_are_those_of_the_scene",
         "reference/test_case.py::test_words_and_what_is_shown",

@@ -27,7 +27,7 @@ from symosc.paper.views import (
     stick_view,
 )
 from symosc.plot.figures import assemble
-from symosc.plot.panels import BELT_COLOR, END_COLOR, MASS_COLOR, PANELS, Panel, View, look
+from symosc.plot.panels import BELT_COLOR, END_COLOR, MASS_COLOR, PANELS, Panel, View, mark_style
 from symosc.scenes import load_scene
 
 # In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
@@ -135,7 +135,7 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
     inset = ax.inset_axes(INSIDE_ORBIT)
     inset.plot(view.x, view.v, color=MASS_COLOR, lw=1.3)
     inset.axhline(float(crossing.v), color=BELT_COLOR, lw=0.6)
-    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **look("end of stick", END_COLOR))
+    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **mark_style("end of stick", END_COLOR))
     inset.plot(*start, "D", **START_STYLE)
     inset.set_xlim(start[0] - 3 * distance, start[0] + 2 * distance)
     inset.set_ylim(start[1] - 40 * distance, start[1] + 20 * distance)

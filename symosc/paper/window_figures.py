@@ -16,8 +16,8 @@ from symosc.model import Parameters
 from symosc.paper.captions import listed_parameters, number
 from symosc.paper.views import printed_scene
 from symosc.plot.drawing import STYLE
-from symosc.plot.panels import SWITCH_COLOR, look
-from symosc.plot.sweep import sweep_figure
+from symosc.plot.panels import SWITCH_COLOR, mark_style
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -47,7 +47,7 @@ def window_sweep(mapping: str) -> Figure:
         line.set_label(names.get(str(line.get_label()), line.get_label()))
     graze = _graze(mapping)
     if graze is not None:
-        style: dict[str, Any] = look("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
+        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
         axes.plot(
             float(graze.v), _phase(graze, load_scene(WINDOW_SCENES[mapping]).parameters), label="grazing point", **style
         )

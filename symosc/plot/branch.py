@@ -16,7 +16,7 @@ from symosc.arguments import public
 from symosc.orbits.branch import Branch, BranchEnd
 from symosc.orbits.continuation import MOST, NO_CONVERGENCE
 from symosc.orbits.floquet import NEAR_ONE
-from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
+from symosc.plot.drawing import PARAMETER_LABELS, Drawing, figure_of, legend_entries, read_panels, style_for
 
 # Colours that are told apart with any colour vision (Okabe and Ito), one for each switching point.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -30,9 +30,6 @@ MARKERS = {
     "fold": "s",
     "period doubling": "D",
     "Neimark-Sacker": "X",
-}
-PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$F_N$"} | {
-    f"{letter}{number}": rf"${symbol}_{number}$" for letter, symbol in (("v", "v"), ("mu", r"\mu")) for number in (1, 2)
 }
 ORDINALS = ("", "2nd ", "3rd ")
 # Stability -> line style; the styles are told apart without colours.
@@ -194,10 +191,8 @@ def _runs(states: np.ndarray) -> list[tuple[slice, str]]:
 
 def _legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
     """Return handles and labels: switching points, stability, the unit circle, and what the marks of the ends mean."""
-    entries: dict[str, Any] = {}
-    for ax in row:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            entries.setdefault(str(label), handle)
+    found = legend_entries(row)
+    entries: dict[str, Any] = dict(zip(found["labels"], found["handles"], strict=True))
     unit = entries.pop("unit circle", None)
     for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in MARKERS):
         entries[kind] = Line2D([], [], linestyle="none", marker=MARKERS[kind], ms=5.0, color="black")

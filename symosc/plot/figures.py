@@ -16,10 +16,8 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.plot.drawing import STYLE, Drawing, figure_of, read_panels
-from symosc.plot.insets import INSET_TOP, ROOM, draw_insets
-from symosc.plot.panel_axes import PanelAxes
-from symosc.plot.panels import PANELS, SHAPES, Panel, View, look, view_of
+from symosc.plot.drawing import STYLE, Drawing, PanelAxes, figure_of, read_panels
+from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -201,17 +199,9 @@ def default_panels(scene: Scene) -> str:
 
 
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
-    """Draw panels into the rows of one figure, with a letter for each and one legend for all below them.
+    """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them.
 
-    Parameters
-    ----------
-    panels : sequence of (panel, view)
-        The panel draws the view into the axes that it is given. What the view magnifies is drawn above panel `tall`.
-    columns : int
-    width : float
-        In inches.
-    tall : int, optional
-        Index of a panel with insets, whose row is higher.
+    What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
     """
     with rc_context(STYLE):
         heights = [2.0] * -(-len(panels) // columns)
@@ -224,7 +214,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
         for number, (panel, view) in enumerate(panels):
             cell = grid[number // columns, number % columns]
             if number == tall:
-                cell = cell.subgridspec(2, 1, height_ratios=(ROOM, 1.0))[1]
+                cell = cell.subgridspec(2, 1, height_ratios=(INSET_ROOM, 1.0))[1]
             ax = drawing.add_subplot(cell, axes_class=PanelAxes)
             panel(ax, view)
             if number == tall:
@@ -257,4 +247,4 @@ def _legend_handle(handle: Any, label: str) -> Any:
     """Return what a legend shows: marks in their full size, however small they are among many."""
     if label not in SHAPES:
         return handle
-    return Line2D([], [], linestyle="none", **look(label, handle.get_markerfacecolor()))
+    return Line2D([], [], linestyle="none", **mark_style(label, handle.get_markerfacecolor()))

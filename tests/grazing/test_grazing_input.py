@@ -110,8 +110,8 @@ def test_windows_compare() -> None:
 
 
 def test_figures() -> None:
-    from symosc.plot.curve import figure_grazing_curve
-    from symosc.plot.sweep import sweep_figure
+    from symosc.plot.windows import figure_grazing_curve
+    from symosc.plot.windows import sweep_figure
     from symosc.plot.windows import window_figure
 
     for windows in (None, 5, "x", [], P, [None]):

@@ -14,7 +14,7 @@ from project_files import ROOT
 pytestmark = pytest.mark.slow
 #: Tests that CONTRIBUTING names, and those that look at all scenes.
 ASKED = ["tests/test_readme.py", "tests/test_model.py", "tests/cli/test_scenes.py", "tests/scenes/test_reading.py"]
-ASKED += ["tests/reference/test_sets.py", "tests/plot/explorer/test_inputs.py"]
+ASKED += ["tests/reference/test_sets.py", "tests/plot/test_explorer.py"]
 
 
 def test_a_scene_is_added_as_contributing_says(tmp_path: Path) -> None:

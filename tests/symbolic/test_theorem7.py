@@ -13,7 +13,7 @@ from sympy import Interval, Rational, S, asin, pi
 
 import symosc
 from symosc.errors import ParameterError
-from symosc.plot.sweep import sweep_figure
+from symosc.plot.windows import sweep_figure
 from symosc.symbolic.theorem7 import CIRCLE, Case, sign_of, theorem7
 
 MAPS = ("P2", "P3", "P5", "P6")

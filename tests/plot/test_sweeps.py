@@ -1,4 +1,4 @@
-"""Maps: classes and shades, told apart without colours; basins with their belts."""
+"""Figures of sweeps and ensembles: what is drawn is what was recorded, told apart without colours."""
 
 from __future__ import annotations
 
@@ -6,13 +6,58 @@ from typing import Any
 
 import numpy as np
 import pytest
+from answers import answer
 from bad_values import refused
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from small_sweeps import made_up
 
-from symosc import plot
-from symosc.plot.maps import MOST_CLASSES, borders, classes_of, luminance
+from symosc import Summary, plot
+from symosc.plot.sweeps import MOST_CLASSES, borders, classes_of, luminance
+
+# -- sweeps over one axis ---------------------------------------------------------------------------------------------
+
+
+pytest.importorskip("xarray")
+ONE_AXIS = {"Omega": "1:6:40"}
+
+
+def section(cells: dict[str, np.ndarray]) -> np.ndarray:
+    return cells["Omega"][:, None, None] * np.array([[1, 2], [3, 4], [5, 6]])
+
+
+@pytest.mark.parametrize(("component", "factors"), [("x", [1, 3, 5]), ("v", [2, 4, 6])])
+def test_a_point_for_each_recorded_period(component: str, factors: list[int]) -> None:
+    axes = plot.bifurcation_figure(made_up(ONE_AXIS, section=section), component).axes[0]
+    points = np.asarray(axes.collections[0].get_offsets())
+    assert len(points) == 120
+    assert sorted({round(float(y / x)) for x, y in points}) == factors
+    assert axes.get_xlim() == (1, 6)
+
+
+def test_numbers_are_a_curve_and_words_are_levels() -> None:
+    dataset = made_up(
+        ONE_AXIS, stuck=lambda cells: cells["Omega"] / 6, word=lambda cells: np.where(cells["Omega"] > 3, "P32", "")
+    )
+    (line,) = plot.curve_figure(dataset).axes[0].lines
+    assert np.array_equal(line.get_ydata(), dataset.stuck.values)
+    axes = plot.curve_figure(dataset, "word").axes[0]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["no event", "$P_{32}$"]
+
+
+def test_what_is_no_sweep() -> None:
+    dataset = made_up(ONE_AXIS | {"k": [1, 2]}, section=section, sticks=lambda cells: cells["k"].astype(int))
+    refused(lambda: plot.bifurcation_figure(dataset), "dataset")
+    refused(lambda: plot.bifurcation_figure(dataset.isel(k=0), "z"), "component")
+    refused(lambda: plot.bifurcation_figure(dataset[["sticks", "status"]].isel(k=0)), "name")
+    refused(lambda: plot.curve_figure(dataset, "sticks"), "dataset")
+    drawing = Figure()
+    axes = drawing.add_subplot()
+    assert plot.bifurcation_figure(dataset.isel(k=0), ax=axes) is drawing
+
+
+# -- sweeps over two axes ---------------------------------------------------------------------------------------------
+
 
 pytest.importorskip("xarray")
 OVER = {"Omega": "1:6:30", "FN": "1:20:20"}
@@ -114,13 +159,6 @@ def test_a_basin_has_the_belts() -> None:
     refused(lambda: plot.basin_figure(made_up(OVER, sticks=bands)), "dataset")
 
 
-def test_into_given_axes() -> None:
-    drawing = Figure()
-    axes = drawing.add_subplot()
-    assert plot.map_figure(made_up(OVER, sticks=bands), ax=axes) is drawing
-    assert axes.get_legend() is not None
-
-
 def test_what_is_no_map() -> None:
     three = made_up(OVER | {"k": [1, 2]}, sticks=bands)
     assert "isel" in refused(lambda: plot.map_figure(three), "dataset")
@@ -131,3 +169,77 @@ def test_what_is_no_map() -> None:
     for value in (None, 5, "map.nc", {}):
         refused(lambda value=value: plot.map_figure(value), "dataset")  # type: ignore[misc]
     refused(lambda: plot.map_figure(three.isel(k=0), ax=3), "ax")  # type: ignore[arg-type]
+
+
+# -- the form that fits -----------------------------------------------------------------------------------------------
+
+
+pytest.importorskip("xarray")
+
+
+def axis_labels(over: dict[str, str], name: str | None = None) -> tuple[str, str]:
+    dataset = made_up(
+        over,
+        sticks=lambda cells: np.arange(len(next(iter(cells.values())))) % 3,
+        section=lambda cells: np.ones((len(next(iter(cells.values()))), 2, 2)),
+    )
+    axes = plot.swept_figure(dataset, name).axes[0]
+    return axes.get_xlabel(), axes.get_ylabel()
+
+
+def test_the_form_that_fits() -> None:
+    assert axis_labels({"mu1": "0:1:5"}) == (r"$\mu_1$", "displacement $x$ at whole periods")
+    assert axis_labels({"mu1": "0:1:5"}, "sticks") == (r"$\mu_1$", "sticks")
+    assert axis_labels({"mu1": "0:1:5", "k": "1:2:3"}, "sticks") == (r"$\mu_1$", "$k$")
+    assert axis_labels({"v0": "0:1:5", "x0": "1:2:3"}, "sticks") == ("$x_0$", "$v_0$")
+
+
+def test_what_has_no_form() -> None:
+    refused(lambda: axis_labels({"mu1": "0:1:5", "k": "1:2:3", "c": "1:2:3"}, "sticks"), "dataset")
+    refused(lambda: axis_labels({"mu1": "0:1:5"}, "word"), "name")
+    refused(lambda: plot.swept_figure(5), "dataset")  # type: ignore[arg-type]
+
+
+# -- ensembles --------------------------------------------------------------------------------------------------------
+
+
+def test_every_event_has_a_mark() -> None:
+    events = answer("events")
+    axes = events.plot().axes[0]
+    drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert sum(map(len, drawn.values())) == len(events)
+    here = events.kind == "cross"
+    assert np.array_equal(drawn["crossing"], np.column_stack([events.t, events.trajectory])[here])
+    low, high = axes.get_ylim()
+    assert low < 0 < len(events.status) - 1 < high
+
+
+def test_no_events_say_so() -> None:
+    assert [text.get_text() for text in answer("no events").plot().axes[0].texts] == ["no event"]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bars_count_all_motions(seed: int) -> None:
+    words = np.random.default_rng(seed).choice([f"P{n}" for n in range(11, 11 + 7 * (seed + 1))], 300)
+    axes = Summary(word=words).plot().axes[0]
+    counts = [bar.get_width() for bar in axes.patches]
+    assert sum(counts) == 300
+    names = [tick.get_text() for tick in axes.get_yticklabels()]
+    assert len(names) == len(counts) <= 12
+    assert counts[0] == max(np.unique(words, return_counts=True)[1])
+    assert ("others" in names[-1]) == (len(set(words)) > 12)
+
+
+@pytest.mark.parametrize("name", ["section", "stuck", "mode", "sticks", "events"])
+def test_every_column_is_drawn_into_given_axes(name: str) -> None:
+    axes = Figure().add_subplot()
+    assert answer("summary").plot(name=name, ax=axes) is axes.figure
+    assert axes.has_data()
+
+
+def test_what_is_no_ensemble() -> None:
+    refused(lambda: plot.events_figure(3), "events")  # type: ignore[arg-type]
+    refused(lambda: plot.summary_figure(answer("events")), "summary")
+    refused(lambda: answer("summary").plot(name="words"), "name")
+    refused(lambda: Summary().plot(), "name")
+    refused(lambda: answer("summary").plot(ax=3), "ax")

@@ -1,21 +1,135 @@
-"""Figures of regions of two parameters: what is shaded is the region, and the border is drawn as what it is."""
+"""Figures of grazing: what is shaded is the window or region, borders are drawn as what they are."""
 
 from __future__ import annotations
 
 import random
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
-from symosc import ParameterError, load_scene, plot, values_containing, values_empty, values_everything
-from symosc.cli.app import main
+from symosc import (
+    ParameterError,
+    Parameters,
+    grazing_curve,
+    grazing_window,
+    load_scene,
+    plot,
+    values_containing,
+    values_empty,
+    values_everything,
+)
+from symosc.mappings.theorem7_cases import EVERYTHING
+from symosc.plot.windows import INSIDE_COLOR, TURN, draw_plane
+
+# -- windows and curves -----------------------------------------------------------------------------------------------
+
+
+FIG9 = load_scene("fig9").parameters
+MAPS = ("P2", "P3", "P5", "P6")
+
+
+def parameters(rng: random.Random) -> Parameters:
+    v1 = Fraction(rng.randint(-20, 20), 3)
+    changes = {"B0": rng.randint(-9, 9), "k": rng.randint(0, 8), "Omega": Fraction(rng.randint(1, 30), 4)}
+    return FIG9.replace(v1=v1, v2=v1 + Fraction(rng.randint(1, 30), 7), **changes)
+
+
+def given_line(ax: Axes) -> float:
+    (line,) = [line for line in ax.lines if line.get_label() == "given value"]
+    return float(line.get_xdata()[0])  # type: ignore[index]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+def test_the_given_value_is_inside_the_frame(mapping: str) -> None:
+    """By default, and where the range that is asked for ends at the value."""
+    rng = random.Random(mapping)
+    for _ in range(6):
+        p = parameters(rng)
+        name = rng.choice(["Omega", "B0", "k", "v1" if mapping in ("P2", "P3") else "v2"])
+        value, reach = getattr(p, name), Fraction(rng.randint(1, 20), 3)
+        for low, high in ((None, None), (value - reach, value), (value, value + reach)):
+            try:
+                (ax,) = plot.sweep_figure(p, mapping, name, low, high).axes
+            except ParameterError:  # the range leaves what Parameters allows
+                assert low is not None
+                continue
+            assert given_line(ax) == pytest.approx(float(value))
+            left, right = ax.get_xlim()
+            assert min(value - left, right - value) > 0.015 * (right - left), (p, name, low, high)
+
+
+def test_phases_at_equality_are_named_in_the_legend() -> None:
+    for order, label in (("full", "belongs to it"), ("paper", "does not belong to it")):
+        drawing = plot.sweep_figure(FIG9, "P2", "Omega", order=order)
+        assert label in [text.get_text() for text in drawing.legends[0].get_texts()]
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["fig8", "fig9"])
+def test_where_nothing_is_drawn_there_is_no_scale(name: str) -> None:
+    p = load_scene(name).parameters
+    windows = [grazing_window(p, mapping) for mapping in MAPS]
+    drawing = plot.window_figure(windows, lambda ax, w: draw_plane(ax, grazing_curve(p, w.mapping, 40)))
+    empty = 0
+    for ax in drawing.axes:
+        if not ax.lines and not ax.collections:
+            empty += 1
+            assert len(ax.get_yticks()) == 0
+            assert ax.texts[0].get_text() in ("the window is empty", "no start on this plane grazes")
+            assert ax.get_xlim() == pytest.approx((0, 2 * np.pi))
+    assert empty == 2
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("mapping", MAPS)
+def test_what_is_drawn_thick_is_in_the_window(mapping: str) -> None:
+    """Sampled against `contains`, in exact numbers; the places x_m from F = 0 itself."""
+    rng = random.Random(mapping)
+    dots = 0
+    for _ in range(8):
+        p = parameters(rng)
+        window = grazing_window(p, mapping)
+        circle, contacts = plot.window_figure(window).axes
+        thick = {ax: [line for line in ax.lines if line.get_color() == INSIDE_COLOR] for ax in (circle, contacts)}
+        arcs = [np.asarray(line.get_xydata()) for line in thick[circle] if line.get_marker() == "None"]
+        shown = [np.arctan2(arc[:, 1], arc[:, 0]) % TURN for arc in arcs]
+        assert all(window.contains(float(theta)) for part in shown for theta in part[2:-2:60])
+        length = sum(np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))[[0, -1]] @ [-1, 1] for arc in arcs)
+        assert length == pytest.approx(sum(high - low for low, high, *_ in window.intervals))
+        for ax, (across, up) in ((circle, ("cos", "sin")), (contacts, ("theta", "x"))):
+            for dot in [line for line in thick[ax] if line.get_marker() == "o"]:
+                (place,) = np.asarray(dot.get_xydata())
+                theta = (np.arctan2(place[1], place[0]) if up == "sin" else place[0]) % TURN
+                speed = float(p.v1 if mapping in ("P2", "P3") else p.v2)
+                assert np.sin(theta) == pytest.approx(-float(p.k) * speed / float(p.B0 * p.Omega), abs=1e-9)
+                full = dot.get_markerfacecolor() == INSIDE_COLOR
+                assert full == (window.kind == EVERYTHING), across
+                dots += 1
+        if p.k:
+            speed = p.v1 if mapping in ("P2", "P3") else p.v2
+            friction = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}[mapping]
+            constant = p.A0 - p.c * speed + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[friction] * p.FN
+            for line in [line for line in contacts.lines if len(line.get_xydata()) > 2]:  # type: ignore[arg-type]
+                theta, x = np.asarray(line.get_xydata()).T
+                assert x == pytest.approx((float(constant) + float(p.B0) * np.cos(theta)) / float(p.k), abs=1e-9)
+    assert dots
+
+
+def test_a_free_place_is_told_by_bands() -> None:
+    window = grazing_window(FIG9.replace(k=0), "P2")
+    (contacts,) = plot.window_figure(window, panels="b").axes
+    bands = sorted((patch.get_x(), patch.get_width()) for patch in contacts.patches)  # type: ignore[attr-defined]
+    assert np.array(bands) == pytest.approx(np.array([(low, high - low) for low, high, *_ in window.intervals]))
+
+
+# -- regions of two parameters ----------------------------------------------------------------------------------------
+
 
 FIG9 = load_scene("fig9").parameters
 MAPS = {"P2": "v1", "P3": "v1", "P5": "v2", "P6": "v2"}
@@ -116,30 +230,6 @@ def borders(ax: Axes) -> dict[bool, list[Any]]:
     return found
 
 
-@pytest.mark.parametrize(("mapping", "belt"), [("P6", "v2"), ("P5", "v2")])
-def test_a_border_of_two_kinds(mapping: str, belt: str) -> None:
-    """In B0 and v2 equality is a graze of fourth order where the belt has the right sign, else not inside."""
-    p = FIG9.replace(v1=-50, v2=2)
-    phase = {"P6": "pi/2", "P5": "3*pi/2"}[mapping]
-    region = values_containing(p, mapping, ("B0", belt), phase)
-    drawing = plot.region_figure(region, (-9, 9), (-20, 20))
-    labels = {text.get_text() for text in drawing.legends[0].get_texts()}
-    assert labels >= {"border, inside", "border, not inside"}
-    ratio = p.Omega / p.k
-    for full, pieces in borders(drawing.axes[0]).items():
-        points = np.concatenate(pieces)
-        assert np.ptp(points[:, 1]) > 9
-        for x in points[5:-5:25, 0]:
-            amplitude = Fraction(float(x))
-            speed = -ratio * amplitude if mapping == "P6" else ratio * amplitude
-            assert region.contains(B0=amplitude, v2=speed) == full, (mapping, full, float(x))
-
-
-def test_default_ranges_reach_twice_the_given_values() -> None:
-    (ax,) = plot.region_figure(values_containing(FIG9, "P2", ("Omega", "B0"), "pi")).axes
-    assert (ax.get_xlim(), ax.get_ylim()) == ((0, 2 * float(FIG9.Omega)), (-2 * float(FIG9.B0), 2 * float(FIG9.B0)))
-
-
 def test_the_given_values_are_marked_and_named() -> None:
     region = values_containing(FIG9, "P2", ("Omega", "k"), "7*pi/6")
     for values, word, face in (({"Omega": "1/2"}, "inside", "black"), ({}, "outside", "white")):
@@ -175,31 +265,3 @@ def test_bad_input(arguments: tuple[Any, ...], message: str) -> None:
 
 
 ASKED = ["grazing", "fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6"]
-
-
-@pytest.mark.slow
-def test_on_the_command_line(tmp_path: Path) -> None:
-    run = CliRunner().invoke(main, [*ASKED, "--plot", str(tmp_path / "region.svg")])
-    assert run.exit_code == 0, run.output
-    assert run.stdout == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
-    assert (tmp_path / "region.svg").read_text(encoding="utf-8").startswith("<?xml")
-    run = CliRunner().invoke(main, [*ASKED, "--plot", "-"])
-    assert run.stdout.startswith("<?xml")
-    assert run.stdout.endswith("</svg>\n")
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["fig9", "--map", "P2", "--solve", "Omega", "--phase", "pi"],
-        ["fig9", "--map", "P2", "--solve", "Omega,k"],
-        ["fig9", "--map", "P2", "--map", "P3", "--solve", "Omega,k", "--phase", "pi"],
-        ["--map", "P2", "--solve", "Omega", "--phase", "pi"],
-        ["fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "pi", "--check", "10"],
-    ],
-)
-def test_what_is_no_one_region_is_refused(arguments: list[str], tmp_path: Path) -> None:
-    run = CliRunner().invoke(main, ["grazing", *arguments, "--plot", str(tmp_path / "region.pdf")])
-    assert (run.exit_code, run.stdout) == (2, "")
-    assert run.stderr.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
