@@ -3,10 +3,10 @@
 What calls what, from a scene to its events:
 
     simulate            simulation.simulate     reads the problem, follows it, asks for more digits where it must
-      Path.step         simulation.run          one event after the other, recorded
+      Motion.step       simulation.motion       one event after the other, recorded
         advance         engine.next_event       the next event: its kind, the state after it, their errors
-          first_exit    engine.first_exit       where a flight meets a belt (bounds: engine.gap_bounds)
-          belt_exit     engine.stick_exit       where a stick ends
+          first_exit    engine.first_exit       where a flight meets a belt (in the bounds: gap_bound)
+          belt_exit     engine.first_exit       where a stick ends
             basis       kernels                 the closed form, printed by sympy (symbolic.codegen)
 
 The packages, each using only those before it: kernels, engine, mappings and simulation, symbolic, orbits, crosschecks,

@@ -7,6 +7,7 @@ from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
 from .crosschecks.faults import Fault as Fault
 from .crosschecks.matching import Match as Match
+from .engine.events import Event as Event
 from .errors import (
     MissingExtraError as MissingExtraError,
 )
@@ -90,7 +91,6 @@ from .simulation.ensemble import EventTable as EventTable
 from .simulation.ensemble import Summary as Summary
 from .simulation.ensemble import simulate_many as simulate_many
 from .simulation.simulate import simulate as simulate
-from .simulation.trajectory import Event as Event
 from .simulation.trajectory import Segment as Segment
 from .simulation.trajectory import Trajectory as Trajectory
 from .sweeps.sweep import SweepStatus as SweepStatus

@@ -32,7 +32,7 @@ from symosc.aliases import Number, Record
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
-from symosc.kernels.entire_mp import BasisMP
+from symosc.kernels.multiprecision import BasisMP
 from symosc.model import Parameters
 from symosc.plot.drawing import STYLE
 

@@ -55,7 +55,7 @@ STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3
 
-#: What a solver's module defines under these names, and `binding` puts in their place: ``leave`` as above, and
+#: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
 #: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
 leave: Any = None
 margin: Any = None

@@ -34,7 +34,7 @@ from symosc.bench.event_logic import (
     turn,
 )
 from symosc.bench.solvers import Solver
-from symosc.engine import binding
+from symosc.engine.arithmetic import compile_modules
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -224,7 +224,7 @@ def leave(q, s, mode, t, x, v, t_end):
 @lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled((event_logic, sys.modules[__name__]))
+    return compile_modules((event_logic, sys.modules[__name__]))
 
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:

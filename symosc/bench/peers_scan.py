@@ -18,7 +18,7 @@ from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
 from symosc.bench.solvers import Solver
-from symosc.engine import binding
+from symosc.engine.arithmetic import compile_modules
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -147,7 +147,7 @@ def leave(q, s, mode, t, x, v, t_end):
 @lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return binding.compiled((event_logic, sys.modules[__name__]))
+    return compile_modules((event_logic, sys.modules[__name__]))
 
 
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:

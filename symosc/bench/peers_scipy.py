@@ -40,7 +40,7 @@ from symosc.bench.event_logic import (
     turn,
 )
 from symosc.bench.solvers import Solver
-from symosc.engine import binding
+from symosc.engine.arithmetic import bind
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -146,7 +146,7 @@ def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Sequenc
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
     leave = leave_by(partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options))
     offset = MULTISTEP_OFFSET * tolerance if method in ("LSODA", *CVODE_METHODS) else INTEGRATOR_OFFSET
-    functions = binding.bind((event_logic,), {"leave": leave})
+    functions = bind((event_logic,), {"leave": leave})
     return runner(scene, functions, None, max(offset, INTEGRATOR_OFFSET))
 
 

@@ -31,9 +31,9 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
 from symosc.scenes import Scene, load_scene
+from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
-from symosc.simulation.workers import read_workers
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
+from symosc.engine.events import KIND_NAMES
 from symosc.model import MODE_NAMES
-from symosc.simulation.run import EVENT_KINDS
 
-CODES = {name: code for code, name in EVENT_KINDS.items()}
+CODES = {name: code for code, name in KIND_NAMES.items()}
 # An event of the samples belongs to an exact one that is at most this part of the forcing period away.
 WINDOW = 0.05
 # A contact of the samples with a belt is a stick if they keep to it for this part of the period.

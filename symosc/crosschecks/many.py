@@ -17,8 +17,8 @@ from symosc.crosschecks.samples import Samples
 from symosc.display.frames import imported
 from symosc.display.progress import Report, reporting
 from symosc.errors import ParameterError
-from symosc.simulation.event_table import counted
-from symosc.simulation.workers import read_workers
+from symosc.simulation.batch import read_workers
+from symosc.simulation.tables import counted
 
 # Lines of a summary: so many solutions that fail are listed.
 MOST_LISTED = 20

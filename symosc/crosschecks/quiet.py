@@ -30,7 +30,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     Parameters
     ----------
     rows : array
-        Starts, as `symosc.engine.start.belt_rows` makes them.
+        Starts, as `symosc.engine.start.start_rows` makes them.
     left : array
         Lengths of the steps.
     K : Constants

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
 from symosc.exact import unmasked
-from symosc.simulation.run import EVENT_KINDS
 
 SAMPLE_COLUMNS = ("t", "x", "v")
 LEAST_SAMPLES = 2
@@ -187,8 +187,8 @@ def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
             time, kind = number_of(time), str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
-        if kind not in EVENT_KINDS.values() or not abs(time) <= LARGEST_SAMPLE:
-            what = f"t must be finite, kind one of {', '.join(EVENT_KINDS.values())}"
+        if kind not in KIND_NAMES.values() or not abs(time) <= LARGEST_SAMPLE:
+            what = f"t must be finite, kind one of {', '.join(KIND_NAMES.values())}"
             raise ParameterError(f"events[{i}]", (time, short(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)

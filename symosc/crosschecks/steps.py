@@ -11,21 +11,20 @@ import numpy as np
 
 from symosc.crosschecks.quiet import quiet_ends
 from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.compiled_loop import Batch, batch_of, keep_state, room_for, state_of
+from symosc.engine.batch import Batch, batch_of, keep_state, state_of
 from symosc.engine.constant_table import table_of
 from symosc.engine.flow import Constants
 from symosc.engine.next_event import TWO_PI, advance
-from symosc.engine.start import belt_rows
+from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
-from symosc.engine.tally import no_tally
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch_loop import Course, InterpretBudget, chosen_loops, followed, joined
+from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined
 
-# Fewer steps than this are done before compiled code is loaded; more are a matter of `PatientLoop`. So are fewer ones
-# once they are many together, as in the diagnoses of many solutions: to load takes a second. The bits are the same.
+# Fewer steps than this are interpreted before compiled code is loaded, which takes a second; so are fewer ones once
+# they are many together, as in the diagnoses of many solutions. The bits are the same.
 COMPILE_FROM = 4000
 FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
@@ -43,7 +42,7 @@ class StepEvents:
     t, x, theta : (rows,) float arrays
         Times, positions, phases.
     kind, boundary, target : (rows,) int arrays
-        Codes of `symosc.simulation.ensemble.KIND_NAMES`, 1 or 2, codes of `symosc.model.MODE_NAMES`.
+        Codes of `symosc.engine.events.KIND_NAMES`, 1 or 2, codes of `symosc.model.MODE_NAMES`.
     """
 
     step: np.ndarray
@@ -180,7 +179,7 @@ class Pieces:
         """Return what `follow` does for some steps from belt `on` (0: from where the sample is), with their sizes."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
-        rows = belt_rows(on, self.theta[steps], self.x[steps], start_v, left, self.K)
+        rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
         modes, ends, events = followed_rows(rows, left, self.K)
         defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
         origin = steps[events.step]
@@ -237,8 +236,8 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
     batch = batch_of(rows.copy())
     few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0
-    course = Course(room_for(4 * len(rows) + 64), no_tally(), MOST_STEP_EVENTS, inf, table_of([K]))
-    numbers, table = joined(followed(chosen_loops(False if few else None).follow, batch, course))
+    follow = chosen_loops(False if few else None).follow
+    numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
     FEW_STEPS.events -= len(rows) * few
     t, x, theta = numbers[[0, 1, 3]]
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])

@@ -1,141 +1,214 @@
-"""The same scalar source as CPython floats, as compiled code and in any number of digits.
+"""One object for each kind of numbers, with the engine's scalar source bound to it.
 
-The fast paths (SOURCES) are plain functions on numbers. Here they are
-bound (`symosc.engine.binding`) to mpmath's sin, cos, sqrt and precision, or to compiled versions of each other.
+The inner loop (SOURCES) is plain functions on numbers. A copy of a function that sees other globals (mpmath's sin, cos
+and precision, or the compiled forms of the functions that it calls) does the same with other numbers: nothing is
+written twice, and each copy still reports the file and line where it was written. `bind` makes such copies,
+`compile_modules` lets numba compile them. With that there are
+
+- `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by numba;
+- `MpArithmetic`: any number of digits, by mpmath, and by MPFR where gmpy2 is installed;
+- double-double numbers, 30 digits (`symosc.kernels.pairs`): `compiled_pairs`, at a few microseconds an event, or
+  `interpreted_pairs`, at a few milliseconds. Both give the same bits. These need numba.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import builtins
+import hashlib
+import inspect
+import sys
+import types
+from collections.abc import Callable, Iterable
 from fractions import Fraction
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property, lru_cache, partial
+from glob import escape
+from pathlib import Path
+from time import monotonic
+from typing import Any, NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine import (
-    binding,
-    compiled_loop,
-    extremes,
-    first_exit,
-    first_rows,
-    flow,
-    gap_bounds,
-    march,
-    near_event,
-    next_event,
-    rests,
-    settled,
-    state,
-    stick_exit,
-    switching,
-    tally,
-    touches,
-)
+from symosc.engine import batch, events, first_exit, flow, next_event, state, summary
+from symosc.engine.batch import Going
+from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
-from symosc.engine.paths import Paths
+from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, entire
 from symosc.model import Parameters
 
-SOURCES = (
-    _generated,
-    entire,
-    state,
-    flow,
-    switching,
-    gap_bounds,
-    touches,
-    march,
-    first_exit,
-    rests,
-    stick_exit,
-    next_event,
-    first_rows,
-    compiled_loop,
-)
-# What is done with many digits only.
-IN_DIGITS_ONLY = (near_event,)
-# What is done with motions in doubles only.
-IN_DOUBLES_ONLY = (double_double, extremes, tally, settled)
+SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
+# Summaries are of doubles only.
+IN_DOUBLES_ONLY = (double_double, summary)
 
-
-# What decisions must exceed with mpmath, instead of `touches.ROUNDING` and `flow.SIGMAS`.
+# What decisions must exceed with many digits, instead of `first_exit.ROUNDING` and `flow.SIGMAS`: digits are cheap
+# there, wrong decisions are not.
 MP_ROUNDING = 2**16
 MP_SIGMAS = 2**10
+# In pairs errors are estimated from 64 times the rounding of one operation, as an entire function loses a digit or two.
+PAIR_EPS = Fraction(1, 2**100)
+# Digits from which constants and starts are rounded to pairs.
+ROUNDED_FROM = 50
+# Seconds after which a folder of compiled code is searched again: that takes as long as thousands of events.
+SEARCH_AGAIN = 1.0
+# What numba compiles into the code as a number.
+CONSTANTS = (bool, int, float, complex, str)
 
-# Called from several places and rarely: not worth a copy in each.
-OUTLINED = {
-    "closest_approach",
-    "quartic_start",
-    "series",
-    "careful",
-    "stiff_derivatives",
-    "stepped",
-    "halved",
-    "newton_root",
-    "behind_flat_start",
-    "apart_from_walls",
-    "point_at_end",
-    "no_contact",
-    "creeps_for_ever",
-    "touch_belt",
-    "slow_passing_time",
-    "sine_and_cosine_of",
-    "resolve",
-    "tolerance",
-    "parts_again",
-    "hidden",
-    "follow_all",
-    "next_doubt",
-    "search_row",
-    "searched",
-    "first_rows",
-    "march_rows",
-    "tally_stretch",
-    "flight_extremes",
-    "covered",
-    "within",
-    "cut_at",
-    "stationary",
-    "leave_tally",
-    "rest_stretches",
-    "flown",
-    "settle",
-    "periods",
-    "section",
-}
+# Functions that are called from several places and rarely: not worth a copy in each.
+OUTLINED = """
+    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at
+    flight_extremes flown follow_all hidden leave_tally march_rows newton_root next_doubt no_contact parts_again periods
+    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
+    stationary stepped stiff_derivatives tally_stretch tolerance touch_belt within
+"""
 
 
-#: The fast paths' names as they are: for floats.
+# --- one source, other globals ---
+
+
+def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
+    """Return the functions that are written in `modules`, by name; no two may have the same."""
+    found: dict[str, types.FunctionType] = {}
+    for module in modules:
+        for name, value in vars(module).items():
+            if isinstance(value, types.FunctionType) and (value.__module__, value.__name__) == (module.__name__, name):
+                if name in found:
+                    raise ValueError(f"{name} is written in {found[name].__module__} and in {module.__name__}")
+                found[name] = value
+    return found
+
+
+def bind(
+    modules: Iterable[types.ModuleType],
+    replaced: dict[str, Any],
+    wrap: Callable[[Any], Any] | None = None,
+    literal: Callable[[float], Any] | None = None,
+) -> dict[str, Any]:
+    """Return copies of the functions of `modules` that see `replaced` and each other, not their modules' globals.
+
+    `wrap` is applied to every copy, such as ``numba.njit``. `literal` converts the floats that stand in the
+    source, once: such as 0.5 and the limits with a name. A name in `replaced` must be one that the functions could see.
+    """
+    modules = tuple(modules)
+    shared: dict[str, Any] = {}
+    for module in modules:
+        shared |= {name: value for name, value in vars(module).items() if not name.startswith("__")}
+    unknown = sorted(name for name in replaced if name not in shared and not hasattr(builtins, name))
+    if unknown:
+        raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
+    if literal is not None:
+        shared = {name: literal(value) if type(value) is float else value for name, value in shared.items()}
+    shared |= replaced | {"__name__": __name__}  # numba asks globals for their module
+    for name, function in functions_of(modules).items():
+        if name not in replaced:
+            code = function.__code__
+            if literal is not None:
+                numbers = (literal(value) if type(value) is float else value for value in code.co_consts)
+                code = code.replace(co_consts=tuple(numbers))
+            copy = types.FunctionType(code, shared, name, function.__defaults__)
+            copy.__module__ = function.__module__
+            shared[name] = wrap(copy) if wrap else copy
+    return shared
+
+
+def compile_modules(
+    modules: Iterable[types.ModuleType],
+    outlined: Iterable[str] | None = None,
+    callees: dict[str, Any] | None = None,
+    replaced: dict[str, Any] | None = None,
+    literal: Callable[[float], Any] | None = None,
+    beside: Iterable[types.ModuleType] = (),
+) -> dict[str, Any]:
+    """Return the functions of `modules` compiled by numba: each when it is first called, and kept on disk.
+
+    Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled functions
+    that stand for those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
+    `bind`. The modules `beside` are compiled too, such as operators of a type. MissingExtraError without numba.
+    """
+    try:
+        import numba
+
+        from symosc.engine.code_cache import keep_on_disk
+    except ImportError:
+        raise MissingExtraError("compiling", "fast") from None
+    modules, replaced = tuple(modules), replaced or {}
+    seen, written = bind(modules, {}), functions_of(modules)
+    inlined = set() if outlined is None else set(written) - set(outlined)
+    called = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func")}
+    called = {name: value for name, value in called.items() if name in seen or hasattr(builtins, name)}
+    # The version changes with anything that the functions are compiled from.
+    values = seen | {name: repr(value) for name, value in replaced.items()}
+    numbers = sorted((name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS))
+    others = sorted((name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items())
+    digest = hashlib.sha256(repr((numbers, others, sorted(inlined))).encode())
+    sources = sorted({sys.modules[module].__name__ for _, module, _ in others})
+    for module in (sys.modules[__name__], *modules, *beside, *(sys.modules[name] for name in sources)):
+        digest.update(inspect.getsource(module).encode())
+    version = digest.hexdigest()[:12]
+
+    def wrap(function: Any) -> Any:
+        # numba's disk cache sees changes in the function's own file only. The name of the entry says the rest.
+        function.__qualname__ = f"{function.__name__}-{version}"
+        # Inlined ones are called by compiled code alone: what Python would call them by is never made. Each function
+        # says all three: one that did not would take forceinline from the function that calls it first.
+        inline = function.__name__ in inlined
+        options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
+        return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
+
+    return bind(modules, called | replaced, wrap, literal)
+
+
+def is_compiled(function: Any) -> bool:
+    """Return whether numba has compiled a function of `compile_modules`, or finds it on disk."""
+    if not hasattr(function, "py_func") or function.overloads:
+        return True
+    folder, name = function.stats.cache_path, function.py_func.__qualname__
+    if folder is None:  # nothing is kept on disk
+        return False
+    there, when = _ON_DISK.get((folder, name), (False, -SEARCH_AGAIN))
+    if not there and monotonic() - when >= SEARCH_AGAIN:
+        there = any(Path(folder).glob(f"*.{escape(name)}-*.nbi"))
+        _ON_DISK[folder, name] = there, monotonic()
+    return there
+
+
+_ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
+
+
+def converted(value: Any, number: Callable[[Any], Any]) -> Any:
+    """Return a value with `number` applied to it, or to the entries of a tuple in any depth."""
+    if not isinstance(value, tuple):
+        return number(value)
+    entries = [converted(entry, number) for entry in value]
+    return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
+
+
+def product_and_zero(a, b):
+    """Return a product and 0: `symosc.kernels.double_double.two_product` for numbers that are no doubles."""
+    return a * b, 0.0 * a
+
+
+# --- doubles ---
+
+#: The names of the source as they are: for floats.
 IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).items() if not name.startswith("__")}
-#: Those of them that follow a motion.
-FLOAT_PATHS = Paths(IN_DOUBLES)
 
 
 class Arithmetic:
-    """Numbers of one kind, with the fast paths bound to them.
+    """Doubles, and what all kinds of numbers have.
 
-    Attributes
-    ----------
-    parameters : Parameters
-    K : Constants
-    number : callable
-        Rounds a Fraction to such a number.
+    `K` are the constants of the parameters, `number` rounds a Fraction to such a number, and `namespace` is the
+    engine's source bound to them. `advance`, `advance_near` (of many digits) and `handed_out` follow motions, perhaps
+    in numbers of their own: `inward`, `constants` and `outward` convert, and all arithmetic on those belongs between
+    `enter` and `leave`.
     """
 
     K: Constants
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
+    number: Callable[[Fraction], Number] = staticmethod(float)
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
         self.namespace: dict[str, Any] = IN_DOUBLES
-
-    @property
-    def paths(self) -> Paths:
-        """What follows motions with these numbers."""
-        return FLOAT_PATHS
-
-    number: Callable[[Fraction], Number] = staticmethod(float)
 
     def phase(self, t: Fraction) -> tuple[int, Number]:
         """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
@@ -148,61 +221,53 @@ class Arithmetic:
         return high, float(t - Fraction(high))
 
     def rounded(self, value: Number) -> Number:
-        """Round an mpf to such a number."""
+        """Round an mpf of any precision to such a number."""
         return float(value)
 
+    @property
+    def following(self) -> dict[str, Any]:
+        """The source bound to the numbers by which motions are followed."""
+        return self.namespace
 
-class MpArithmetic(Arithmetic):
-    """The fast paths with `digits` decimal digits (mpmath)."""
+    @property
+    def advance(self) -> Callable[..., Any]:
+        """See `symosc.engine.next_event`."""
+        return self.following["advance"]
 
-    def __init__(self, parameters: Parameters, digits: int) -> None:
-        from symosc.kernels.entire_mp import BasisMP
+    @property
+    def advance_near(self) -> Any:
+        """See `symosc.engine.next_event`."""
+        return self.following["advance_near"]
 
-        context = mp_context(digits)
-        self.parameters, self.context, self.digits = parameters, context, digits
-        basis = BasisMP(context, parameters)
-        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
-        self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
-        eps = context.ldexp(1, -context.prec)
-        replaced = {name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")}
-        replaced |= {"EPS": eps, "NEAR": eps ** (context.mpf(1) / 5), "PI": +context.pi, "SIXTH": context.mpf(1) / 6}
-        replaced |= {"ROUNDING": context.mpf(MP_ROUNDING)}  # digits are cheap here, wrong decisions are not
-        replaced |= {"TWO_PI": 2 * context.pi, "TWO_PI_REST": context.mpf(0), "basis": basis}
-        replaced["rest_of_product"] = no_rest
-        self.namespace = binding.bind((*SOURCES, *IN_DIGITS_ONLY), replaced, literal=context.mpf)
-        self._replaced = replaced
+    @property
+    def handed_out(self) -> Callable[..., Any]:
+        """See `symosc.engine.next_event`."""
+        return self.following["handed_out"]
 
-    @cached_property
-    def paths(self) -> Paths:
-        """What follows motions with these numbers: by MPFR where gmpy2 is installed, else by mpmath."""
-        try:
-            from symosc.engine.mpfr_arithmetic import MpfrPaths
-        except ImportError:
-            return Paths(self.namespace)
-        return MpfrPaths(self.parameters, self.context, (*SOURCES, *IN_DIGITS_ONLY), self._replaced)
+    @property
+    def event_numbers(self) -> Callable[..., Any]:
+        """See `symosc.engine.events`."""
+        return self.following["event_numbers"]
 
-    def number(self, value: Fraction) -> Number:
-        """Round a Fraction to an mpf of this precision."""
-        return self.context.mpf(value.numerator) / value.denominator
+    paths = property(lambda self: self)
 
-    def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time and 0."""
-        return self.number(t), self.number(Fraction(0))
+    def enter(self) -> Any:
+        """Begin to compute; return the argument of `leave`."""
 
-    def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to one of this precision."""
-        return self.context.mpf(value)
+    def leave(self, before: Any) -> None:
+        """Restore the precision that was current before `enter`."""
 
+    def inward(self, value: Any) -> Any:
+        """Return a number, or a tuple with some, as motions are followed by."""
+        return value
 
-def no_rest(a, b):
-    """Return 0, for `symosc.kernels.double_double.rest_of_product`."""
-    return 0.0 * a
+    def constants(self, K: Constants) -> Constants:
+        """Return the constants, those of these parameters, as motions are followed by."""
+        return K
 
-
-@lru_cache(maxsize=64)
-def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with that many digits; it is shared, and kept, as its constants take a while."""
-    return MpArithmetic(parameters, digits)
+    def outward(self, value: Any) -> Any:
+        """Return what `inward` took."""
+        return value
 
 
 @lru_cache(maxsize=1024)
@@ -222,6 +287,133 @@ def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
     return periods, (turns - periods) * 2 * context.pi
 
 
+@lru_cache(maxsize=1)
+def compiled() -> dict[str, Any]:
+    """Return the source for doubles compiled by numba; MissingExtraError if that is not installed."""
+    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split())
+
+
+# --- any number of digits ---
+
+
+class MpArithmetic(Arithmetic):
+    """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context.
+
+    Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast. Both round the
+    four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With `fast`
+    False all is done by mpmath, also the search for events.
+    """
+
+    def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
+        from symosc.kernels.multiprecision import BasisMP
+
+        context = mp_context(digits)
+        self.parameters, self.context, self.digits, self._fast = parameters, context, digits, fast
+        basis = BasisMP(context, parameters)
+        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
+        eps = context.ldexp(1, -context.prec)
+        self._replaced = {name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")} | {
+            "EPS": eps,
+            "NEAR": eps ** (context.mpf(1) / 5),
+            "PI": +context.pi,
+            "TWO_PI": 2 * context.pi,
+            "TWO_PI_REST": context.mpf(0),
+            "SIXTH": context.mpf(1) / 6,
+            "ROUNDING": context.mpf(MP_ROUNDING),
+            "basis": basis,
+            "two_product": product_and_zero,
+        }
+        self.namespace = bind(SOURCES, self._replaced, literal=context.mpf)
+
+    def number(self, value: Fraction) -> Number:
+        """Round a Fraction to an mpf of this precision."""
+        return self.context.mpf(value.numerator) / value.denominator
+
+    def time(self, t: Fraction) -> tuple[Number, Number]:
+        """Return a time and 0."""
+        return self.number(t), self.number(Fraction(0))
+
+    def rounded(self, value: Number) -> Number:
+        """Round an mpf of any precision to one of this precision."""
+        return self.context.mpf(value)
+
+    @cached_property
+    def _mpfr(self) -> Any:
+        """The module of MPFR's numbers, or None."""
+        try:
+            from symosc.kernels import mpfr
+        except ImportError:
+            return None
+        return mpfr if self._fast else None
+
+    @cached_property
+    def _inner(self) -> Any:
+        """The context of the numbers by which motions are followed."""
+        return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
+
+    @cached_property
+    def following(self) -> dict[str, Any]:  # type: ignore[override]
+        """The source bound to the numbers by which motions are followed."""
+        if self._mpfr is None:
+            return self.namespace
+        from symosc.kernels.multiprecision import BasisMP
+
+        replaced = {name: self.inward(value) for name, value in self._replaced.items()}
+        replaced |= {name: getattr(self._inner, name) for name in ("sin", "cos", "exp", "sqrt")}
+        replaced["basis"] = BasisMP(self._inner, self.parameters, self._mpfr.mpfr_context)
+        return bind(SOURCES, replaced, literal=self._mpfr.mpfr)
+
+    @property
+    def advance_near(self) -> Any:
+        """See `symosc.engine.next_event`; None for a search with all digits."""
+        return self.following["advance_near"] if self._fast else None
+
+    @property
+    def enter(self) -> Callable[[], Any]:  # type: ignore[override]
+        """Make the precision the current one of this thread; return what was."""
+        return self._inner.enter  # type: ignore[no-any-return]
+
+    @property
+    def leave(self) -> Callable[[Any], None]:  # type: ignore[override]
+        """Make current what was before `enter`."""
+        return self._inner.leave  # type: ignore[no-any-return]
+
+    def inward(self, value: Any) -> Any:
+        """Return a number of mpmath, or a tuple with some, as motions are followed by."""
+        if self._mpfr is None:
+            return value
+        before = self.enter()
+        try:
+            return converted(value, lambda entry: self._mpfr.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
+        finally:
+            self.leave(before)
+
+    @cached_property
+    def _inner_constants(self) -> Constants:
+        found: Constants = self.inward(self.K)
+        return found
+
+    def constants(self, K: Constants) -> Constants:
+        """Return the constants, those of these parameters, as motions are followed by."""
+        return self._inner_constants
+
+    def outward(self, value: Any) -> Any:
+        """Return a number, or a tuple with some, as numbers of mpmath with all their digits."""
+        if self._mpfr is None:
+            return value
+        mpfr, to_mpf, context = self._mpfr.mpfr, self._mpfr.to_mpf, self.context
+        if type(value) is tuple:  # the numbers of an event
+            return tuple([to_mpf(entry, context) for entry in value])
+        return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)
+
+
+@lru_cache(maxsize=64)
+def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
+    """Return the arithmetic with that many digits; it is shared, and kept, as its constants take a while."""
+    return MpArithmetic(parameters, digits)
+
+
 def mp_context(digits: int) -> Any:
     """Return an mpmath context of fixed precision (`symosc.kernels.multiprecision`, which loads mpmath)."""
     from symosc.kernels.multiprecision import mp_context
@@ -229,13 +421,121 @@ def mp_context(digits: int) -> Any:
     return mp_context(digits)
 
 
-@lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
-    """Return the fast paths compiled by numba.
+# --- double-double numbers ---
 
-    Raises
-    ------
-    MissingExtraError
-        If numba is not installed.
-    """
-    return binding.compiled((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED)
+# What the loops of pairs do in doubles, by the name that it has there.
+PLAIN_IN_PAIRS = {
+    "end_in_doubles": "end_by_phase",
+    "searched_in_doubles": "searched",
+    "next_doubt_in_doubles": "next_doubt",
+    "write_event_in_doubles": "write_event",
+    **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "leave_tally")},
+}
+
+
+class PairLoops(NamedTuple):
+    """The functions of `symosc.engine.batch` by which motions are begun and followed in double-double numbers."""
+
+    first_pairs: Any
+    follow_pairs: Any
+
+
+def least(a, b):
+    """Return the smaller of two pairs."""
+    return b if b < a else a
+
+
+def greatest(a, b):
+    """Return the larger of two pairs."""
+    return b if b > a else a
+
+
+def _pair_constants() -> dict[str, Any]:
+    """Return the constants of the source as pairs."""
+    from symosc.kernels.pairs import Pair
+
+    two_pi = 2 * mp_context(70).pi
+    return {
+        "EPS": Pair(PAIR_EPS),
+        "NEAR": Pair(Fraction(1, 2**20)),
+        "PI": Pair(two_pi / 2),
+        "TWO_PI": Pair(two_pi),
+        "TWO_PI_REST": Pair(two_pi - Pair(two_pi).hi - Pair(two_pi).lo),
+        "SIXTH": Pair(Fraction(1, 6)),
+        "INVERSES": (Pair(0.0), *(Pair(Fraction(1, n)) for n in range(1, len(entire.INVERSES)))),
+        "ROUNDING": Pair(float(MP_ROUNDING)),
+    }
+
+
+@lru_cache(maxsize=1)
+def compiled_pairs() -> PairLoops:
+    """Return the loops compiled by numba: each when it is first called, and kept on disk."""
+    import numba
+
+    from symosc.kernels import pairs
+
+    plain = compiled()
+    callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
+    callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
+    callees["two_product"] = numba.njit(product_and_zero)
+    outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
+    replaced = _pair_constants() | {"from_complex": pairs.from_complex}
+    beside = (pairs, double_double, summary)
+    functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
+    return PairLoops(*(functions[name] for name in PairLoops._fields))
+
+
+@lru_cache(maxsize=1)
+def interpreted_pairs() -> PairLoops:
+    """Return the loops as CPython runs them."""
+    from symosc.kernels import pairs
+
+    def number(z: Any) -> Any:
+        return pairs.pair_of(float(z.real), float(z.imag)) if isinstance(z, complex) else z
+
+    def whole(value: Any) -> int:
+        return int(value.real if isinstance(value, complex) else value)
+
+    def follow_pairs(*given: Any) -> int:
+        *others, going = given
+        rows: Any = (ConstantRows(table) for table in going[3:])
+        filled: int = functions["follow_pairs"](*others, Going(*going[:3], *rows))
+        return filled
+
+    bound = bind((pairs,), {"pair": pairs.pair_of})
+    replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
+    replaced |= {"min": least, "max": greatest, "float": number, "int": whole, "two_product": product_and_zero}
+    replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
+    replaced["from_complex"] = partial(converted, number=number)
+    functions = bind(SOURCES, replaced, literal=pairs.Pair)
+    return PairLoops(functions["first_pairs"], follow_pairs)
+
+
+def pairs_are_compiled() -> bool:
+    """Return whether both were compiled before, here or in an earlier program that left them on disk."""
+    return all(map(is_compiled, compiled_pairs()))
+
+
+def as_complex(value: Any) -> Any:
+    """Return an mpf as the complex number hi + i lo, or a tuple with some; other entries stay."""
+
+    def number(entry: Any) -> Any:
+        if not hasattr(entry, "_mpf_"):
+            return entry
+        high = float(entry)
+        short = entry._mpf_[3] <= 53  # the bits of its mantissa
+        return complex(high, 0.0 if short else float(entry - high))
+
+    return converted(value, number)
+
+
+@lru_cache(maxsize=1024)
+def pair_constants(parameters: Parameters) -> Constants:
+    """Return the constants as complex numbers hi + i lo, each rounded once."""
+    return as_complex(many_digits(parameters, ROUNDED_FROM).K)
+
+
+def pair_phase(parameters: Parameters, t: Fraction) -> complex:
+    """Return the phase at a time, rounded once."""
+    found: complex = as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
+    return found

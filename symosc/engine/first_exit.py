@@ -1,74 +1,429 @@
-"""The first exit from a domain: in real arithmetic no crossing is missed, however near to a graze.
+"""The first exit from a domain or a belt: in real arithmetic no crossing is missed, however near to a graze.
 
-Why nothing can be missed
--------------------------
-In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth, and v obeys a linear equation whose
-derivatives are known in closed form. At a time tau the derivatives up to the third are evaluated, and the fourth is
-bounded for all later times:
+Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth, and v obeys a linear
+equation whose derivatives are known in closed form. At a time tau the derivatives up to the third are evaluated, and
+the fourth is bounded for all later times:
 
     |d^4 v/dt^4| <= M4 = V0 Omega^4 + sqrt(G3^2 + w0^2 G2^2)
 
 with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the transient, whose energy
 G3^2 + w0^2 G2^2 never grows (it obeys the unforced equation, and damping only takes energy away). Near undamped
-resonance the two parts are not told apart; then the same energy argument for the whole derivative gives
+resonance the two parts cannot be separated; then the same energy argument for the whole derivative gives
 M4 = sqrt(G3^2 + w0^2 G2^2) + |B0| Omega^3/m over the next 1/Omega of time, and no step is longer than that. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
 and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its
-Bernstein coefficients, which are all positive. Near a simple root P tells its place to fourth order, so the steps
-converge on it from the left; once P shows that the first root is the only one nearby, its place is improved with the
-true derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root
-is divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
+Bernstein coefficients, which are all positive. Near a simple root P places it to fourth order, so the steps converge
+on it from the left; once P shows that the first root is the only one nearby, its place is improved with the true
+derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root is
+divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
 immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps,
 and mostly finds the one step in which a wall is met, so that no search of the kind above is needed.
 
 Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
-gap plus what is known of the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken
-at the minimum, backward, excludes a root on the way to it. If it is clearly negative there is a crossing, which the
-steps find. If neither, the contact cannot be decided in this precision and is returned as a tangency.
+gap plus the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken at the minimum,
+backward, excludes a root on the way to it. If it is clearly negative there is a crossing, which the steps find. If
+neither, the contact cannot be decided in this precision and is returned as a tangency.
 
-What is proven, and what is measured: the bound and the steps are a proof in real arithmetic. Evaluated with rounding,
-each gap is known to a few EPS times its terms only, so decisions must exceed ROUNDING such errors, and the marching
-steps MARCH_SLACK of the gap's size. That these margins are wide enough in doubles was measured, not proven.
+Sticks. On belt lambda both forces change alike, so that after a time tau
 
-All functions are scalar and run on floats (CPython, numba) and, with other globals, on mpmath numbers.
+    F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
+    Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
+
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each).
+Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7, where its
+value needs no trigonometric function. So each monotone piece is decided by the value at its end, and the exit in a
+piece is its only root there.
+
+The bound and the steps are a proof in real arithmetic. Evaluated with rounding, each gap is known to a few EPS times
+its terms only, so decisions must exceed ROUNDING such errors, and the marching steps MARCH_SLACK of the gap's size.
+That these margins are wide enough in doubles was measured, not proven.
+
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import acos, cos, sin, sqrt
+from typing import NamedTuple
 
-from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned
-from symosc.engine.gap_bounds import (
-    CLEAR_DEPTH,
-    ISOLATED,
-    NEAR,
-    fourth_derivative_bound,
-    gap_bound,
-    gap_to,
-    is_near,
-    local_root,
-    positive_on,
-    quartic_start,
-    safe_step,
+from symosc.aliases import Number
+from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned, velocity_scale
+from symosc.engine.state import (
+    HIT,
+    LOST,
+    NOTHING,
+    STALLED,
+    TANGENCY,
+    FlightEnd,
+    Flown,
+    StickEnd,
+    Walls,
 )
-from symosc.engine.march import march, whole
-from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown
-from symosc.engine.touches import ROUNDING, closest_approach, hidden
+from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.entire import EPS, SIXTH
 
-# Steps shorter than this (times 1/rate) are a sign of a tangency ahead.
-SHORT_STEP = 4e-3
-MOST_STEPS = 20000
-# Short steps on which no minimum of the gap was found ahead, before the search is given up.
-MOST_STALLS = 30
-# Steps to a contact in its bracket (halving alone takes as many as there are bits).
-MOST_HALVINGS = 400
-# A gap smaller than this part of the velocities in question is compared with its error.
-THIN = 1e-9
-# An error of the start that is smaller than THIN times the root of this part of the velocities is rounding.
-FAINT = 1e-8
+PI = acos(-1.0)
+# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
+ROUNDING = 64.0
+# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate, and Newton's method
+# goes on from there. A shift below NEAR / rate is made by Taylor's formula, to full precision.
+ISOLATED = 6e-2
+NEAR = 2.0 * EPS**0.2
+FAR = 1e300  # larger than any root
+SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a part of the step
+# A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
+FIRM = 1e-2
+# A root behind which the gap gets deeper than this part of its size is no touch.
+CLEAR_DEPTH = 1e-9
+MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
+# A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
+WIDE_GAP = 6e6
+SHORT_STEP = 4e-3  # steps shorter than this, times 1/rate, are a sign of a tangency ahead
+# A gap smaller than THIN of the velocities in question is compared with its error. An error of the start that is
+# smaller than THIN times the root of FAINT of the velocities is rounding.
+THIN, FAINT = 1e-9, 1e-8
+SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
+SAME_PHASE = 64.0  # phases closer than this times EPS are one
+MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
+MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, before the search is given up
+
+
+# --- bounds of a gap ---
+
+
+def fourth_derivative_bound(G2, G3, s, c, K):
+    """Return M4 >= |v''''| from here on, when K.steady; over the next 1/Omega otherwise."""
+    if not K.steady:
+        return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
+    Om3 = K.Om * K.Om * K.Om
+    G2_transient = G2 - Om3 * (K.Sc * s - K.Ss * c)
+    G3_transient = G3 - Om3 * K.Om * (K.Ss * s + K.Sc * c)
+    return K.V0 * Om3 * K.Om + sqrt(G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient)
+
+
+def positive_on(s, P):
+    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s] is shown by its Bernstein coefficients."""
+    p0, p1, p2, p3, p4 = P
+    t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
+    if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
+        return False
+    return p0 + 0.75 * t1 + 0.5 * t2 + 0.25 * t3 > 0.0 and p0 + t1 + t2 + t3 + p4 * s * s * s * s > 0.0
+
+
+def safe_step(cap, P):
+    """Return (s, root): P > 0 on [0, s] with s <= cap; `root` estimates the first root of P, cap if none comes before.
+
+    First the root of the quadratic, then Halley's method; the result is checked before it is used.
+    """
+    p0, p1, p2, p3, p4 = P
+    if p0 <= 0.0:
+        return 0.0 * cap, cap
+    root, found = cap, False
+    square = p1 * p1 - 4.0 * p0 * p2
+    if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
+        denominator = sqrt(square) - p1
+        if 2.0 * p0 < cap * denominator:
+            root = 2.0 * p0 / denominator
+    for _ in range(4):
+        value = p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root
+        slope = p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root
+        half_bend = p2 + (3.0 * p3 + 6.0 * p4 * root) * root
+        below = slope * slope - value * half_bend
+        if slope >= 0.0 or below <= 0.0:
+            break
+        shift = value * slope / below
+        if shift >= root:
+            break
+        root = root - shift
+        if root >= cap:
+            root = cap
+            break
+        found = abs(shift) < FIRM * root
+        if found:
+            break
+    s = root - SHRINK * root if found else root
+    while s > 0.0 and not positive_on(s, P):
+        s = 0.5 * s
+        found = False
+    return s, root if found else cap
+
+
+def gap_to(side, now, walls):
+    """Return the gap to the wall on a side (-1 below, 1 above) at the point `now` of a flight."""
+    return walls.below + now.dv if side < 0 else walls.above - now.dv
+
+
+def gap_bound(side, now, M4, margin, walls):
+    """Return the coefficients and the degree of the bound P of the gap to the wall on a side, from `now` on.
+
+    The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
+    start on the wall P is divided by its root there.
+    """
+    g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
+    top, zero = -0.25 * SIXTH * M4, 0.0 * g
+    if not (now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above)):
+        if margin > 0.0:
+            g = g - margin if g > 2.0 * margin else 0.5 * g
+        return (g, g1, 0.5 * g2, SIXTH * g3, top), 4
+    if g1 > 0.0:
+        return (g1, 0.5 * g2, SIXTH * g3, top, zero), 3
+    if g2 > 0.0:
+        return (0.5 * g2, SIXTH * g3, top, zero, zero), 2
+    return (SIXTH * g3, top, zero, zero, zero), 1
+
+
+def is_near(root, P, degree, M4, size, K):
+    """Return (near, close, clear): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
+
+    One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
+    up to there and over what makes up for `missing` (Kantorovich).
+    """
+    p0, p1, p2, p3, p4 = P
+    slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
+    bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
+    missing = 0.5 * SIXTH * M4
+    for _ in range(degree):
+        missing = missing * root
+    missing = missing + abs(p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root)
+    near = (
+        slope > 0.0
+        and missing * K.rate < ISOLATED * slope
+        and 8.0 * SHRINK * root * bend < slope
+        and 8.0 * missing * (bend * root + slope) < slope * slope * root
+    )
+    depth = slope * slope
+    for _ in range(4 - degree):  # back from the divided polynomial to the gap
+        depth = depth * root
+    return near, missing * K.rate < NEAR * slope, depth > 2.0 * CLEAR_DEPTH * size * bend
+
+
+def local_root(over, F, G1, G2, G3, resolution):
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none was found.
+
+    The inverted series places a near simple root to `resolution`; from there on Newton's method.
+    """
+    s = 0.0 * resolution
+    if abs(over * G1) < 0.1 * F * F:
+        inverse = 1.0 / F
+        linear = over * inverse
+        B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
+        s = -linear * ((1.0 + B) + (2.0 * B * B - W))
+        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
+        if abs(linear) * missing <= resolution:
+            return s
+    return newton_root(s, over, F, G1, G2, G3, resolution)
+
+
+def newton_root(s, over, F, G1, G2, G3, resolution):
+    """Return the root of `local_root` by Newton steps from `s` on."""
+    for _ in range(MOST_NEWTON):
+        slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
+        if slope == 0.0:
+            return s
+        change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
+        s = s - change
+        bend, third = G1 + (G2 + 0.5 * G3 * s) * s, G2 + G3 * s
+        # The next step would be shorter than that.
+        if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
+            return s
+    return FAR + s
+
+
+# --- marching in fixed steps, which cost no exp, sin or cos ---
+
+
+class Marched(NamedTuple):
+    """Where a march ended."""
+
+    now: Flown  # up to there no wall is met; without dx and the entire functions
+    M4: Number  # the bound of the fourth derivative from there on
+    side: int  # of the wall that is met in the next step, there once and for sure; 0: the next step is not decided
+    there: Flown  # the end of that step, without its last two derivatives (`whole`)
+
+
+def march(tau_max, v0, now, walls, margin, K):
+    """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
+
+    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
+    so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
+    Strides are tried where the gaps look wide enough.
+
+    Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part t of a step of length
+    h its error is
+
+        |g - cubic| <= 6 t^2 (1 - t)^2 M4 h^4/144,
+
+    at the most a sixteenth of the rest of Taylor's formula from one end (`is_free`).
+    """
+    v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
+    # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
+    energy = F_free * F_free + K.w0sq * v_free * v_free
+    far_below, far_above = walls.below - v0 - K.V0 - slack, v0 + walls.above - K.V0 - slack
+    has_below = walls.has_below and not (far_below > 0.0 and energy < K.w0sq * far_below * far_below)
+    has_above = walls.has_above and not (far_above > 0.0 and energy < K.w0sq * far_above * far_above)
+    walls = Walls(walls.below, walls.above, has_below, has_above, walls.on_below, walls.on_above)
+    M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
+    wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
+    long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)
+    while True:
+        M = K.stride if long else K.march
+        h, there, free_below, free_above = M.step, now, False, False
+        if now.tau + h < tau_max:
+            v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
+            s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
+            dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
+            G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
+            there = Flown(now.tau + h, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2)
+            lift = 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
+            free_below = not has_below or is_free(-1, now, there, lift, slack, walls)
+            free_above = not has_above or is_free(1, now, there, lift, slack, walls)
+        if free_below and free_above:
+            now, v_free, F_free = there, v_next, F_next
+            long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)  # a guess, no proof
+            if not K.patient:
+                continue
+        elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
+            now = whole(now, v0, K)
+            M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+            side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
+            side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
+            return Marched(now, M4, side, there)
+        else:
+            long = False
+        if since < now.tau:  # the bound never grows: until here one of an earlier time was good enough
+            now, since = whole(now, v0, K), now.tau
+            M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+        # with the free motion gone, steps of their own length go farther
+        if K.patient and gaps_exceed(wide * M4, now.dv, walls):
+            return Marched(now, M4, 0, now)
+
+
+def whole(now, v0, K):
+    """Return a point of a flight with all its derivatives; its launch has them, and knows which are exactly 0."""
+    if now.tau == 0.0:
+        return now
+    tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
+    G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
+    return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
+
+
+def gaps_exceed(least, dv, walls):
+    """Return whether the gaps to the walls around are wider than `least` where the velocity has gained dv."""
+    return (not walls.has_below or walls.below + dv > least) and (not walls.has_above or walls.above - dv > least)
+
+
+def is_free(side, now, there, lift, slack, walls):
+    """Return whether a wall is surely not met over a step, at its start apart if that is on the wall.
+
+    The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4,
+    (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at
+    both ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it
+    has no other root. Without a slope there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic
+    through g0, d0, b0 and g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
+    """
+    h, gap = there.tau - now.tau, walls.below if side < 0 else walls.above
+    g0, d0, g1, d1 = gap - side * now.dv, -side * h * now.F, gap - side * there.dv, -side * h * there.F
+    ends = g1 > slack and g1 - 0.25 * d1 > slack
+    if now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above):
+        b0 = -side * h * h * now.G1
+        if d0 >= 0.0 and ends and 0.5 * g1 + SIXTH * (d0 - d1) > lift:
+            return True
+        return d0 == 0.0 and b0 >= 0.0 and g1 > slack and 0.125 * b0 + 0.25 * g1 > 1.5 * lift
+    return g0 > slack and g0 + 0.25 * d0 > slack and ends and 0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift
+
+
+def meets_once(side, now, there, M4, slack, walls):
+    """Return whether a gap is surely positive at one point of a flight, negative at the next, and 0 once between.
+
+    It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
+    """
+    if gap_to(side, there, walls) >= -slack or gap_to(side, now, walls) <= slack:
+        return False
+    h = there.tau - now.tau
+    d0, b0, d1, b1 = -side * now.F, -side * now.G1, -side * there.F, -side * there.G1
+    loose = SIXTH * h * h * M4
+    falls = d0 < 0.0 and d1 < 0.0 and d0 + 2.0 * SIXTH * h * b0 < 0.0 and 2.0 * d0 + h * b0 + d1 + loose * h < 0.0
+    half, bend = 0.5 * (b0 + b1), 1.5 * loose
+    return falls or (b0 < 0.0 and b1 < 0.0 and half + bend < 0.0) or (b0 > 0.0 and b1 > 0.0 and half - bend > 0.0)
+
+
+# --- grazes: the minimum of a gap near a tangency, and how far a gap may be wrong there ---
+
+
+def tolerance(now, start_gap, start, S, K):
+    """Return how far a gap may be wrong on a flight: rounding, and the propagated errors `S` of its launch."""
+    pull = -K.w0sq * now.E1
+    variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
+    rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
+    return rounding + K.sigmas * sqrt(abs(variance))
+
+
+def closest_approach(tau, earliest, side, M4, start, walls, S, K):
+    """Return (verdict, tau_min): a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
+
+    NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
+    error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven free.
+    """
+    begin, sign = tau, -side
+    start_gap = walls.below if side < 0 else walls.above
+    last, depth_known = FAR, False
+    for _ in range(MOST_DESCENTS):
+        now = state_at(tau, start, K)
+        gap, slope, bend = gap_to(side, now, walls), sign * now.F, sign * now.G1
+        allowed = tolerance(now, start_gap, start, S, K)
+        if bend <= 0.0 and not depth_known:
+            return STALLED, tau
+        shift = -slope / bend if bend > 0.0 else 0.0 * slope
+        if abs(slope * shift) <= 0.25 * allowed or gap < -2.0 * allowed:
+            depth_known = True
+        if depth_known:
+            if gap < -allowed:
+                return HIT, tau
+            if gap > allowed:
+                back, third = tau - begin, -sign * SIXTH * now.G2
+                free = positive_on(back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4))
+                return (NOTHING if free and back > 0.0 else STALLED), tau
+            if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
+                return (TANGENCY if parts_again(tau, side, start, walls, S, K) else LOST), tau
+        last = abs(shift)
+        tau = tau + shift
+        if tau < earliest:
+            return STALLED, begin
+    return LOST, tau
+
+
+def parts_again(tau, side, start, walls, S, K):
+    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after; else it shrinks on."""
+    for rate in (K.rate, K.Om):
+        now = state_at(tau + 0.5 / rate, start, K)
+        if abs(gap_to(side, now, walls)) > 4.0 * tolerance(now, walls.below if side < 0 else walls.above, start, S, K):
+            return True
+    return False
+
+
+def hidden(tau, side, start, walls, S, K):
+    """Return whether a gap is 0 within its error, and was or will be so for a while around `tau`."""
+    now = state_at(tau, start, K)
+    allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
+    return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
+
+
+def hidden_side(now, thin, start, walls, S, K):
+    """Return the side of a wall whose gap is 0 within its error, and stays so for a while; else 0."""
+    below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
+    thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
+    thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
+    if thin_below and hidden(now.tau, -1, start, walls, S, K):
+        return -1
+    if thin_above and hidden(now.tau, 1, start, walls, S, K):
+        return 1
+    return 0
+
+
+# --- flights ---
 
 
 def first_exit(tau_max, start, walls, S, K):
@@ -77,21 +432,50 @@ def first_exit(tau_max, start, walls, S, K):
     Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
-    now, flat = search_start(tau_max, start, walls, K)
-    margins = error_margins(start, S, K)
+    v0, F0, s0, c0 = start
+    zero = 0.0 * tau_max
+    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
+    now = Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero)
+    # A flat start: after a tangency or the end of a stick. A derivative within rounding of 0 is 0 there, its sign is
+    # noise. Near sin(theta) = +-1 that leaves cos(theta), and with it G2, uncertain by about sqrt(EPS).
+    flat, at_rest = False, (walls.on_below or walls.on_above) and F0 == 0.0
+    if at_rest and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
+        now = Flown(zero, zero, zero, F0, zero, G2, G3, s0, c0, 1.0 + zero, zero, zero)
+        if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
+            now, flat = behind_flat_start(tau_max, G2, G3, start, K), True
+    # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
+    # a gap; where that is less than rounding, `tolerance` includes it.
+    speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
+    variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
+    thin, margin = 4.0 * variance + speed * speed, 0.0 * variance
+    if variance > FAINT * speed * speed:
+        margin = sqrt(variance)
     if K.apart and not flat:
-        now, M4, side, there = march(tau_max, start.v, now, walls, margins[1], K)
+        now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            tau = between(now, there, side, start.v, walls, K)
-            return polish(tau, now.tau, there.tau, side, start, walls, K)
+            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-    return stepped(tau_max, now, M4, margins, start, walls, S, K)
+    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
 
 
-def stepped(tau_max, now, M4, margins, start, walls, S, K):
-    """Return what `first_exit` returns, by safe steps from `now` on: where marching has not decided."""
-    thin, margin = margins
+def behind_flat_start(tau_max, G2, G3, start, K):
+    """Return a point of a flight before which a gap that starts with its fourth power has no other root."""
+    Om4 = K.Om * K.Om * K.Om * K.Om
+    fifth = fifth_derivative(G3, G2, start.c, K)
+    if K.steady:
+        G3_transient = G3 - Om4 * (K.Ss * start.s + K.Sc * start.c)
+        fifth_transient = fifth - Om4 * K.Om * (K.Ss * start.c - K.Sc * start.s)
+        M5 = K.V0 * Om4 * K.Om + sqrt(fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient)
+        tau = 4.0 * abs(G3) / M5 if M5 > 0.0 else K.chunk
+    else:
+        tau = 4.0 * abs(G3) / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
+        tau = tau if tau * K.Om < 1.0 else 1.0 / K.Om
+    return state_at(tau if tau < tau_max else tau_max, start, K)
+
+
+def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
+    """Return the result of `first_exit` by safe steps from `now` on: where marching has not decided."""
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -102,16 +486,20 @@ def stepped(tau_max, now, M4, margins, start, walls, S, K):
         cap = tau_max - now.tau
         if not K.steady and cap * K.Om > 1.0:
             cap = 1.0 / K.Om
-        side, step, root, P = nearest_root(cap, now, M4, margin, walls)
+        side, step, root, P, degree = nearest_root(cap, now, M4, margin, walls)
+        start_gap = walls.below if side < 0 else walls.above
         known, near, close, clear = crossing == side, False, False, True
         if root < cap:
-            near, close, clear = is_near(root, P, M4, size_of_gap(side, root, now, margin, walls), K)
+            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / CLEAR_DEPTH)
+            near, close, clear = is_near(root, P, degree, M4, size, K)
         if near and (clear or known):
             low, high = now.tau, tau_deep if known else now.tau + 2.0 * (root + ISOLATED * K.moment)
             code, tau = HIT, now.tau + (root if close else sharpened(root, side, now, walls, K))
             break
         short = step < cap and step * K.rate < SHORT_STEP
-        if (short or not clear or is_beside(side, now, margin, walls)) and not known and may_touch(side, now, walls):
+        # a gap that shrinks and is hardly larger than what the error of the start can do to it
+        beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
+        if (short or not clear or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = touch_ahead(now, side, step, M4, start, walls, S, K)
             if verdict in (TANGENCY, LOST):
                 code = TANGENCY if verdict == TANGENCY else STALLED
@@ -127,124 +515,44 @@ def stepped(tau_max, now, M4, margins, start, walls, S, K):
         low = now.tau
         now = state_at(low + step if step < tau_max - low else tau_max, start, K)
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-        behind = side_behind(now, walls)
+        behind = -1 if walls.has_below and walls.below + now.dv <= 0.0 else 0
+        behind = 1 if behind == 0 and walls.has_above and walls.above - now.dv <= 0.0 else behind
         if behind != 0:
+            # By rounding, the bound has no root there: a root within rounding, or a touch.
             side, high = behind, now.tau
-            code, tau = (HIT, high) if crossing == side else overshot(now, low, side, M4, start, walls, S, K)
+            code, tau = HIT, high
+            if crossing != side:
+                verdict, tau_min = closest_approach(high, low, side, M4, start, walls, S, K)
+                code, tau = (TANGENCY, tau_min) if verdict == TANGENCY else (STALLED if verdict == LOST else HIT, high)
             break
     if code == TANGENCY:
         return FlightEnd(TANGENCY, side, state_at(tau, start, K))
     return polish(tau, low, high, side, start, walls, K) if code == HIT else FlightEnd(code, side, now)
 
 
-def search_start(tau_max, start, walls, K):
-    """Return where the search begins, and whether that is behind a flat start: after a tangency or the end of a stick.
-
-    A derivative within rounding of 0 is 0 there, its sign is noise. Near sin(theta) = +-1 that leaves cos(theta), and
-    with it G2, uncertain by about sqrt(EPS).
-    """
-    v0, F0, s0, c0 = start
-    zero = 0.0 * tau_max
-    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
-    at_rest = (walls.on_below or walls.on_above) and F0 == 0.0
-    if at_rest and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
-        G1 = zero
-        if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
-            return behind_flat_start(tau_max, G2, G3, start, K), True
-    return Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero), False
-
-
-def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return a point of a flight before which a gap that starts with its fourth power has no other root."""
-    tau = quartic_start(G3, G2, start.s, start.c, K)
-    return state_at(tau if tau < tau_max else tau_max, start, K)
-
-
-def error_margins(start, S, K):
-    """Return (thin, margin): a gap whose square is below `thin` is compared with its error; `margin` is held back.
-
-    The margin is what the error of the start can do to a gap; where that is less than rounding `tolerance` sees to it.
-    """
-    speed = THIN * (abs(start.v) + (abs(start.F) + abs(K.f0)) * K.moment)
-    variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
-    return 4.0 * variance + speed * speed, sqrt(variance) if variance > FAINT * speed * speed else 0.0 * variance
-
-
-def hidden_side(now, thin, start, walls, S, K):
-    """Return the side of a wall whose gap is 0 as far as this precision tells, and stays so for a while; else 0."""
-    below, above, has_below, has_above, on_below, on_above = walls
-    below, above, away = below + now.dv, above - now.dv, now.tau > 0.0
-    if has_below and below * below < thin and (away or not on_below) and hidden(now.tau, -1, start, walls, S, K):
-        return -1
-    if has_above and above * above < thin and (away or not on_above) and hidden(now.tau, 1, start, walls, S, K):
-        return 1
-    return 0
-
-
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P): the wall that allows the shorter safe step, and what `safe_step` says of it."""
+    """Return (side, step, root, P, degree): the wall that allows the shorter safe step, with what `safe_step` finds."""
     side = -1 if walls.has_below else 1
-    P = gap_bound(side, now, M4, margin, walls)
-    p0, p1, p2, p3, p4, _ = P
-    step, root = safe_step(cap, p0, p1, p2, p3, p4)
+    P, degree = gap_bound(side, now, M4, margin, walls)
+    step, root = safe_step(cap, P)
     if walls.has_below and walls.has_above:  # the upper wall counts only if the lower one's step is too long for it
-        Q = gap_bound(1, now, M4, margin, walls)
-        p0, p1, p2, p3, p4, _ = Q
-        if not positive_on(root if root < cap else step, p0, p1, p2, p3, p4):
-            other, other_root = safe_step(cap, p0, p1, p2, p3, p4)
+        Q, degree_above = gap_bound(1, now, M4, margin, walls)
+        if not positive_on(root if root < cap else step, Q):
+            other, other_root = safe_step(cap, Q)
             if other < step:
-                return 1, other, (cap if step < other_root else other_root), Q
+                return 1, other, (cap if step < other_root else other_root), Q, degree_above
             root = cap
-    return side, step, root, P
-
-
-def size_of_gap(side, root, now, margin, walls):
-    """Return the size of the gap to a wall on the way to a root of its bound, and of what may be wrong with it."""
-    start_gap = walls.below if side < 0 else walls.above
-    return start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / CLEAR_DEPTH)
-
-
-def is_beside(side, now, margin, walls):
-    """Return whether a gap that shrinks is hardly larger than what the error of the start can do to it."""
-    return margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
-
-
-def may_touch(side, now, walls):
-    """Return whether the gap to a wall may have a minimum ahead: not at a start on that wall."""
-    return now.tau > 0.0 or (walls.below if side < 0 else walls.above) > 0.0
+    return side, step, root, P, degree
 
 
 def touch_ahead(now, side, step, M4, start, walls, S, K):
-    """Return what `closest_approach` says; STALLED where the other wall may come before."""
+    """Return the result of `closest_approach`; STALLED where the other wall may come before."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
-        p0, p1, p2, p3, p4, _ = gap_bound(-side, now, M4, 0.0 * step, walls)
-        verdict = verdict if positive_on(reach, p0, p1, p2, p3, p4) else STALLED
+        P, _ = gap_bound(-side, now, M4, 0.0 * step, walls)
+        verdict = verdict if positive_on(reach, P) else STALLED
     return verdict, tau_min
-
-
-def side_behind(now, walls):
-    """Return the side of a wall that is not ahead any more; else 0."""
-    if walls.has_below and walls.below + now.dv <= 0.0:
-        return -1
-    return 1 if walls.has_above and walls.above - now.dv <= 0.0 else 0
-
-
-def overshot(now, before, side, M4, start, walls, S, K):
-    """Return (code, tau) of the contact that a safe step has met: a root within rounding, or a touch.
-
-    By rounding: the bound has no root there.
-    """
-    verdict, tau_min = closest_approach(now.tau, before, side, M4, start, walls, S, K)
-    if verdict == TANGENCY:
-        return TANGENCY, tau_min
-    return (STALLED if verdict == LOST else HIT), now.tau
-
-
-def over_wall(side, now, walls):
-    """Return the velocity minus that of the wall on a side."""
-    return walls.below + now.dv if side < 0 else now.dv - walls.above
 
 
 def between(now, there, side, v0, walls, K):
@@ -271,7 +579,8 @@ def sharpened(root, side, now, walls, K):
     """
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
-    over = over_wall(side, now, walls)
+    gap = gap_to(side, now, walls)
+    over = gap if side < 0 else -gap
     square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
     value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
     slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
@@ -284,41 +593,24 @@ def sharpened(root, side, now, walls, K):
 def polish(tau, low, high, side, start, walls, K):
     """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
 
-    The gap is positive at `low`. Mostly the first point is near enough; what else there is to do is done apart.
+    The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the first
+    point is near enough.
     """
     now, slack = state_at(tau, start, K), 4.0 * EPS * high
-    over = over_wall(side, now, walls)
-    low, high = narrowed(low, high, tau, side * over)
-    shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
-    if abs(shift) * K.rate < NEAR and low - slack <= tau + shift <= high + slack:
-        return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
-    return halved(now, shift, (low, high, slack), side, start, walls, K)
-
-
-def narrowed(low, high, tau, beyond):
-    """Return a bracket [low, high] of a contact without what a point in it rules out; the gap there is `-beyond`."""
-    if beyond < 0.0:
-        return (tau if tau > low else low), high
-    return low, (tau if tau < high else high)
-
-
-def halved(now, shift, bracket, side, start, walls, K):
-    """Go on with what `polish` began at the point `now`, from which the contact looks to be a `shift` away.
-
-    A step that leaves the bracket by more than the third entry of it is replaced by halving it; it narrows.
-    """
-    low, high, slack = bracket
     for _ in range(MOST_HALVINGS):
-        tau = now.tau
+        gap = gap_to(side, now, walls)
+        if gap > 0.0:  # before the contact
+            low = tau if tau > low else low
+        else:
+            high = tau if tau < high else high
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
         if abs(shift) * K.rate < NEAR and (inside or high - low <= slack):
             return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
-        now = state_at(tau + shift, start, K)
-        over = over_wall(side, now, walls)
-        low, high = narrowed(low, high, now.tau, side * over)
-        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * now.tau)
+        tau = tau + shift
+        now = state_at(tau, start, K)
     return FlightEnd(STALLED, side, now)
 
 
@@ -331,3 +623,147 @@ def shifted(now, shift, v0, K):
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)
     return Flown(now.tau + shift, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
+
+
+# --- sticks ---
+
+
+def gain(tau, s0, c0, belt, K):
+    """Return Delta at tau, without cancellation at small tau, and the phase's sine and cosine; s0, c0: at the start."""
+    half = 0.5 * K.Om * tau
+    s, c = sin(half), cos(half)
+    swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
+    Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
+    s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
+    return Delta, s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+
+
+def slopes(s, c, belt, K):
+    """Return Delta' and Delta'' at a phase."""
+    return belt.drift - K.fB * s, -K.fB * K.Om * c
+
+
+def wrapped(angle):
+    """Return an angle moved into [0, 2 pi)."""
+    while angle < 0.0:
+        angle = angle + 2.0 * PI
+    while angle >= 2.0 * PI:
+        angle = angle - 2.0 * PI
+    return angle
+
+
+def ahead(angle):
+    """Return how far a turning phase lies ahead, in [0, 2 pi); one within rounding is here, and its piece is behind."""
+    angle = wrapped(angle)
+    return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
+
+
+def belt_exit(tau_max, held, belt, K):
+    """Return the end of a stick within `tau_max` <= one forcing period, a `StickEnd`.
+
+    `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at tau_max).
+    HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`. TANGENCY: a
+    force is 0 within its error at tau.
+    """
+    zero = 0.0 * tau_max
+    tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
+    first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
+    if belt.turns:
+        first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
+        if second < first:
+            first, second, c_first = second, first, -belt.c_cr
+    turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
+    for piece in range(3):
+        end = first if piece == 0 else second if piece == 1 else tau_max
+        if end > tau_max:
+            end = tau_max
+        if end <= tau:
+            continue
+        if belt.turns and end < tau_max:
+            c_end = c_first if piece == 0 else -c_first
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
+        elif end == K.period:
+            Delta_end = belt.drift * end
+        else:
+            Delta_end, _, _ = gain(end, held.s, held.c, belt, K)
+        if Delta_end == Delta:  # constant forces
+            tau = end
+            continue
+        rising = Delta_end > Delta
+        force, side = (held.Fa, 1) if rising else (held.Fb, -1)
+        over = force + Delta_end if rising else -force - Delta_end
+        turning = end < tau_max or (turns_at_period and end == K.period)
+        if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
+            return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
+        if over >= 0.0:
+            return exit_root(force, side, tau, end, Delta, s, c, held, belt, K)
+        tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
+    return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero, zero, zero)
+
+
+def force_noise(F_below, tau, S11, belt, K):
+    """Return how far a force on the belt may be wrong `tau` after the start of the stick."""
+    size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
+    return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
+
+
+def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
+    """Return the only root of force + Delta from `low` to `high`, where Delta is monotone, as `belt_exit` does.
+
+    Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
+    corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
+    steps do not shrink.
+    """
+    tau, over = low, force + Delta
+    # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
+    sine = 1.0 if side * K.fB < 0.0 else -1.0
+    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
+    if low < inflection < high:
+        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
+        if abs(there) < abs(over):
+            tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
+        if side * there > 0.0:
+            high = inflection
+        else:
+            low = inflection
+    slope, bend = slopes(s, c, belt, K)
+    Om2 = K.Om * K.Om
+    slack, step_before, exact = 4.0 * EPS * high, 2.0 * (high - low), False
+    for _ in range(MOST_STICK_STEPS):
+        third = Om2 * (belt.drift - slope)
+        if exact:  # the first point is a guess, for which digits may have been lost
+            if over == 0.0:
+                return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
+            if abs(over * bend) < 0.1 * slope * slope:
+                step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
+                if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
+                    return slips_at(tau, step, side, -force, s, c, belt, K)
+        square = slope * slope - 2.0 * over * bend
+        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
+        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
+        incline = slope + (bend + 0.5 * third * step) * step
+        if steepness > 0.0 and side * incline > 0.0:
+            step = step - SIXTH * third * step * step * step / incline
+        if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
+            step = 0.5 * (low + high) - tau
+        step_before = abs(step) if exact else step_before
+        if tau + step == tau:  # the bracket is as narrow as it gets
+            return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
+        tau, exact = tau + step, True
+        Delta, s, c = gain(tau, held.s, held.c, belt, K)
+        slope, bend = slopes(s, c, belt, K)
+        over = force + Delta
+        if side * over > 0.0:
+            high = tau
+        else:
+            low = tau
+    return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
+
+
+def slips_at(tau, step, side, Delta, s, c, belt, K):
+    """Return the end of a stick at tau + step, from the sine and cosine of the phase at tau."""
+    slope, bend = slopes(s, c, belt, K)
+    third = K.Om * K.Om * (belt.drift - slope)
+    incline = slope + (bend + 0.5 * third * step) * step
+    s, c = turned(s, c, K.Om * step)
+    return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step, s, c)

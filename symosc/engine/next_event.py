@@ -1,15 +1,47 @@
-"""One step of a trajectory: find the next event, move there, resolve it.
+"""One step of a trajectory: find the next event, move there, and decide what happens (Theorems 4, 5 and 6).
 
-A step takes a `State` and returns a `NextEvent` (`symosc.engine.state`).
+At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the acceleration)
+
+- stick (Theorem 4) iff F^(below) > 0 > F^(above);
+- passing (Theorem 5) iff both forces have one sign: upward if positive, downward if negative;
+- where a force vanishes, the sign of its first G-function that does not vanish takes its place (Luo): it is the
+  sign that the force has immediately afterwards.
+
+A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order, one from above a
+positive one.
+
+A flight has no end if it meets no belt any more. Three arguments show that, each for all times to come:
+
+- the steady velocity and the energy of the transient bound the velocity (`never_leaves`);
+- without a spring the transient is one exponential, which does the same;
+- without a drive and without oscillation (B0 = 0, critical or overdamped) the gap g = +-(v - v_lambda) obeys
+  L g = r with a constant r = -+(k/m) v_lambda. With the fast root l2 of L the function u = g' - l2 g obeys
+  u' = l1 u + r. So u >= 0 and r >= 0 keep u >= 0, and g' >= l2 g keeps g > 0: the gap may shrink without end, but it
+  never closes (`creeps_for_ever`). For k = 0 u is constant, a rational number whose sign is exact. About an exact start
+  `symosc.engine.start.settles` decides the same in rational numbers, before anything is simulated.
+
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
 """
 
 from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from symosc.engine.first_exit import first_exit
-from symosc.engine.flow import constant_force, derivatives, speeds_around, state_at, velocity_scale
-from symosc.engine.rests import beside_a_wall, creeps_for_ever, never_leaves
+from symosc.engine.first_exit import (
+    MARCH_SLACK,
+    NEAR,
+    ROUNDING,
+    belt_exit,
+    first_exit,
+    force_noise,
+    gain,
+    gap_to,
+    local_root,
+    shifted,
+    slips_at,
+    slopes,
+)
+from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at, velocity_scale
 from symosc.engine.state import (
     BELT,
     CROSS,
@@ -29,16 +61,14 @@ from symosc.engine.state import (
     TANGENCY,
     Covariance,
     FlightEnd,
-    Hold,
     Launch,
     NextEvent,
     State,
+    StickEnd,
     Walls,
 )
-from symosc.engine.stick_exit import belt_exit, force_noise
-from symosc.engine.switching import carried_error, resolve
-from symosc.kernels._generated import acceleration
-from symosc.kernels.double_double import rest_of_product
+from symosc.kernels._generated import acceleration, next_derivative
+from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -48,40 +78,44 @@ MANY_TURNS = 64.0
 PAST_END = 1e-9
 # A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
 NEAR_FORCE = 0.5
+# A gap below this part of the velocities in question is too small to begin a new search with.
+BESIDE = 1e-6
+# G-functions are looked at up to this order before a force is taken to vanish for ever: their recurrence has four terms
+# of history (position in the plane and two of the drive), so more than five zeros in a row mean all.
+HIGHEST_ORDER = 6
+# A G-function below this times EPS and the sum of its terms is taken as 0: its zero is the exact case in question.
+G_ROUNDING = 32.0
+# With many digits a root is that of doubles if it is within twice the error that their decisions exceed
+# (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
+DOUBTS, TIME_ROUNDING = 16.0, 2.0**-50
+MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
+# A flight without an event is taken over from doubles if its search was not made longer (`apart_from_walls`).
+USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance a state to its next event, or to the end of a stretch without events.
+    """Advance a state to its next event, or to the end of a stretch without events; return a `NextEvent`.
 
-    Parameters
-    ----------
-    state : State
-    t_end, t_end_low : time at which the simulation ends, in two parts.
-    K : Constants
-
-    Returns
-    -------
-    NextEvent
-        Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here),
-        END, REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which
-        the end is reached in one piece) or FAILED.
+    Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
+    REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the end
+    is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
     """
     left = (t_end - state.t) + (t_end_low - state.t_low)
+    tau_max = left if left < K.chunk else K.chunk
     if state.mode > ON_BELT:
-        return advance_stick(state, left, K)
-    return advance_flight(state, left, K)
-
-
-def advance_flight(state, left, K):
-    """Advance through a domain, for the time `left` at most; see `advance`."""
+        belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
+        return after_stick(state, belt_exit(tau_max, state, belt, K), left, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
     start, walls = launched(state, K)
-    tau_max = reach_of(left if left < K.chunk else K.chunk, left)
+    tau_max = past_end(tau_max, left)
     end = first_exit(tau_max, start, walls, state.S, K)
     if end.code == NOTHING and tau_max < left:
         end = apart_from_walls(end, tau_max, left, state, start, walls, K)
     return after_flight(state, end, start, left, K)
+
+
+# --- flights ---
 
 
 def launched(state, K):
@@ -92,53 +126,22 @@ def launched(state, K):
     return Launch(v, state.Fb, state.s, state.c), walls
 
 
-def after_flight(state, end, start, left, K):
-    """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
-    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
-    lower, upper = speeds_around(mode, K)
-    if end.now.tau > left and end.code != STALLED:
-        end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
-    code, side, now = end
-    x_noise, v_noise = flight_noise(state, now, K)
-    S = carried_error(S, now, x_noise, v_noise, K)
-    turns, theta, theta_low = later(0, theta, theta_low, now.tau, K)
-    n, s, c = n + turns, now.s, now.c
-    if turns > 0:
-        s, c = sine_and_cosine_of(theta)
-    t, t_low = added(t, t_low, now.tau, K)
-    x, F = x + now.dx, now.F
-    if code == NOTHING:
-        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
-        return no_contact(state, there, now, left, lower, upper, K)
-    boundary = mode - 1 if side < 0 else mode
-    v = K.belt1.v if boundary == 1 else K.belt2.v
-    if code == STALLED:
-        return NextEvent(
-            FAILED, boundary, False, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
-        )
-    if code == TANGENCY:
-        F = 0.0 * F
-    elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
-        F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, left, K)
-
-
-def reach_of(tau_max, left):
-    """Return how far a search goes that is to reach `tau_max`, or the end of the motion if that is nearer."""
+def past_end(tau_max, left):
+    """Return how far a search for `tau_max` goes: a little past the end of the motion if that is not farther."""
     if tau_max >= left:
         return left + PAST_END * left if left > 0.0 else left
     return tau_max
 
 
 def apart_from_walls(end, tau_max, left, state, start, walls, K):
-    """Return the end of a search that goes on until it is not near a belt: nobody would find a touch there.
+    """Return the end of a search that goes on until it is not near a belt.
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
     while end.code == NOTHING and tau_max < left and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
             break
-        tau_max = reach_of(tau_max + 0.125 * K.chunk, left)
+        tau_max = past_end(tau_max + 0.125 * K.chunk, left)
         end = first_exit(tau_max, start, walls, state.S, K)
     return end
 
@@ -147,7 +150,36 @@ def ends_beside_wall(state, now, K):
     """Return whether a flight from `state` is so near a wall at the point `now` that a touch may be here."""
     v, (lower, upper) = state.v, speeds_around(state.mode, K)
     size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
-    return beside_a_wall(v + now.dv, size, lower, upper)
+    return v + now.dv - lower <= BESIDE * size or upper - (v + now.dv) <= BESIDE * size
+
+
+def after_flight(state, end, start, left, K):
+    """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
+    mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
+    if end.now.tau > left and end.code != STALLED:
+        end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
+    code, side, now = end
+    x_noise, v_noise = flight_noise(state, now, K)
+    S = carried_error(S, now, x_noise, v_noise, K)
+    turns, theta, theta_low = later(0, theta, theta_low, now.tau, K)
+    n, s, c = n + turns, now.s, now.c
+    if turns > 0:
+        s, c = sin(theta), cos(theta)
+    t, t_low = added(t, t_low, now.tau, K)
+    x, F = x + now.dx, now.F
+    if code == NOTHING:
+        there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
+        return no_contact(state, there, now, left, K)
+    boundary = mode - 1 if side < 0 else mode
+    v = K.belt1.v if boundary == 1 else K.belt2.v
+    if code == STALLED:
+        there = State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+        return NextEvent(FAILED, boundary, False, 0.0, there)
+    if code == TANGENCY:
+        F = 0.0 * F
+    elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
+        F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
+    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, left, K)
 
 
 def point_at_end(left, start, K):
@@ -155,16 +187,60 @@ def point_at_end(left, start, K):
     return state_at(left, start, K)
 
 
-def no_contact(state, there, now, left, lower, upper, K):
-    """Return what a flight from `state` ends with at `there` (`Flown` now) without a contact: see `advance`."""
+def no_contact(state, there, now, left, K):
+    """Return the end of a flight from `state` without a contact, at `there` (`Flown` now); see `advance`."""
+    mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= left:
         return NextEvent(END, 0, True, 0.0, there)
-    if never_leaves(Launch(there.v, there.Fb, now.s, now.c), there.S, lower, upper, there.mode, K):
+    lower, upper = speeds_around(mode, K)
+    if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
-    mode, at, n, theta, x, v, _, _, S, t, t_low, _, _, theta_low = there
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    s, c = sine_and_cosine_of(theta)
-    return NextEvent(MOVED, 0, True, 0.0, State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
+    s, c = sin(theta), cos(theta)
+    return NextEvent(MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
+
+
+def never_leaves(start, S, lower, upper, domain, K):
+    """Return whether v stays between two speeds for ever, from the steady amplitude and the transient's size.
+
+    `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
+    covariance of the errors of `start`, a Launch.
+    """
+    if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
+        return False
+    v, F, s, c = start
+    free = v - (K.Ss * s + K.Sc * c)
+    if K.w0 == 0.0:
+        mean = constant_force(domain, K) / K.cm
+        free = free - mean
+        highest, lowest = mean + K.V0 + (free if free > 0.0 else 0.0), mean - K.V0 + (free if free < 0.0 else 0.0)
+    else:
+        F_free = F - K.Om * (K.Ss * c - K.Sc * s)
+        highest = K.V0 + sqrt(F_free * F_free + K.w0sq * free * free) / K.w0
+        lowest = -highest
+    # A swing that just touches a belt is an event.
+    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S.S22 + K.w0sq * S.S11)
+    return lowest - slack > lower and highest + slack < upper
+
+
+def creeps_for_ever(state, K):
+    """Return whether a flight without drive and oscillation (K.creeps) never reaches a wall; see the module."""
+    mode, v, F, S = state.mode, state.v, state.Fb, state.S
+    terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
+    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
+    if mode > 1:
+        lower = K.belt1 if mode == 2 else K.belt2
+        kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else F - K.l2 * (v - lower.v) > noise
+        kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
+        if not kept or lower.drift < 0.0:
+            return False
+    if mode < 3:
+        upper = K.belt1 if mode == 1 else K.belt2
+        kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -F - K.l2 * (upper.v - v) > noise
+        kept = kept or (v == upper.v and F == 0.0 and upper.drift < 0.0)
+        if not kept or upper.drift > 0.0:
+            return False
+    return True
 
 
 def flight_noise(state, now, K):
@@ -185,52 +261,40 @@ def flight_noise(state, now, K):
     return x_noise, v_noise
 
 
-def meet_belt(there, end, v_noise, left, K):
-    """Return what happens where a flight meets a belt.
+def carried_error(S, now, x_noise, v_noise, K):
+    """Return the covariance of (x, v) at the time of `now` (`Flown`), after a launch with covariance S.
 
-    Parameters
-    ----------
-    there : State at the contact, in the domain that the flight comes from.
-    end : FlightEnd
-    v_noise : rounding error of the flight's velocity.
-    left : time that was left at the start of the flight.
-    K : Constants
+    Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv,
+    dv gains -(k/m) E1 dx. The rounding errors of the step are added.
     """
-    F, now = there.Fb, end.now
-    G1, G2, G3 = derivatives(there.v, F, now.s, now.c, K)
-    t_error = passing_time(sqrt(there.S.S22), F, G1, G2, K)
+    E0, E1, S11, S12, S22 = now.E0, now.E1, S.S11, S.S12, S.S22
+    C, D = 1.0 - K.w0sq * now.E2, -K.w0sq * E1
+    return Covariance(
+        C * C * S11 + 2.0 * C * E1 * S12 + E1 * E1 * S22 + x_noise * x_noise,
+        C * D * S11 + (C * E0 + E1 * D) * S12 + E1 * E0 * S22,
+        D * D * S11 + 2.0 * D * E0 * S12 + E0 * E0 * S22 + v_noise * v_noise,
+    )
+
+
+# --- contacts ---
+
+
+def meet_belt(there, end, v_noise, left, K):
+    """Return what happens where a flight meets a belt: a touch, or a stick or a crossing by Theorems 4 and 5.
+
+    `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
+    rounding error of the velocity, and `left` the time that was left at the start of the flight. A vague contact that
+    is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
+    """
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
+    belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
+    G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
+    t_error = passing_time(sqrt(S.S22), F, G1, G2, K)
     doubt = 2.0 * K.sigmas * t_error  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
     # As far as this precision tells the acceleration is 0 here.
     vague = end.code == TANGENCY or abs(F) <= (abs(G1) + abs(G2) * doubt) * doubt
     if vague and not (end.side * G2 > abs(G3) * doubt and abs(G1) <= abs(G2) * doubt):
         return touch_belt(there, G1, G2, G3, v_noise, now.tau, left, K)
-    return switch(there, end, vague, t_error, K)
-
-
-def touch_belt(there, G1, G2, G3, v_noise, tau, left, K):
-    """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
-        shift = min(-F / G1, left - tau)
-        x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
-        n, theta, theta_low = later(n, theta, theta_low, shift, K)
-        t, t_low = added(t, t_low, shift, K)
-        s, c = sin(theta), cos(theta)
-    t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
-    code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
-    F = 0.0 * F
-    return NextEvent(
-        code, boundary, False, t_error, State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
-    )
-
-
-def switch(there, end, vague, t_error, K):
-    """Return the event at a contact by Theorems 4 and 5: a stick or a crossing.
-
-    A `vague` contact is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
-    """
-    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
     if vague:
         F = 0.0 * F
     Fb, Fa = (F, F - belt.J) if upward else (F + belt.J, F)
@@ -266,16 +330,56 @@ def switch(there, end, vague, t_error, K):
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
-def advance_stick(state, left, K):
-    """Advance along a belt, for the time `left` at most; see `advance`."""
-    belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
-    end = belt_exit(left if left < K.chunk else K.chunk, held_by(state), state.S.S11, belt, K)
-    return after_stick(state, end, left, K)
+def touch_belt(there, G1, G2, G3, v_noise, tau, left, K):
+    """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
+    if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
+        shift = min(-F / G1, left - tau)
+        x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
+        n, theta, theta_low = later(n, theta, theta_low, shift, K)
+        t, t_low = added(t, t_low, shift, K)
+        s, c = sin(theta), cos(theta)
+    t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
+    code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
+    F = 0.0 * F
+    touched = State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    return NextEvent(code, boundary, False, t_error, touched)
 
 
-def held_by(state):
-    """Return the beginning of a stick."""
-    return Hold(state.Fb, state.Fa, state.theta, state.s, state.c)
+def resolve(v, F_below, F_above, s, c, K):
+    """Return where the motion goes from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4 and 5).
+
+    F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
+    """
+    if following_sign(v, F_above, s, c, K) > 0:
+        return DOMAIN_ABOVE
+    if following_sign(v, F_below, s, c, K) < 0:
+        return DOMAIN_BELOW
+    return BELT
+
+
+def following_sign(v, F, s, c, K):
+    """Return the sign (-1, 0, 1) of the first G-function that does not vanish at a contact.
+
+    v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are sine
+    and cosine of the phase.
+    """
+    if F != 0.0:
+        return 1 if F > 0.0 else -1
+    before, now, power = v, F, 1.0
+    drive_s, drive_c = K.fB * s, K.fB * c
+    for _ in range(1, HIGHEST_ORDER):
+        forcing = drive_s
+        after = next_derivative(now, before, forcing, K.cm, K.w0sq)
+        size = abs(forcing) + abs(K.cm * now) + abs(K.w0sq * before)
+        if abs(after) > G_ROUNDING * EPS * (size + abs(K.fB) * power):
+            return 1 if after > 0.0 else -1
+        before, now, power = now, 0.0 * after, power * K.Om
+        drive_s, drive_c = K.Om * drive_c, -K.Om * drive_s
+    return 0
+
+
+# --- sticks ---
 
 
 def after_stick(state, end, left, K):
@@ -294,7 +398,7 @@ def after_stick(state, end, left, K):
     turns, theta, theta_low = later(0, theta, theta_low, tau, K)
     n = n + turns
     if code != HIT or turns > 0:
-        s, c = sine_and_cosine_of(theta)
+        s, c = sin(theta), cos(theta)
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:
         held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
@@ -311,6 +415,9 @@ def after_stick(state, end, left, K):
     return NextEvent(SLIP, boundary, True, t_error, slipped)
 
 
+# --- phase and time ---
+
+
 def later(n, theta, theta_low, tau, K):
     """Return the phase `tau` later, in two parts: what rounding takes from it would add up to a wrong time."""
     if tau == K.period:  # exactly
@@ -319,7 +426,7 @@ def later(n, theta, theta_low, tau, K):
     total = theta + turn
     part = total - theta
     low = (theta - (total - part)) + (turn - part)
-    rest = rest_of_product(K.Om, tau)
+    _, rest = two_product(K.Om, tau)
     theta, theta_low = total, theta_low + (low + rest if abs(rest) < 1.0 else low)  # else out of the range of doubles
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
         turns = int(theta / TWO_PI) - 1
@@ -333,11 +440,6 @@ def later(n, theta, theta_low, tau, K):
     if total < 0.0:  # by the rest of 2 pi
         return n, 0.0 * total, theta_low + total
     return n, total, theta_low
-
-
-def sine_and_cosine_of(theta):
-    """Return the sine and the cosine of a phase, without rounding errors from before."""
-    return sin(theta), cos(theta)
 
 
 def added(t, t_low, tau, K):
@@ -360,7 +462,7 @@ def passing_time(error, first, second, third, K):
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return what `passing_time` does where the first derivative alone does not decide."""
+    """Return the `passing_time` where the first derivative alone does not decide."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -369,3 +471,83 @@ def slow_passing_time(error, first, second, third, K):
     if second != 0.0:
         best = min(best, sqrt(2.0 * error / abs(second)))
     return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH)) if third != 0.0 else best
+
+
+def handed_out(t, t_low, t0, x, v, t_error, S11, K):
+    """Return an event's time, and standard errors of t and x that cover the rounding of these two numbers.
+
+    What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
+    """
+    out = clock_time(t, t_low, t0, K)
+    t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    return out, t_error, x_error
+
+
+# --- with many digits: doubles search, and only the last step and its results take the digits ---
+
+
+def advance_near(state, rough, found, t_end, t_end_low, K):
+    """Do what `advance` does, given the result of doubles from the same state.
+
+    Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
+    first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
+    method or two with the exact flow, and go on as after a search of their own. They search themselves where doubles
+    are in doubt, where the end found so is not the one expected, and where the end of the search is the question.
+    `rough` is the state in doubles, with the rounding as its error, `found` the NextEvent of `advance` in doubles.
+    """
+    code, boundary, decided, t_error, there = found
+    tau = (there.t - rough.t) + (there.t_low - rough.t_low)
+    if not decided or K.creeps or not tau > 0.0:
+        return advance(state, t_end, t_end_low, K)
+    left = (t_end - state.t) + (t_end_low - state.t_low)
+    doubt = DOUBTS * t_error + TIME_ROUNDING * tau
+    tau = 0.0 * left + tau  # as a number of the same kind
+    if code == SLIP:
+        belt = K.belt1 if boundary == 1 else K.belt2
+        slip = slip_near(tau, doubt, -1 if there.mode == boundary else 1, state, belt, K)
+        if slip.code == HIT:
+            return after_stick(state, slip, left, K)
+    elif state.mode <= ON_BELT and code in (CROSS, STICK):
+        start, walls = launched(state, K)
+        end = contact_near(tau, doubt, -1 if boundary < state.mode else 1, start, walls, K)
+        if end.code == HIT:
+            return after_flight(state, end, start, left, K)
+    elif state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
+        start, walls = launched(state, K)
+        now = state_at(left if left < K.chunk else K.chunk, start, K)
+        if not ends_beside_wall(state, now, K):
+            return after_flight(state, FlightEnd(NOTHING, 0, now), start, left, K)
+    return advance(state, t_end, t_end_low, K)
+
+
+def contact_near(tau, doubt, side, start, walls, K):
+    """Return the contact with the wall on a side within `doubt` of `tau`, as `first_exit` does; STALLED for none."""
+    first = tau
+    now = state_at(tau, start, K)
+    for _ in range(MOST_CORRECTIONS):
+        gap = gap_to(side, now, walls)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        if not (abs(tau + shift - first) <= doubt and side * now.F > 0.0):
+            break
+        if abs(shift) * K.rate < NEAR:
+            return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
+        tau = tau + shift
+        now = state_at(tau, start, K)
+    return FlightEnd(STALLED, side, now)
+
+
+def slip_near(tau, doubt, side, held, belt, K):
+    """Return the end of a stick within `doubt` of `tau`, as `belt_exit` does; STALLED for none."""
+    first, force = tau, held.Fa if side > 0 else held.Fb
+    Om2 = K.Om * K.Om
+    for _ in range(MOST_CORRECTIONS):
+        Delta, s, c = gain(tau, held.s, held.c, belt, K)
+        slope, bend = slopes(s, c, belt, K)
+        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
+        if not (abs(tau + step - first) <= doubt and side * slope > 0.0):
+            break
+        if abs(step) * K.Om < NEAR:
+            return slips_at(tau, step, side, -force, s, c, belt, K)
+        tau = tau + step
+    zero = 0.0 * tau
+    return StickEnd(STALLED, side, tau, -force, zero, zero, zero, zero)

@@ -1,7 +1,7 @@
-"""The words of the engine: its numbers, its codes, and the tuples that it passes on.
+"""The engine's codes, and the tuples that it passes on.
 
-Codes are plain integers and states are NamedTuples, because numba compiles both into numbers in registers. Every
-NamedTuple here is made of numbers, whole numbers and flags only, so it serves floats and mpmath numbers alike.
+Codes are plain integers and states are NamedTuples of numbers, whole numbers and flags, because numba compiles both
+into registers; so they serve floats, pairs and mpmath numbers alike.
 """
 
 from __future__ import annotations
@@ -12,16 +12,12 @@ from symosc.aliases import Number
 
 # Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a stick on belt 1 and 2.
 ON_BELT = 3
-
 # What a step ends with; the first four are the kinds of events.
 CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
-
-# What a search along a flight or a stick ends with; LOST is a gap that is 0 as far as this precision tells, for good.
+# What a search along a flight or a stick ends with; LOST: the gap is, and stays, 0 within its error.
 NOTHING, HIT, TANGENCY, STALLED, LOST = 0, 1, 2, 3, 4
-
 # Where a motion goes from a point of a belt.
 DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
-
 # What a trajectory of a batch ended with, beside the codes of a step.
 RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
 DOUBTFUL = (IN_DOUBT, INEXACT)
@@ -38,10 +34,9 @@ class Covariance(NamedTuple):
 class State(NamedTuple):
     """The state between events.
 
-    Phase and time are carried one beside the other, each in two parts: Omega t never loses digits however large t
-    becomes, t none however slow the drive is, and rounding does not let them drift apart. So are the sine and the
-    cosine of the phase, which the search has at a contact: to make them anew would hold up every event. They are made
-    anew of theta in each forcing period, so that their rounding errors do not add up.
+    Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
+    however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
+    period, so that their rounding errors do not add up.
     """
 
     mode: int
@@ -61,7 +56,7 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """What a step ends with: its code, the belt (0: none), how sure that is, and the state behind it."""
+    """What a step ends with: its code, the belt (0: none), and the state behind it."""
 
     code: int
     boundary: int
@@ -113,26 +108,6 @@ class FlightEnd(NamedTuple):
     code: int
     side: int
     now: Flown
-
-
-class Hold(NamedTuple):
-    """The beginning of a stick: the accelerations of both sides, the phase, its sine and cosine."""
-
-    Fb: Number
-    Fa: Number
-    theta: Number
-    s: Number
-    c: Number
-
-
-class Stretch(NamedTuple):
-    """A part of a stick on which the forces are monotone: from `low` to `high`, and what is known at `low`."""
-
-    low: Number
-    high: Number
-    Delta: Number
-    s: Number
-    c: Number
 
 
 class StickEnd(NamedTuple):

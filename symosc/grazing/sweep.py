@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Order
 from symosc.arguments import public
-from symosc.engine.binding import compiled
+from symosc.engine.arithmetic import compile_modules
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.grazing import window_ends
 from symosc.grazing.window import grazing_window
@@ -147,6 +147,6 @@ def _pair(value: Fraction) -> tuple[float, float]:
 def _rows() -> Callable[..., None]:
     """Return `windows.windows`, compiled if numba is installed."""
     try:
-        return compiled((double_double, theorem7_cases, window_ends), {"windows"})["windows"]
+        return compile_modules((double_double, theorem7_cases, window_ends), {"windows"})["windows"]
     except MissingExtraError:
         return window_ends.windows

@@ -1,4 +1,4 @@
-"""Sine, cosine, exp and expm1 as polynomials without a branch: a loop over them becomes SIMD instructions.
+"""Sine, cosine, exp and expm1, and the entire functions, without a branch: loops over them become SIMD instructions.
 
 The C library's functions are calls, which no compiler turns into vector instructions. These are arithmetic only. The
 argument is reduced by a constant in two or three parts (Cody and Waite, Software Manual for the Elementary
@@ -10,7 +10,11 @@ Functions, 1980); the rest is a polynomial that comes from a Chebyshev fit (the 
 | exp | -708 to 709 | 1.4 ulp; below -708: exp(-708), about 3e-308 |
 | expm1 | -708 to 709 | 2.2 ulp, near 0 too |
 
-Beyond WIDEST a sine is not to be trusted: the caller looks.
+Beyond WIDEST a sine is wrong: the caller checks.
+
+Of the entire functions of `symosc.kernels.entire` there is a function for each formula, good where
+`symosc.kernels.entire.basis` uses that. `symosc.mappings.compiled` sorts the points and compiles the loops of
+`symosc.kernels.mapping` once for each of the four, as their `basis`.
 """
 
 from __future__ import annotations
@@ -18,6 +22,9 @@ from __future__ import annotations
 from math import floor
 
 import numpy as np
+
+from symosc.kernels import entire_array
+from symosc.kernels.entire import closed_form, impulse, impulse_integral, wave_integrals
 
 # Where n pi/2 is still a sum of exact products: n has 20 bits, the parts below 33.
 WIDEST = 1.6e6
@@ -90,3 +97,37 @@ def power_and_rest(x):
     rest = r + r * r * (X0 + r * (X1 + r * (X2 + r * (X3 + r * (X4 + r * high)))))
     n_bits = np.float64(shifted).view(np.int64) + 1023
     return np.int64(n_bits << 52).view(np.float64), rest  # 2^n: n moved to where a double keeps its exponent
+
+
+# --- the entire functions ---
+
+all_terms = entire_array.series  # with a fixed number of terms
+
+
+def by_closed_form(tau, K):
+    """Return what `basis` returns, where the system is underdamped and far from resonance and tau is not short."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
+    return E0, E1, E2, R2, I2, s, c
+
+
+def by_division(tau, K):
+    """Return what `basis` returns, where neither the oscillator nor the drive is slow for tau."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1 = impulse(tau, K)
+    R2, I2 = wave_integrals(tau, s, c, E1, K)
+    return E0, E1, impulse_integral(tau, E1, K), R2, I2, s, c
+
+
+def by_division_and_series(tau, K):
+    """Return what `basis` returns, where the oscillator is slow for tau and the drive is not."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
+    R2, I2 = wave_integrals(tau, s, c, E1, K)
+    return E0, E1, E2, R2, I2, s, c
+
+
+def by_series(tau, K):
+    """Return what `basis` returns, where tau is short for the oscillator and for the drive."""
+    E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
+    return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

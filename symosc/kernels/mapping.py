@@ -1,13 +1,31 @@
-"""Residuals and derivatives of one map between two points: scalar source for every kind of number.
+"""Residuals and derivatives of one map between two points: scalar source for every kind of number, and loops.
 
 `symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire functions; numba compiles
 them; `symosc.symbolic.export` prints them in other languages. A flight goes from a belt of speed v_i to one of speed
 v_j through the domain with A = A_alpha/m.
+
+Derivatives by parameters take divided differences over repeated nodes (`repeated`). With the characteristic roots l1,
+l2 and e[...] the divided differences of z -> exp(z tau)
+
+    U1 = e[l1, l1, l2, l2],   U0 = dU1/dtau,   U2 = e[0, l1, l1, l2, l2]
+    V + i W = e[i Omega, l1, l1, l2, l2],      P + i Q = e[i Omega, i Omega, l1, l2]
+
+(`symosc.symbolic.maps` derives what they are good for). One rule is good in every regime, at resonance and for short
+times. If the pair of nodes that are farthest apart are at least FAR_NODES / tau apart, it is the difference over that
+pair, otherwise the Taylor series about the nodes' centre. A difference over a far pair loses at most a few bits, and a
+series over near nodes none.
+
+The loops are over many pairs of points, and the compiler turns them into SIMD. `points` are four arrays x_i, theta_i,
+x_j, theta_j. A block of them is copied into rows of one array: the compiler then knows that no two rows overlap, which
+it cannot know of arrays that a caller gives.
 """
 
 from __future__ import annotations
 
+from cmath import exp
 from math import cos, sin
+
+import numpy as np
 
 from symosc.kernels._generated import (
     acceleration,
@@ -19,8 +37,20 @@ from symosc.kernels._generated import (
     stick_parameters,
     stick_residual,
 )
-from symosc.kernels.entire import basis
-from symosc.kernels.repeated import repeated
+from symosc.kernels.elementary import WIDEST
+from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
+
+# Nodes farther apart than this, times tau, are separated by a difference.
+FAR_NODES = 3.0
+# All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their own size.
+NEAR_ZERO = 0.5
+BLOCK = 256
+
+# What evaluates the entire functions at a point: the formulas of `symosc.kernels.elementary`, in their order.
+CLOSED_FORM, DIVISION, MIXED, SERIES = range(4)
+WIDE = 4  # `symosc.kernels.entire.basis`, with the C library's functions
+BACKWARD = 5  # nothing: theta_j < theta_i
+KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
@@ -66,3 +96,184 @@ def stick_slopes(theta_j, v, K):
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
     """Return the derivatives of f2 = F by c, k, A_alpha, B0, v and m, and of f1 by Omega and v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
+
+
+# --- divided differences over repeated nodes ---
+
+
+def repeated(tau, K):
+    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.engine.flow.Constants`)."""
+    if K.under:
+        l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
+    else:
+        l1, l2 = complex(K.l1), complex(K.l2)
+    drive = complex(0.0 * K.Om, K.Om)
+    known: dict[tuple[complex, ...], complex] = {}
+    U1 = divided_difference((l1, l1, l2, l2), tau, known)
+    U0 = l1 * U1 + divided_difference((l1, l2, l2), tau, known)  # Leibniz' rule for z exp(z tau)
+    U2 = divided_difference((0.0 * l1, l1, l1, l2, l2), tau, known)
+    Z = divided_difference((drive, l1, l1, l2, l2), tau, known)
+    Y = divided_difference((drive, drive, l1, l2), tau, known)
+    return U0.real, U1.real, U2.real, Z.real, Z.imag, Y.real, Y.imag
+
+
+def divided_difference(nodes, tau, known):
+    """Return the divided difference of z -> exp(z tau) over the complex `nodes`, some of which may be equal.
+
+    `known` keeps the differences that have been computed at this `tau`.
+    """
+    if nodes in known:
+        return known[nodes]
+    far, first, last = -1.0, 0, 0
+    for i in range(len(nodes)):
+        for j in range(i):
+            gap = abs(nodes[i] - nodes[j])
+            if gap > far:
+                far, first, last = gap, j, i
+    if far * tau < FAR_NODES:
+        known[nodes] = difference_by_series(nodes, tau)
+    else:
+        without_last = divided_difference(nodes[:last] + nodes[last + 1 :], tau, known)
+        without_first = divided_difference(nodes[:first] + nodes[first + 1 :], tau, known)
+        known[nodes] = (without_last - without_first) / (nodes[first] - nodes[last])
+    return known[nodes]
+
+
+def difference_by_series(nodes, tau):
+    """Return the divided difference over nodes near each other: sum of h_j / (n + j)! about their centre.
+
+    h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
+    """
+    n = len(nodes) - 1
+    centre = 0.0 * nodes[0]
+    if max([abs(z) for z in nodes]) * tau > NEAR_ZERO:
+        for z in nodes:
+            centre = centre + z
+        centre = centre / (n + 1)
+    offsets = [(z - centre) * tau for z in nodes]
+    radius = max([abs(z) for z in offsets])
+    scale = exp(centre * tau)
+    for i in range(1, n + 1):
+        scale = scale * tau / i
+    # h_j(z_0 .. z_k) = h_j(z_0 .. z_(k-1)) + z_k h_(j-1)(z_0 .. z_k); `partial` holds h_j n! / (n + j)! by k.
+    partial = [1.0 + 0.0 * centre] * (n + 1)
+    total = partial[n]
+    bound, j = 1.0 + 0.0 * radius, 0
+    while bound > EPS:
+        j = j + 1
+        bound = bound * radius / j  # radius^j / j! bounds the term
+        below = 0.0 * centre
+        for i in range(n + 1):
+            below = below + offsets[i] * partial[i] / (n + j)
+            partial[i] = below
+        total = total + below
+    return scale * total
+
+
+# --- loops over many pairs of points ---
+
+
+def kinds_of(theta_i, theta_j, K, kinds):
+    """Write into `kinds` what is to evaluate each flight, and return how many of each kind there are."""
+    counts = np.zeros(KINDS, dtype=np.int64)
+    fastest = K.Om + K.omega_d if K.under else K.Om
+    for n in range(len(theta_i)):
+        tau = (theta_j[n] - theta_i[n]) / K.Om
+        if tau < 0.0:
+            kind = BACKWARD
+        elif abs(theta_i[n]) > WIDEST or abs(theta_j[n]) > WIDEST or fastest * tau > WIDEST:
+            kind = WIDE
+        elif K.rate * tau < SERIES_BELOW:
+            kind = SERIES
+        elif K.apart and K.w0 * tau >= APART_ABOVE:
+            kind = CLOSED_FORM
+        else:
+            kind = MIXED if K.rate0 * tau < SERIES_BELOW else DIVISION
+        kinds[n] = kind
+        counts[kind] += 1
+    return counts
+
+
+def load(block, points, begin):
+    """Copy points into the first four rows of the block; return how many. What is left of a row repeats one of them."""
+    count = min(BLOCK, len(points[0]) - begin)
+    for row in range(4):
+        column = points[row]
+        for n in range(count):
+            block[row * BLOCK + n] = column[begin + n]
+        for n in range(count, BLOCK):
+            block[row * BLOCK + n] = column[begin]
+    return count
+
+
+def pair(block, n):
+    """Return x_i, theta_i, x_j, theta_j: one of the pairs of points that were loaded."""
+    return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
+
+
+def store(column, begin, count, block, row):
+    """Copy the first `count` numbers of a row of the block into a column."""
+    for n in range(count):
+        column[begin + n] = block[row * BLOCK + n]
+
+
+def flights(points, speeds, A, K, f):
+    """Fill f (2, n) with f1, f2 of flights through the domain with A = A_alpha/m between belts of these two speeds."""
+    v_i, v_j = speeds
+    block = np.empty(6 * BLOCK)
+    for begin in range(0, len(points[0]), BLOCK):
+        count = load(block, points, begin)
+        for n in range(BLOCK):
+            x_i, theta_i, x_j, theta_j = pair(block, n)
+            f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
+            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
+        for equation in range(2):
+            store(f[equation], begin, count, block, 4 + equation)
+
+
+def flights_and_slopes(points, speeds, A, K, f, J):
+    """Fill f as `flights` does, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    v_i, v_j = speeds
+    block = np.empty(12 * BLOCK)
+    J[0, 2], J[1, 2] = -1.0, 0.0
+    for begin in range(0, len(points[0]), BLOCK):
+        count = load(block, points, begin)
+        for n in range(BLOCK):
+            x_i, theta_i, x_j, theta_j = pair(block, n)
+            f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
+            x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_slopes(x_i, theta_i, theta_j, v_i, A, K)
+            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
+            block[6 * BLOCK + n], block[7 * BLOCK + n], block[8 * BLOCK + n] = x_x0, x_th0, x_th1
+            block[9 * BLOCK + n], block[10 * BLOCK + n], block[11 * BLOCK + n] = v_x0, v_th0, v_th1
+        for equation in range(2):
+            store(f[equation], begin, count, block, 4 + equation)
+            store(J[equation, 0], begin, count, block, 6 + 3 * equation)
+            store(J[equation, 1], begin, count, block, 7 + 3 * equation)
+            store(J[equation, 3], begin, count, block, 8 + 3 * equation)
+
+
+def sticks(points, v, sides, K, f):
+    """Fill f (2, n) with f1, f2 of sticks at speed v.
+
+    `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
+    """
+    below, above = sides
+    block = np.empty(6 * BLOCK)
+    for begin in range(0, len(points[0]), BLOCK):
+        count = load(block, points, begin)
+        for n in range(BLOCK):
+            x_i, theta_i, x_j, theta_j = pair(block, n)
+            f1, force_below = stick(x_i, theta_i, x_j, theta_j, v, below, K)
+            _, force_above = stick(x_i, theta_i, x_j, theta_j, v, above, K)
+            smaller = force_below if abs(force_below) <= abs(force_above) else force_above
+            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, smaller
+        for equation in range(2):
+            store(f[equation], begin, count, block, 4 + equation)
+
+
+def sticks_and_slopes(points, v, sides, K, f, J):
+    """Fill f as `sticks` does, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    sticks(points, v, sides, K, f)
+    J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
+    for n in range(len(points[0])):
+        J[0, 1, n], J[0, 3, n], J[1, 2, n], J[1, 3, n] = stick_slopes(points[3][n], v, K)

@@ -12,9 +12,9 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from symosc.kernels import interrupts
+from symosc.kernels.multiprecision import interrupts_held_back
 
-with interrupts.held_back():
+with interrupts_held_back():
     import gmpy2
     from mpmath.libmp import MPZ, from_man_exp
 
@@ -28,16 +28,9 @@ def mpfr_context(bits: int) -> MpfrContext:
 
 
 class MpfrContext:
-    """A fixed precision of MPFR.
+    """A fixed precision of MPFR, of `prec` bits, with the largest range of exponents.
 
-    Parameters
-    ----------
-    prec : int
-        Its bits.
-
-    Notes
-    -----
-    Division by 0 and results that are no numbers raise, as they do with mpmath. The range of exponents is the largest.
+    Division by 0 and results that are no numbers raise, as they do with mpmath.
     """
 
     sin, cos, exp, sqrt = (staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt"))
@@ -45,13 +38,8 @@ class MpfrContext:
 
     def __init__(self, prec: int) -> None:
         self.prec = prec
-        self._context = gmpy2.context(
-            precision=prec,
-            emax=gmpy2.get_emax_max(),
-            emin=gmpy2.get_emin_min(),
-            trap_divzero=True,
-            trap_invalid=True,
-        )
+        largest = {"emax": gmpy2.get_emax_max(), "emin": gmpy2.get_emin_min()}
+        self._context = gmpy2.context(precision=prec, trap_divzero=True, trap_invalid=True, **largest)
         before = self.enter()
         self.zero, self.one, self.eps = mpfr(0), mpfr(1), gmpy2.div_2exp(mpfr(1), prec - 1)
         self.pi = gmpy2.const_pi()

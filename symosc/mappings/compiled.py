@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.arguments import public
-from symosc.engine import arithmetic, binding
+from symosc.engine.arithmetic import compile_modules, compiled
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
 from symosc.exact import unmasked
-from symosc.kernels import _generated, elementary, entire, entire_array, entire_branchless, mapping, mapping_loops
-from symosc.kernels.mapping_loops import BACKWARD, CLOSED_FORM, KINDS, WIDE
+from symosc.kernels import _generated, elementary, entire, entire_array, mapping
+from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.words import MAPS, Map, WordLike, read_word
@@ -205,11 +205,10 @@ def _loops(kind: int) -> dict[str, Any]:
     """Return the loops compiled with the formula of this kind."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
-        return binding.compiled((mapping, mapping_loops), outlined | {"flight", "flight_slopes"}, arithmetic.compiled())
-    series = binding.compiled((entire_array,), ())["series"]
-    modules = (elementary, _generated, entire, entire_branchless)
-    basis = binding.compiled(modules, (), {"all_terms": series})[FORMULAS[kind]]
-    return binding.compiled((elementary, _generated, mapping, mapping_loops), outlined, {"basis": basis})
+        return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
+    series = compile_modules((entire_array,), ())["series"]
+    basis = compile_modules((elementary, _generated, entire), (), {"all_terms": series})[FORMULAS[kind]]
+    return compile_modules((elementary, _generated, mapping), outlined, {"basis": basis})
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:

@@ -26,10 +26,10 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Context, Number, Numbers
 from symosc.arguments import public
-from symosc.engine import binding
+from symosc.engine.arithmetic import bind
 from symosc.engine.flow import BeltConstants, Constants, constants
 from symosc.errors import ParameterError
-from symosc.kernels import entire_array, mapping, repeated
+from symosc.kernels import entire_array, mapping
 from symosc.mappings.arguments import POINT_NAMES, columns_of, is_array, is_mp, scalar
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
@@ -211,22 +211,21 @@ def _floats(p: Parameters) -> MapArithmetic:
 @lru_cache(maxsize=64)
 def _arrays(p: Parameters) -> MapArithmetic:
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
-    return MapArithmetic(constants(p), binding.bind((mapping,), names), float)
+    return MapArithmetic(constants(p), bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
     """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
-    from symosc.kernels.entire_mp import BasisMP
+    from symosc.kernels.multiprecision import BasisMP
 
     def number(value: Fraction) -> Number:
         return context.mpf(value.numerator) / value.denominator
 
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
-    names = {"complex": context.mpc, "exp": context.exp, "EPS": context.ldexp(1, -precision)}
-    sums = binding.bind((repeated,), names)["repeated"]
-    names = {"sin": context.sin, "cos": context.cos, "basis": BasisMP(context, p), "repeated": sums}
-    return MapArithmetic(K, binding.bind((mapping,), names), number)
+    names = {"complex": context.mpc, "EPS": context.ldexp(1, -precision), "basis": BasisMP(context, p)}
+    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos")}
+    return MapArithmetic(K, bind((mapping,), names), number)
 
 
 # --- reading arguments ---

@@ -10,9 +10,9 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.arguments import public
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, many_digits
+from symosc.engine.first_exit import ROUNDING
 from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent, State
-from symosc.engine.touches import ROUNDING
 from symosc.errors import ParameterError, SymoscError
 from symosc.mappings.equations import EXITS, jacobian, read_points
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
@@ -174,16 +174,17 @@ def _begun(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Nu
 
 def _followed(state: State, arithmetic: Arithmetic) -> NextEvent:
     """Return the next event after a state."""
-    paths, horizon = arithmetic.paths, MOST_MAP_PERIODS * arithmetic.K.period
-    own, K, until = paths.inward(state), paths.constants(arithmetic.K), paths.inward((horizon, 0 * horizon))
-    before = paths.enter()
+    advance, horizon = arithmetic.advance, MOST_MAP_PERIODS * arithmetic.K.period
+    own, until = arithmetic.inward(state), arithmetic.inward((horizon, 0 * horizon))
+    K = arithmetic.constants(arithmetic.K)
+    before = arithmetic.enter()
     try:
-        event = paths.advance(own, *until, K)
+        event = advance(own, *until, K)
         while event.code == MOVED:
-            event = paths.advance(event.state, *until, K)
-        return paths.outward(event)
+            event = advance(event.state, *until, K)
+        return arithmetic.outward(event)
     finally:
-        paths.leave(before)
+        arithmetic.leave(before)
 
 
 def _solved(J: np.ndarray) -> np.ndarray | None:

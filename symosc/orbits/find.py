@@ -33,7 +33,7 @@ from symosc.orbits.guesses import (
 from symosc.orbits.newton import Solution, polish, solve
 from symosc.orbits.periodic_orbit import Approach, PeriodicOrbit, SwitchingPoint
 from symosc.orbits.verification import failures
-from symosc.simulation.columns import named
+from symosc.simulation.problems import named
 from symosc.words import Word, WordError, WordLike, read_word
 
 __all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]

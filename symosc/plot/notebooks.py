@@ -21,8 +21,7 @@ from symosc.display.html import MOST_POINTS, PICTURE_HEIGHT, curve, ends, facts,
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.simulation.event_table import EventTable, counted, statuses
-from symosc.simulation.summary import Summary
+from symosc.simulation.tables import EventTable, Summary, counted, statuses
 from symosc.simulation.trajectory import Trajectory
 
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
@@ -56,7 +55,7 @@ def events_page(events: EventTable) -> str:
     heads = ("motion", *HEADS)
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
     some = np.array(ends(len(events)), dtype=int)
-    few = EventTable(**{name: column[some] for name, column in vars(events).items() if name != "status"}, status=[])
+    few = events.rows(some, [])
     columns = [getattr(few, name) for name in names]
     rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"

@@ -21,11 +21,11 @@ from matplotlib.ticker import MaxNLocator
 
 from symosc.aliases import Record
 from symosc.arguments import public
+from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
 from symosc.plot.drawing import PARAMETER_LABELS, one_axes, style_for
 from symosc.plot.panels import EVENT_MARKS, SHAPES
-from symosc.simulation.event_table import KIND_NAMES, EventTable
-from symosc.simulation.summary import Summary
+from symosc.simulation.tables import EventTable, Summary
 
 if TYPE_CHECKING:
     import xarray

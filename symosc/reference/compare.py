@@ -15,7 +15,7 @@ from math import isfinite, pi, ulp
 from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
-from symosc.certificates.known import ProvenMiddle
+from symosc.certificates.certify import ProvenMiddle
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event

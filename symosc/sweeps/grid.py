@@ -14,7 +14,7 @@ from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene
-from symosc.simulation.columns import named
+from symosc.simulation.problems import named
 
 SWEPT_STARTS = START_NAMES[:3]
 SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)

@@ -19,7 +19,7 @@ from symosc import Parameters, Scene, load_scene, simulate
 from symosc.bench import event_logic, peers_heyoka, peers_numba, peers_scan, peers_scipy
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve, runner, sign_of_force
 from symosc.bench.solvers import OURS, Solver, all_solvers
-from symosc.engine import binding
+from symosc.engine.arithmetic import bind
 from symosc.reference.compare import FoundEvents
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
@@ -117,7 +117,7 @@ def test_a_solver_that_cannot_go_on(outcome: str) -> None:
     def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         return event_logic.UNSOLVED if outcome == "too many steps" else -1 if mode > 1 else 1, 0.0, x
 
-    functions = binding.bind((event_logic,), {"leave": leave})
+    functions = bind((event_logic,), {"leave": leave})
     with pytest.raises(PeerError, match=rf"{outcome}.* in Omega. after t = 0\.1324"):
         runner(load_scene("fig9"), functions, None, 0.0)()
 
@@ -277,10 +277,10 @@ def test_the_number_of_steps_is_bounded(module: Any) -> None:
     q = problem(scene.parameters)
     s = peers_scan.scan_of(q, 20, 1e-9) if module is peers_scan else peers_numba.settings(q, 1e-9)
     limit = "MOST_SCAN_SAMPLES" if module is peers_scan else "MOST_DOP853_STEPS"
-    plain = runner(scene, binding.bind((event_logic, module), {}), s, 1e-15)()
+    plain = runner(scene, bind((event_logic, module), {}), s, 1e-15)()
     assert error(plain, simulate(scene).events) < 1e-6
     with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
-        runner(scene, binding.bind((event_logic, module), {limit: 2}), s, 1e-15)()
+        runner(scene, bind((event_logic, module), {limit: 2}), s, 1e-15)()
 
 
 @COMPILED

@@ -14,7 +14,7 @@ from excerpts import crosscheck
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
 from symosc.crosschecks.compare import CrossCheck
 from symosc.crosschecks.matching import Matcher, Matching, in_order
-from symosc.simulation.run import EVENT_KINDS
+from symosc.engine.events import KIND_NAMES
 
 Pairs = list[tuple[float, str]]
 KINDS = ("cross", "stick", "slip", "graze")
@@ -331,7 +331,7 @@ def test_exact_events_are_close_if_their_reaches_meet_and_they_are_at_one_belt()
 
 def test_what_is_left_of_a_list_or_of_wrong_steps_is_invented() -> None:
     """Of right steps it is open, where the step has such an event at that belt, or none; several are something else."""
-    cross, stick = (next(code for code, name in EVENT_KINDS.items() if name == kind) for kind in ("cross", "stick"))
+    cross, stick = (next(code for code, name in KIND_NAMES.items() if name == kind) for kind in ("cross", "stick"))
     inside = {0: [], 1: [(cross, 1)], 2: [(cross, 2)], 3: [(stick, 1), (cross, 2)], 4: [(stick, 1)]}
     rows = [row for step in inside for row in inside[step]]
     starts = np.cumsum([0, *(len(each) for each in inside.values())])
@@ -354,7 +354,7 @@ def test_what_is_left_of_a_list_or_of_wrong_steps_is_invented() -> None:
 
 def test_events_that_only_the_samples_own_path_has_are_set_aside() -> None:
     """Each once: of a right step, of the kind, within reach, no exact event, and no partner of one."""
-    cross, stick = (next(code for code, name in EVENT_KINDS.items() if name == kind) for kind in ("cross", "stick"))
+    cross, stick = (next(code for code, name in KIND_NAMES.items() if name == kind) for kind in ("cross", "stick"))
     base: dict[str, Any] = {
         "kind": cross,
         "t": 3.0,
@@ -384,7 +384,7 @@ def test_events_that_only_the_samples_own_path_has_are_set_aside() -> None:
 
 def test_an_event_of_right_steps_is_the_nearest_of_its_kind_within_a_twentieth_of_a_period() -> None:
     """At its belt; of wrong steps none. What is left is missed, matched by that, or not on the samples' path."""
-    codes = {name: code for code, name in EVENT_KINDS.items()}
+    codes = {name: code for code, name in KIND_NAMES.items()}
     rows = [(2.75, "cross", 1), (2.9, "stick", 1), (3.2, "cross", 2), (3.25, "cross", 1), (3.4, "cross", 1)]
     events = SimpleNamespace(
         t=np.array([t for t, _, _ in rows]), kind=np.array([codes[kind] for _, kind, _ in rows]),

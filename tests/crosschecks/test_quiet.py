@@ -10,7 +10,7 @@ from symosc.crosschecks import quiet, steps
 from symosc.crosschecks.quiet import quiet_ends
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants
-from symosc.engine.start import belt_rows
+from symosc.engine.start import start_rows
 
 
 def test_quiet_steps_are_those_of_the_event_search() -> None:
@@ -24,7 +24,7 @@ def test_quiet_steps_are_those_of_the_event_search() -> None:
         beside = rng.choice(belts, count) + rng.choice([-1, 1], count) * 10.0 ** rng.uniform(-8, 1, count)
         v = np.where(at > 0, belts[at - 1], beside)
         theta, x, left = rng.uniform(0, 6.2, count), rng.uniform(-9, 9, count), 10.0 ** rng.uniform(-5, 0.5, count)
-        rows = belt_rows(at, theta, x, v, left / K.rate, K)
+        rows, _ = start_rows(at, theta, x, v, (0.0, 0.0, left / K.rate, 0.0, 0.0), K)
         quiet, ends = quiet_ends(rows, left / K.rate, K)
         modes, exact, events = steps._follow(rows, left / K.rate, K)
         assert not np.isin(events.step, quiet).any()
@@ -43,7 +43,8 @@ def test_most_steps_of_a_fine_run_are_quiet() -> None:
     K = Arithmetic(p).K
     theta, x, v = rng.uniform(0, 6.2, 2000), rng.uniform(-5, 5, 2000), rng.uniform(-5, 5, 2000)
     left = np.full(2000, 1e-4 / K.rate)
-    quiet, _ = quiet_ends(belt_rows(np.zeros(2000, int), theta, x, v, left, K), left, K)
+    rows, _ = start_rows(np.zeros(2000, int), theta, x, v, (0.0, 0.0, left, 0.0, 0.0), K)
+    quiet, _ = quiet_ends(rows, left, K)
     assert len(quiet) > 1900
 
 
@@ -65,7 +66,7 @@ def test_a_stick_that_ends_between_the_ends_of_a_step_is_not_quiet() -> None:
         x = (A + np.cos(middle) * K.f0 - belt.v * K.cm - force) / K.w0sq - 0.5 * belt.v * left
         ones = np.ones(1)
         theta = (middle - 0.5 * K.Om * left) % (2 * np.pi)
-        rows = belt_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, left * ones, K)
+        rows, _ = start_rows(np.array([at]), theta * ones, x * ones, belt.v * ones, (0.0, 0.0, left, 0.0, 0.0), K)
         events = steps._follow(rows, left * ones, K)[2]
         there += rows[0, 0] > 3 and len(events.step) > 0
         if len(events.step):

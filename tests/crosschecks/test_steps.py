@@ -11,8 +11,7 @@ from excerpts import crosscheck
 from symosc import load_scene, simulate
 from symosc.crosschecks import steps
 from symosc.crosschecks.steps import phases
-from symosc.engine import compiled_loop
-from symosc.simulation import batch_loop
+from symosc.simulation import batch
 
 
 def test_phases_at_large_times() -> None:
@@ -41,16 +40,16 @@ def test_periods_and_phase_are_the_time() -> None:
 def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     """To compile takes twenty seconds, to interpret some thousand steps a part of one."""
     pytest.importorskip("numba")
-    batch_loop.chosen_loops(None)  # binds the functions that are compiled, once, before one is another
-    interpreted, loop = [], compiled_loop.follow_all
+    batch.chosen_loops(None)  # binds the functions that are compiled, once, before one is another
+    interpreted, loop = [], batch.FOLLOW
 
     def noted(begin: int, *rest: Any) -> Any:
         interpreted.append(begin)
         return loop(begin, *rest)
 
-    monkeypatch.setattr(compiled_loop, "follow_all", noted)
-    monkeypatch.setattr(batch_loop, "is_compiled", lambda _: False)
-    monkeypatch.setattr(batch_loop, "DOUBLES", batch_loop.InterpretBudget(1_000_000))
+    monkeypatch.setattr(batch, "FOLLOW", noted)
+    monkeypatch.setattr(batch, "is_compiled", lambda _: False)
+    monkeypatch.setattr(batch, "DOUBLES", batch.InterpretBudget(1_000_000))
     monkeypatch.setattr(steps, "COMPILE_FROM", 300)
     monkeypatch.setattr(steps, "quiet_ends", lambda *_: (np.empty(0, int), np.empty((0, 2))))
     scene = load_scene("fig9")
@@ -64,14 +63,14 @@ def test_many_steps_do_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
 
 def test_few_steps_again_and_again_are_a_matter_of_the_compiler_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first ones are interpreted and count; when there were many, compiled code is asked for."""
-    asked, choose = [], batch_loop.chosen_loops
+    asked, choose = [], batch.chosen_loops
 
-    def noted(use_numba: bool | None) -> batch_loop.Loops:
+    def noted(use_numba: bool | None) -> batch.Loops:
         asked.append(use_numba)
         return choose(False)
 
     monkeypatch.setattr(steps, "chosen_loops", noted)
-    monkeypatch.setattr(steps, "FEW_STEPS", batch_loop.InterpretBudget(1))
+    monkeypatch.setattr(steps, "FEW_STEPS", batch.InterpretBudget(1))
     t = np.linspace(0.0, 7.0, 100)
     crosscheck("fig5", t, *simulate("fig5", t_end=7)(t))
     assert set(asked) == {False}

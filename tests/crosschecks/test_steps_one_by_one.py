@@ -14,8 +14,8 @@ from symosc import load_scene, simulate
 from symosc.crosschecks import steps
 from symosc.crosschecks.events import CODES
 from symosc.crosschecks.steps import follow_steps
+from symosc.engine.events import KIND_NAMES
 from symosc.model import MODE_NAMES
-from symosc.simulation.run import EVENT_KINDS
 
 
 def test_steps_are_those_of_single_motions() -> None:
@@ -43,7 +43,7 @@ def test_steps_are_those_of_single_motions() -> None:
             assert steps.events.t[rows] == pytest.approx([float(event.t) for event in motion.events], abs=1e-9)
             assert [MODE_NAMES[code] for code in steps.events.target[rows]] == [event.target for event in motion.events]
             assert steps.events.boundary[rows].tolist() == [event.boundary for event in motion.events]
-            assert [EVENT_KINDS[code] for code in steps.events.kind[rows]] == [event.kind for event in motion.events]
+            assert [KIND_NAMES[code] for code in steps.events.kind[rows]] == [event.kind for event in motion.events]
             kinds |= {event.kind for event in motion.events}
     assert kinds >= {"jump", "stick", "slip", "cross"}
 

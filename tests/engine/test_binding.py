@@ -13,15 +13,12 @@ import sys
 import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from symosc import load_scene
-from symosc.engine import binding
-from symosc.engine.arithmetic import SOURCES, MpArithmetic
-from symosc.engine.binding import bind, compiled, functions_of, version
+from symosc.engine.arithmetic import SOURCES, MpArithmetic, bind, compile_modules, functions_of, is_compiled
 from symosc.errors import CodeCacheWarning
 
 pytest.importorskip("numba")
@@ -46,34 +43,6 @@ def test_compiled_functions_show_their_own_source(name: str) -> None:
         assert inspect.getsource(function).startswith((f"def {key}(", "@"))
 
 
-def test_functions_in_many_digits_show_their_own_source() -> None:
-    namespace = MpArithmetic(load_scene("fig5").parameters, 20).namespace
-    for name, original in functions_of(SOURCES).items():
-        if name != "basis":
-            assert inspect.getsource(namespace[name]) == inspect.getsource(original)
-
-
-@pytest.mark.parametrize("module", SOURCES, ids=lambda module: module.__name__)
-def test_a_change_in_any_file_is_another_version(module: types.ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = version({}, SOURCES)
-    usual = inspect.getsource
-
-    def changed(asked: Any) -> str:
-        return usual(asked) + (" " if asked is module else "")
-
-    monkeypatch.setattr(inspect, "getsource", changed)
-    assert version({}, SOURCES) != before
-
-
-def test_a_constant_from_elsewhere_is_part_of_the_version() -> None:
-    assert version({"EPS": 1e-16}, SOURCES) != version({"EPS": 2e-16}, SOURCES)
-    assert version({"f": len}, SOURCES) == version({"f": print}, SOURCES)
-
-
-def test_what_is_copied_into_its_callers_is_part_of_the_version() -> None:
-    assert version({}, SOURCES, None, {"outer"}) != version({}, SOURCES, None, {"outer", "inner"})
-
-
 @pytest.mark.parametrize("outlined", [{"outer"}, {"outer", "inner"}])
 def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
     outlined: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -82,7 +51,7 @@ def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
     source = "def inner(x): return x + 1\ndef middle(x): return inner(x)\ndef outer(x): return middle(x)\n"
     (tmp_path / "nested.py").write_text(source)
     monkeypatch.syspath_prepend(str(tmp_path))
-    functions = compiled((importlib.import_module("nested"),), outlined)
+    functions = compile_modules((importlib.import_module("nested"),), outlined)
     monkeypatch.delitem(sys.modules, "nested")
     assert functions["outer"](1) == 2
     for function in (functions[name] for name in ("inner", "middle", "outer")):
@@ -100,9 +69,9 @@ RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import callee, caller
-from symosc.engine.binding import compiled, is_compiled
-together = compiled((callee, caller))["outer"]
-apart = compiled((caller,), callees=compiled((callee,)))["outer"]
+from symosc.engine.arithmetic import compile_modules, is_compiled
+together = compile_modules((callee, caller))["outer"]
+apart = compile_modules((caller,), callees=compile_modules((callee,)))["outer"]
 before = is_compiled(together), is_compiled(apart)
 print(before, *((outer(1), sum(outer.stats.cache_hits.values())) for outer in (together, apart)))
 print(is_compiled(together), is_compiled(apart), is_compiled(caller.outer))
@@ -142,7 +111,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 
     def made() -> Any:
         monkeypatch.setattr(code_cache, "_said", set())
-        return compiled((importlib.import_module("tiny"),))["twice"]
+        return compile_modules((importlib.import_module("tiny"),))["twice"]
 
     yield made
     sys.modules.pop("tiny", None)
@@ -184,8 +153,8 @@ def test_without_a_folder_for_compiled_code_there_is_one_warning(
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    functions = [tiny(), compiled((sys.modules["tiny"],))["twice"]]
-    assert not any(map(binding.is_compiled, functions))
+    functions = [tiny(), compile_modules((sys.modules["tiny"],))["twice"]]
+    assert not any(map(is_compiled, functions))
     with pytest.warns(CodeCacheWarning, match="cannot be kept.*NUMBA_CACHE_DIR") as said:
         assert [function(3) for function in functions] == [6, 6]
     assert len(said) == 1
@@ -204,7 +173,7 @@ def test_what_the_administrator_has_compiled_is_used_in_a_folder_that_cannot_be_
     assert tiny()(3) == 6
     monkeypatch.setattr(UserProvidedCacheLocator.__mro__[2], "ensure_cache_path", read_only)
     function = tiny()
-    assert binding.is_compiled(function)
+    assert is_compiled(function)
     assert function(4) == 8
     assert sum(function.stats.cache_hits.values()) == 1
     with pytest.warns(CodeCacheWarning, match="Read-only"):
@@ -237,7 +206,7 @@ def test_names_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="f is written in one and in two"):
         bind((one, two), {})
     with pytest.raises(ValueError, match="f is written in one and in two"):
-        compiled((one, two))
+        compile_modules((one, two))
 
 
 # -- one binder for all arithmetics ------------------------------------------------------------------------------------
@@ -257,15 +226,6 @@ def test_every_name_has_one_home() -> None:
     assert {name: where for name, where in homes.items() if len(where) > 1} == {}
 
 
-def test_two_functions_of_one_name_are_refused() -> None:
-    first, second = types.ModuleType("first"), types.ModuleType("second")
-    for module in (first, second):
-        exec("def twice(x):\n    return 2 * x\n", vars(module))
-        module.twice.__module__ = module.__name__
-    with pytest.raises(ValueError, match="twice is written in first and in second"):
-        functions_of([first, second])
-
-
 def is_short(value: float) -> bool:
     """Whether a number is a limit that somebody chose (4e-3, 64) or a power of two, and no constant of mathematics."""
     return value == float(f"{value:.2g}") or (1024 * value).is_integer() or math.frexp(value)[0] == 0.5
@@ -276,7 +236,7 @@ def test_no_double_constant_gets_into_many_digits() -> None:
     namespace = MpArithmetic(load_scene("fig5").parameters, 50).namespace
     used, literals = set(), set()
     # What makes the constants is told which numbers to make, pi among them.
-    makers = {"constants", "with_march", "_free_motion", "_steady_motion", "_chunk", "_period_rest", "_belt_constants"}
+    makers = {"constants", "with_march", "_period_rest", "_belt_constants"}
     for name, original in functions_of(SOURCES).items():
         bound = getattr(namespace[name], "__code__", None)
         if bound and name not in makers:
@@ -292,21 +252,3 @@ def test_no_double_constant_gets_into_many_digits() -> None:
     assert all(is_short(value) for value in literals), literals
     for name in ("EPS", "PI", "TWO_PI", "SIXTH", "NEAR"):
         assert namespace[name].context.dps >= 50, name
-
-
-def test_a_folder_is_not_looked_through_at_each_question(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A batch of a few events asks several times; what was compiled meanwhile is found a second later."""
-    looks: list[str] = []
-    glob, clock = Path.glob, [100.0]
-    monkeypatch.setattr(Path, "glob", lambda folder, name: looks.append(name) or glob(folder, name))
-    monkeypatch.setattr(binding, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(binding, "_ON_DISK", {})
-    function = SimpleNamespace(
-        py_func=SimpleNamespace(__qualname__="f-1"), overloads={}, stats=SimpleNamespace(cache_path=str(tmp_path))
-    )
-    assert [binding.is_compiled(function) for _ in range(5)] == [False] * 5
-    assert len(looks) == 1
-    (tmp_path / "module.f-1-2.py311.nbi").touch()
-    clock[0] += 2 * binding.LOOK_AGAIN
-    assert [binding.is_compiled(function) for _ in range(5)] == [True] * 5
-    assert len(looks) == 2

@@ -18,9 +18,9 @@ from samples import few
 from touches import tenths
 
 from symosc import ParameterError, load_scene, simulate, simulate_many
-from symosc.engine import compiled_loop, start
+from symosc.engine import batch, start
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
-from symosc.engine.rests import creeps_for_ever
+from symosc.engine.next_event import creeps_for_ever
 from symosc.engine.start import Start, first_state
 from symosc.engine.state import State
 
@@ -268,10 +268,10 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         again = start.belt_state(begun, (0, 0.0), phase, x, state.S, arithmetic.K)
         assert again == state
         at, v = np.array([boundary, 0]), np.array([state.v, state.v + 1e-3])
-        rows = start.belt_rows(at, np.zeros(2), np.full(2, x), v, np.full(2, 0.5), arithmetic.K)
-        assert compiled_loop.state_of(rows, 0) == state
+        rows, _ = start.start_rows(at, np.zeros(2), np.full(2, x), v, (0.0, 0.0, 0.5, 0.0, 0.0), arithmetic.K)
+        assert batch.state_of(rows, 0) == state
         assert rows[1, 0] == boundary + 1  # beside the belt the speed says where it is
-        assert compiled_loop.row_of(state, 0.5, 0.0) == rows[0].tolist()
+        assert batch.row_of(state, 0.5, 0.0) == rows[0].tolist()
         seen.add(state.mode)
     assert seen == {1, 2, 3, 4, 5}
 

@@ -110,9 +110,7 @@ def test_windows_compare() -> None:
 
 
 def test_figures() -> None:
-    from symosc.plot.windows import figure_grazing_curve
-    from symosc.plot.windows import sweep_figure
-    from symosc.plot.windows import window_figure
+    from symosc.plot.windows import figure_grazing_curve, sweep_figure, window_figure
 
     for windows in (None, 5, "x", [], P, [None]):
         assert_refused("windows", lambda windows=windows: window_figure(windows))

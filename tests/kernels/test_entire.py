@@ -18,7 +18,7 @@ from symosc.engine.flow import constants, state_at
 from symosc.engine.state import Launch
 from symosc.kernels import entire
 from symosc.kernels._generated import basis_apart
-from symosc.kernels.entire_mp import MP_SERIES_BELOW, BasisMP
+from symosc.kernels.multiprecision import MP_SERIES_BELOW, BasisMP
 
 try:
     from symosc.kernels import mpfr

@@ -1,4 +1,4 @@
-"""What `digits=` computes can be pickled and copied, stays equal, keeps all its digits and works as a number."""
+"""mpmath contexts of fixed precision, and interrupts while mpmath is loaded."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import copy
 import multiprocessing
 import pickle
 import random
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -15,7 +17,7 @@ import pytest
 
 from symosc import Parameters, Trajectory, find_orbit, grazing_start, grazing_window, load_scene, simulate, solve_map
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.kernels.multiprecision import mp_context
+from symosc.kernels.multiprecision import interrupts_held_back, mp_context
 
 COPIES: dict[str, Callable[[Any], Any]] = {
     **{f"pickle {n}": lambda value, n=n: pickle.loads(pickle.dumps(value, n)) for n in range(2, 6)},
@@ -94,3 +96,50 @@ def test_spawned_processes_return_digits() -> None:
     ours = simulate(scene, digits=25, max_events=3)
     assert content(theirs) == content(ours)
     assert str(theirs.events[0].t) == str(ours.events[0].t)
+
+
+@pytest.fixture(autouse=True)
+def usual_handler() -> Iterator[None]:
+    """A shell's background job ignores interrupts, and so would the tests that it runs."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_comes_at_the_end_of_the_block() -> None:
+    usual = signal.getsignal(signal.SIGINT)
+    reached = []
+
+    def load() -> None:
+        with interrupts_held_back():
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except BaseException:  # as a library may do
+                reached.append("lost")
+            reached.append("end")
+
+    with pytest.raises(KeyboardInterrupt):
+        load()
+    assert reached == ["end"]
+    assert signal.getsignal(signal.SIGINT) is usual
+
+
+def test_an_error_of_the_block_is_its_error() -> None:
+    usual = signal.getsignal(signal.SIGINT)
+    with pytest.raises(ValueError, match="its own"), interrupts_held_back():
+        raise ValueError("its own")
+    assert signal.getsignal(signal.SIGINT) is usual
+
+
+def test_other_threads_leave_the_handler_alone() -> None:
+    seen = []
+
+    def work() -> None:
+        with interrupts_held_back():
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    usual = signal.getsignal(signal.SIGINT)
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert seen == [usual]

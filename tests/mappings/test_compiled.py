@@ -13,7 +13,7 @@ from mpmath import mp
 
 from symosc import ParameterError, WordError, compiled_residual, find_orbit, jacobian, load_scene, residual
 from symosc.engine.flow import constants
-from symosc.kernels import elementary, mapping_loops
+from symosc.kernels import elementary, mapping
 from symosc.mappings import compiled
 from symosc.words import MAPS
 
@@ -175,7 +175,7 @@ def test_one_wide_phase_of_a_stick_takes_the_loop_for_wide_phases(
     own: Any = SimpleNamespace(jacobian=False, _K=constants(load_scene("fig5").parameters), exit=None)
     points = tuple(np.array(column) for column in ((0.0, 0.0), (0.0, 0.0), (1.0, 1.0), phases))
     compiled.CompiledResidual._fill(own, next(row for row in MAPS.values() if row.sticks), points)
-    assert taken == [mapping_loops.WIDE if wide else mapping_loops.CLOSED_FORM]
+    assert taken == [mapping.WIDE if wide else mapping.CLOSED_FORM]
 
 
 @pytest.mark.parametrize("slopes", [False, True])

@@ -14,8 +14,8 @@ import one_result
 import pytest
 
 from symosc import simulate_many, sweep
-from symosc.engine import arithmetic, pairs
-from symosc.simulation import workers
+from symosc.engine import arithmetic
+from symosc.simulation import batch
 from symosc.sweeps import run
 
 pytest.importorskip("numba")
@@ -42,7 +42,7 @@ def lend(cache: Path, *functions: Any) -> None:
 @pytest.mark.slow
 def test_whatever_is_compiled_and_however_fast_the_machine_is(tmp_path: Path) -> None:
     warm, cache = one_result.digests(), tmp_path / "cache"
-    doubles, loops = arithmetic.compiled()["follow_all"], pairs.compiled_pairs()
+    doubles, loops = arithmetic.compiled()["follow_all"], arithmetic.compiled_pairs()
     for clock in ("usual", *one_result.CLOCKS):
         assert program(cache, clock) == {"digests": warm, "loaded": [False, False]}, clock
     lend(cache, doubles)
@@ -58,7 +58,7 @@ def test_whatever_is_compiled_and_however_fast_the_machine_is(tmp_path: Path) ->
 def test_any_number_of_workers_and_chunks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = one_result.digests()
     for threads, motions, first in ((1, 1, 1), (2, 7, 3), (3, 2, 48), (3, 1024, 128)):
-        monkeypatch.setattr(workers, "MOST_IN_CHUNK", motions)
+        monkeypatch.setattr(batch, "MOST_IN_CHUNK", motions)
         monkeypatch.setattr(run, "FIRST_CHUNK", first)
         monkeypatch.setattr(run, "CHUNK_SECONDS", 1e-3 * motions)
         assert one_result.digests(threads) == whole, (threads, motions, first)
@@ -67,7 +67,7 @@ def test_any_number_of_workers_and_chunks_of_any_size(monkeypatch: pytest.Monkey
 @pytest.mark.compiled("pairs")
 @pytest.mark.slow
 def test_a_sweep_that_is_stopped_cold_and_resumed_warm(tmp_path: Path) -> None:
-    pairs.compiled_pairs()
+    arithmetic.compiled_pairs()
     broken, whole = tmp_path / "broken.csv", tmp_path / "whole.csv"
     assert program(tmp_path / "cache", "usual", str(broken)) == {"done": 5}
     assert not broken.exists()

@@ -25,7 +25,7 @@ _wait_until: list[float] = []
 LOOPS = {
     "doubles": "from symosc import load_scene, simulate_many\n"
     "simulate_many(load_scene('fig5').parameters, [0, 0, 0], 1, use_numba=True)",
-    "pairs": "from symosc.simulation.warm import warm\nwarm()",  # and doubles
+    "pairs": "from symosc.simulation.batch import warm\nwarm()",  # and doubles
 }
 
 
@@ -33,10 +33,10 @@ def is_there(loops: str) -> bool:
     """Return whether loops are on disk, or nothing can be compiled."""
     if find_spec("numba") is None:
         return True
-    from symosc.engine import arithmetic, binding, pairs
+    from symosc.engine.arithmetic import compiled, is_compiled, pairs_are_compiled
 
-    doubles = binding.is_compiled(arithmetic.compiled()["follow_all"])
-    return doubles and (loops == "doubles" or pairs.is_compiled())
+    doubles = is_compiled(compiled()["follow_all"])
+    return doubles and (loops == "doubles" or pairs_are_compiled())
 
 
 def ended() -> Path:

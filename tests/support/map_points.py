@@ -10,8 +10,8 @@ import mpmath
 from mpmath import mp
 
 from symosc import Parameters
-from symosc.engine.binding import bind
-from symosc.kernels import entire, mapping, repeated
+from symosc.engine.arithmetic import bind
+from symosc.kernels import entire, mapping
 from symosc.mappings import equations as m
 from symosc.words import MAPS
 
@@ -58,7 +58,7 @@ def sizes(p: Parameters, label: str, points: list[float], exit: str | None) -> t
         return lambda *_: [Size(value) for value in function(*arguments)]
 
     replaced = {"sin": lambda angle: Size(mpmath.sin(angle)), "cos": lambda angle: Size(mpmath.cos(angle))}
-    replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(repeated.repeated, tau, K)}
+    replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(mapping.repeated, tau, K)}
     numbers = m.MapArithmetic(coarse, bind((mapping,), replaced), Size)
     x_i, theta_i, x_j, theta_j = points
     z, row, exit = (Size(x_i), theta_i, Size(x_j), theta_j), MAPS[label], exit or "below"

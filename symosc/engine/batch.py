@@ -1,0 +1,392 @@
+"""Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
+
+These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs
+(`symosc.engine.arithmetic`); what they hand out are doubles. Numbers with more digits become doubles whose only error
+is the rounding, unless their own is not negligible beside it: so the same doubles come out of any number of digits.
+"""
+
+from __future__ import annotations
+
+import math
+from math import cos, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.aliases import Number
+from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
+from symosc.engine.flow import constant_force
+from symosc.engine.next_event import advance, advance_near, handed_out
+from symosc.engine.state import (
+    DOUBTFUL,
+    END,
+    FAILED,
+    FULL,
+    GRAZE,
+    IN_DOUBT,
+    INEXACT,
+    MOVED,
+    ON_BELT,
+    REST,
+    RUNNING,
+    Covariance,
+    NextEvent,
+    State,
+)
+from symosc.engine.summary import leave_tally, tally_step
+from symosc.kernels._generated import acceleration
+from symosc.kernels.entire import EPS
+
+# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
+STATE_WIDTH = 19
+# Steps after which doubles that are not in doubt are no longer looked ahead for.
+LOOK_AHEAD = 16
+# An error below this part of the rounding to doubles is negligible.
+NEGLIGIBLE = 2.0**-20
+PAGE = 1 << 21  # bytes of a large page
+
+
+class Batch(NamedTuple):
+    """Trajectories: where they are, their parameter sets, their events so far, and what each ended with."""
+
+    states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
+    sets: np.ndarray  # (n,)
+    counts: np.ndarray  # (n,)
+    codes: np.ndarray  # (n,)
+
+
+class EventRows(NamedTuple):
+    """A buffer of events: FLOAT_COLUMNS, and the number of the trajectory with CODE_COLUMNS; each in one piece."""
+
+    floats: np.ndarray  # (columns, rows)
+    ints: np.ndarray
+
+
+class Going(NamedTuple):
+    """How far motions are followed in pairs, and by which constants in doubles."""
+
+    most: int  # events after which a trajectory is FULL
+    accuracy: float
+    more: int  # events that the buffer holds for each motion beside those that are wanted
+    table: np.ndarray  # as `follow_all` takes it
+    careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+
+
+# --- memory ---
+
+
+def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
+    """Return an array with any content, as ``np.empty`` does, that begins at a large page if it is large.
+
+    To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
+    an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
+    """
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    if size < PAGE:
+        return np.empty(shape, dtype)
+    whole = np.empty(size + 2 * PAGE, np.uint8)
+    skipped = -whole.__array_interface__["data"][0] % PAGE
+    return whole[skipped : skipped + size].view(dtype).reshape(shape)
+
+
+def joined(pieces: list[np.ndarray]) -> np.ndarray:
+    """Return columns of one type as one, in one piece of memory."""
+    if len(pieces) == 1:
+        return np.ascontiguousarray(pieces[0])
+    return np.concatenate(pieces, out=large_array((sum(map(len, pieces)),), pieces[0].dtype))
+
+
+def copied(columns: np.ndarray) -> np.ndarray:
+    """Return a copy of columns, each in one piece."""
+    out = large_array(columns.shape, columns.dtype)
+    out[...] = columns
+    return out
+
+
+def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
+    """Return trajectories that are about to begin; all have the first parameter set unless `sets` says another."""
+    count = len(states)
+    sets = np.zeros(count, np.int64) if sets is None else sets
+    return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
+
+
+def room_for(events: int) -> EventRows:
+    """Return a buffer for so many events."""
+    return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
+
+
+def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
+    """Return some of the rows; they are not copied."""
+    return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
+
+
+def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
+    """Return a state, the two parts of the end, and the time as that of the start, as a row of a batch."""
+    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
+
+
+def state_of(states, i):
+    """Return the state in row i."""
+    # float() and int(): under CPython numpy's own scalars would be slower.
+    row = states[i]
+    S = Covariance(float(row[8]), float(row[9]), float(row[10]))
+    theta, x, v, Fb, Fa = float(row[3]), float(row[4]), float(row[5]), float(row[6]), float(row[7])
+    t, t_low, s, c, theta_low = float(row[11]), float(row[12]), float(row[16]), float(row[17]), float(row[18])
+    return State(int(row[0]), int(row[1]), int(row[2]), theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+
+
+def keep_state(states, i, state):
+    """Write a state into row i."""
+    states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
+    states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
+    states[i, 6], states[i, 7] = state.Fb, state.Fa
+    states[i, 8], states[i, 9], states[i, 10] = state.S.S11, state.S.S12, state.S.S22
+    states[i, 11], states[i, 12] = state.t, state.t_low
+    states[i, 16], states[i, 17], states[i, 18] = state.s, state.c, state.theta_low
+
+
+# --- doubles ---
+
+
+def follow_all(begin, batch, most, accuracy, out, tally, table):
+    """Follow trajectories from number `begin` on, until all are done or there were as many events as the output holds.
+
+    Parameters
+    ----------
+    begin : first trajectory to follow; it may have been begun before.
+    batch : Batch, updated.
+    most : events after which a trajectory is FULL.
+    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
+    out : EventRows
+    tally : Tally, updated; events are recorded where it is for no motion, else only counted.
+    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
+
+    Returns
+    -------
+    (next, rows)
+        The trajectory to go on with, and the number of events.
+    """
+    rows = 0
+    states, sets, counts, codes = batch
+    tallied = tally.floats.shape[0] > 0
+    for i in range(begin, states.shape[0]):
+        before, K = state_of(states, i), table[sets[i]]
+        t_end, t_end_low, t0 = end_by_phase(states[i], K)
+        code = RUNNING
+        while code == RUNNING:
+            if counts[i] >= most:
+                code = FULL
+                break
+            if rows >= out.floats.shape[1]:
+                break
+            found = advance(before, t_end, t_end_low, K)
+            step, _, decided, t_error, state = found
+            if not decided or step == FAILED:
+                code = IN_DOUBT
+            elif step <= GRAZE:
+                clock = handed_out(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
+                if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
+                    code = INEXACT
+                if not tallied:
+                    write_event(out, rows, i, before, found, clock, K)
+                rows += 1
+                counts[i] += 1
+            elif step != MOVED:
+                code = step
+            if tallied and code not in DOUBTFUL and code != REST:
+                tally_step(i, before, found, t0, tally, K)
+            before = state
+        if tallied:
+            leave_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
+        keep_state(states, i, before)
+        codes[i] = code
+        if code == RUNNING:
+            return i, rows
+    return states.shape[0], rows
+
+
+def is_inexact(t, t_error, x, x_error, t0, accuracy):
+    """Return whether an event is known to less than `accuracy`."""
+    return t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x))
+
+
+def end_by_phase(row, K):
+    """Return t_end in two parts, as doubles count it (`symosc.engine.flow.clock_time`), and t0 of a row of a batch."""
+    t_end, t0 = float(row[13]), float(row[15])
+    return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
+
+
+def searched(state, row, K):
+    """Return the next event (NextEvent) of a state, by the times in a row of a batch."""
+    t_end, t_end_low, _ = end_by_phase(row, K)
+    return advance(state, t_end, t_end_low, K)
+
+
+def search_row(states, table):
+    """Advance the state in the first row to its next event; return code, belt, decided and t_error (NextEvent)."""
+    code, boundary, decided, t_error, state = searched(state_of(states, 0), states[0], table[0])
+    keep_state(states, 0, state)
+    return code, boundary, decided, t_error
+
+
+def next_doubt(state, count, row, most, accuracy, K):
+    """Return the number of the next event that `follow_all` leaves in doubt; 0 if there is none soon.
+
+    Before the state there were `count` events; events behind number `most` are of no interest.
+    """
+    t0 = float(row[15])
+    for _ in range(LOOK_AHEAD):
+        step, _, decided, t_error, state = searched(state, row, K)
+        if count >= most or step in (END, REST):
+            break
+        if step == FAILED or not decided:
+            return count + 1
+        if step <= GRAZE:
+            count += 1
+            x, v = state.x, state.v
+            t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
+            if is_inexact(t, t_error, x, x_error, t0, accuracy):
+                return count
+    return 0
+
+
+def write_event(out, row, i, before, found, clock, K):
+    """Write an event of trajectory i into a row; arguments as `symosc.engine.events.event_numbers` takes them."""
+    numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
+    for n in range(len(numbers)):
+        out.floats[n, row] = numbers[n]
+    out.ints[0, row] = i
+    for n in range(len(codes)):
+        out.ints[n + 1, row] = codes[n]
+
+
+# --- double-double numbers, as far as doubles are in doubt ---
+
+# In loops that are bound to pairs these names stay functions of doubles.
+end_in_doubles, searched_in_doubles, next_doubt_in_doubles = end_by_phase, searched, next_doubt
+write_event_in_doubles = write_event
+
+
+def from_complex(value):
+    """Return complex numbers, also those in a named tuple, as pairs hi + lo; doubles have none."""
+    return value
+
+
+def first_pairs(pairs, K):
+    """Complete rows of starts, which have mode, at, theta, x, v and the times; no force on a belt may be 0."""
+    K = from_complex(K)
+    for i in range(pairs.shape[0]):
+        mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
+        x, v = float(pairs[i, 4]), float(pairs[i, 5])
+        if at > 0:  # to the last bit
+            v = K.belt1.v if at == 1 else K.belt2.v
+        s, c = sin(theta), cos(theta)
+        below, above = (at, at + 1) if mode > ON_BELT else (mode, mode)
+        pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
+        pairs[i, 6] = acceleration(x, v, c, constant_force(below, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 7] = acceleration(x, v, c, constant_force(above, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 8] = (EPS * x) * (EPS * x)
+        if at == 0:
+            pairs[i, 10] = (EPS * v) * (EPS * v)
+
+
+def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
+    """Follow trajectories to a number of events, or to their end; events and states come out in doubles.
+
+    The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles would
+    soon leave open again is followed farther, as long as the buffer holds its events.
+
+    Parameters
+    ----------
+    chosen : (m,) numbers of the trajectories to follow, in order.
+    wanted : (n,) events to come to, in all.
+    pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
+    batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
+        REST, or IN_DOUBT for a contact that pairs leave open, and for an event that they do not know far better than
+        doubles.
+    out : EventRows that hold all events to come.
+    K : Constants of complex numbers
+    tally : as `follow_all` takes it.
+    going : Going
+
+    Returns
+    -------
+    rows
+        The number of rows that were filled.
+    """
+    K = from_complex(K)
+    states, sets, counts, codes = batch
+    rows, tallied = 0, tally.floats.shape[0] > 0
+    for i in chosen:
+        state, plain, careful = state_of(pairs, i), going.table[sets[i]], going.careful[sets[i]]
+        t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
+        code, goal, last = RUNNING, wanted[i], min(going.most, wanted[i] + going.more)
+        rounded = in_doubles(state, t0, plain)
+        while code == RUNNING:
+            if counts[i] >= goal:
+                goal = next_doubt_in_doubles(rounded, counts[i], states[i], last, going.accuracy, plain)
+                if goal == 0:
+                    break
+            before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
+            found = advance_near(state, rounded, rough, t_end, t_end_low, K)
+            state, step = found.state, found.code
+            rounded = in_doubles(state, t0, plain)
+            if step == FAILED or not found.decided:
+                code = IN_DOUBT
+            elif step <= GRAZE:
+                x, v, S11 = state.x, state.v, state.S.S11
+                t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, found.t_error, S11, K)
+                if rows < out.floats.shape[1]:  # there is none where tallies are kept
+                    clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
+                    plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
+                    write_event_in_doubles(out, rows, i, before, plainly, clock, plain)
+                if not (is_negligible(t_error.hi, t.hi) and is_negligible(x_error.hi, x.hi)):
+                    code = IN_DOUBT
+                rows += 1
+                counts[i] += 1
+            elif step in (END, REST):
+                code = step
+            if tallied and code != IN_DOUBT and code != REST:
+                plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
+                tally_step(i, before, plainly, t0.hi, tally, plain)
+        if tallied:
+            end, end_low, _ = end_in_doubles(states[i], plain)
+            left = (end - rounded.t) + (end_low - rounded.t_low)
+            leave_tally(i, rounded, code, left, t0.hi, tally, plain)
+        codes[i] = code
+        keep_state(pairs, i, state)
+        keep_state(states, i, rounded)
+    return rows
+
+
+def in_doubles(state, t0, K):
+    """Return a state of pairs in doubles, whose constants are K, as `symosc.engine.start.rounded`."""
+    x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
+    S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
+    t_low = ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain
+    theta, theta_low = state.theta.hi, ((state.theta - state.theta.hi) + state.theta_low).hi
+    Fb, Fa, S = state.Fb.hi, state.Fa.hi, Covariance(S11, S12, S22)
+    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low, state.s.hi, state.c.hi, theta_low)
+
+
+# --- rounding to doubles ---
+
+
+def is_negligible(error, value):
+    """Return whether the error of a value is nothing beside its rounding to a double."""
+    return error <= NEGLIGIBLE * (EPS * abs(value))
+
+
+def rounding_error(error, value):
+    """Return the error of a value that is rounded to a double."""
+    rounding = EPS * abs(value)
+    return rounding if is_negligible(error, value) else error + rounding
+
+
+def rounded_covariance(at, x, v, S11, S12, S22):
+    """Return the covariance of a state that is rounded to doubles; on a belt, `at` > 0, the velocity is exact."""
+    position, velocity = (EPS * x) * (EPS * x), (EPS * v) * (EPS * v)
+    if NEGLIGIBLE * NEGLIGIBLE * velocity >= S22:
+        S12, S22 = 0.0, 0.0
+    S11 = position if NEGLIGIBLE * NEGLIGIBLE * position >= S11 else S11 + position
+    return S11, S12, (S22 if at > 0 else S22 + velocity)

@@ -1,0 +1,500 @@
+"""The summary of a motion, kept step by step in memory that does not grow with the number of events.
+
+A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an event inside. The events
+at their ends are always counted. Where it is asked for, also the share of the time on belts, the extremes, and the
+sections that the motion passes. Sections are where a forcing period ends, Omega t = 2 pi n; the mappings between two of
+them make a word. An event so near a section that its error could move it across belongs to the period that begins
+there. Of a section the state is kept from which it is reached; only those that are asked for, or that words do not
+already distinguish, are computed, once, at the end (`settle`).
+
+Extremes: a cell of a flight lies within the extremes so far if the bounds of `symosc.engine.first_exit`, taken at both
+of its ends, say so: v and x minus an extreme are gaps like those to a belt. Any other cell is cut, at a stationary
+point where there is one between its ends, and each new end is evaluated exactly. So no extreme is missed, and a flight
+that widens none costs one evaluation at most.
+
+All functions are scalar and run on floats (CPython, numba).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import cos, inf, sin, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine.first_exit import NEAR, fourth_derivative_bound, positive_on, shifted
+from symosc.engine.flow import clock_time, constant_force, derivatives, state_at
+from symosc.engine.next_event import TWO_PI, later
+from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
+from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.entire import EPS, SIXTH, basis_at
+from symosc.words import MAPS
+
+# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the extremes of the ends
+# of steps alone.
+SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
+# Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
+# section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
+# Columns of `Tally.sections`: whether a flight reaches it, how long after it left and from where; the variances there.
+FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8)
+# An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
+AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
+# Words of a period are compared by a number; of up to 17 mappings by all of them. Small enough for 64 bits.
+WORD_MODULUS = 2**56 - 5
+TRANSIENT = 45.0  # a transient is over after so many of its decay times
+MOST_REST_STEPS = 2**62
+LEAST_RING = 2  # with a ring of one section a way over two of them would count as one without end
+LONGEST_REPEAT = 32  # periods after which a motion may repeat, at most
+# Two sections are the same if they differ by less than this part of the motion's extent, and this times their errors.
+SAME_PART, SAME_ERRORS = 1e-6, 8.0
+# How far beyond an extreme a bound may be, as a part of the extremes' size: some units in the last place.
+WIDTH_SLACK = 16.0 * EPS
+# The first cell of a flight, times 1/rate, and the shortest: there nothing can be hidden.
+FIRST_CELL, SHORTEST_CELL = 3.0, 1e-6
+MOST_CELLS, MOST_STATIONARY_STEPS = 100_000, 8
+CUT_AWAY = 1e-3  # how far from the ends of a cell a place to cut is at least, as a part of it
+
+_MAP_CODES = {(row.start.boundary, row.mode, row.end.boundary): int(label[1:]) for label, row in MAPS.items()}
+#: Number of the mapping by (belt at its start, mode, belt at its end); 0 for none.
+MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in range(6) for to in range(3)])
+
+
+class Kept(NamedTuple):
+    """What a tally keeps beside counts and the last state."""
+
+    stuck: bool  # the time on belts
+    extent: bool  # the extremes of the ends of steps
+    inside: bool  # and those inside flights
+    ring: int  # sections; 0: neither these nor words
+    longest: int  # mappings of a word
+
+
+class Tally(NamedTuple):
+    """The summaries of motions, a row each; the last sections and words are kept in a ring."""
+
+    asked: Kept
+    floats: np.ndarray  # (n, 13)
+    ints: np.ndarray  # (n, 9)
+    sections: np.ndarray  # (n, ring, 8)
+    words: np.ndarray  # (n, ring), of the periods that end at these sections; -1 for none
+    labels: np.ndarray  # (n, 2, longest word): mappings of the word now, and of the last whole one
+
+
+class Extremes(NamedTuple):
+    """The smallest and the largest position and velocity so far."""
+
+    x_min: float
+    x_max: float
+    v_min: float
+    v_max: float
+
+
+@cache
+def no_tally() -> Tally:
+    """Return a tally of no motion: events are recorded."""
+    return begun_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
+
+
+def begun_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
+    """Return the tally of motions at their starts (rows of a batch), of which the times `skipped` are left out."""
+    count = len(states)
+    floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
+    floats[:, SKIPPED] = skipped
+    floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
+    floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
+    ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
+    # Places of sections that were not reached are never read.
+    sections, words = np.empty((count, asked.ring, 8)), np.full((count, asked.ring), -1, np.int64)
+    return Tally(asked, floats, ints, sections, words, np.zeros((count, 2, asked.longest), np.uint8))
+
+
+def some_of(tally: Tally, rows: Any) -> Tally:
+    """Return the tallies of some motions, as a copy."""
+    return Tally(tally.asked, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
+
+
+def put_back(tally: Tally, rows: Any, own: Tally) -> None:
+    """Write the tallies of some motions."""
+    if len(tally.floats):
+        for column, part in zip(tally[1:], own[1:], strict=True):
+            column[rows] = part
+
+
+# --- step by step ---
+
+
+def tally_step(i, before, found, t0, tally, K):
+    """Count a step of motion `i` from the state `before` to the NextEvent `found`."""
+    after, asked, ints = found.state, tally.asked, tally.ints
+    if found.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
+        ints[i, EVENTS_SO_FAR] += 1
+        ints[i, STICKS] += found.code == STICK
+    if asked.extent or (asked.stuck and before.mode > ON_BELT):
+        tau = (after.t - before.t) + (after.t_low - before.t_low)
+        tally_stretch(i, before, after, tau, t0, tally, K)
+    if asked.ring == 0:
+        return
+    if after.n > before.n:
+        tally_sections(i, before, after.n, after.S, tally, K)
+    if found.code <= GRAZE:
+        to_section, reach = TWO_PI - after.theta, 8.0 * (K.Om * found.t_error)
+        near = to_section < AT_SECTION + (reach if reach < MOST_AT_SECTION else MOST_AT_SECTION)
+        if near and ints[i, EARLY] == 0:
+            close_word(i, tally)
+            ints[i, EARLY] = 1
+        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + found.boundary])
+        if code > 0:
+            length = ints[i, LENGTH]
+            if length < tally.labels.shape[2]:
+                tally.labels[i, 0, length] = code
+            ints[i, LENGTH] = length + 1
+            ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
+        ints[i, PLANE] = found.boundary
+
+
+def launch_of(state):
+    """Return the launch of a flight from a state."""
+    return Launch(state.v, state.Fb, state.s, state.c)
+
+
+def tally_stretch(i, before, after, tau, t0, tally, K):
+    """Count the time and the extremes of the way from one state to another, as far as it is not left out."""
+    floats, asked = tally.floats, tally.asked
+    begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
+    if tau < begin:
+        return
+    begin = begin if begin > 0.0 else 0.0
+    x, v = before.x, before.v
+    if before.mode > ON_BELT:
+        floats[i, STUCK] += tau - begin
+        x = x + v * begin
+    elif begin > 0.0 and asked.extent:
+        now = state_at(begin, launch_of(before), K)
+        x, v = x + now.dx, v + now.dv
+    if not asked.extent:
+        return
+    ends = Extremes(floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH])
+    ends = widened(widened(ends, x, v), after.x, after.v)
+    floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH] = ends
+    if not asked.inside:
+        return
+    seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
+    seen = widened(widened(seen, x, v), after.x, after.v)
+    if before.mode <= ON_BELT:
+        start = launch_of(before)
+        if K.stiff:
+            last = state_at(tau, start, K)
+        else:  # from the state behind it
+            F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
+            G1, G2, G3 = derivatives(after.v, F, after.s, after.c, K)
+            dx, dv = after.x - before.x, after.v - before.v
+            last = Flown(tau, dx, dv, F, G1, G2, G3, after.s, after.c, 1.0, 0.0, 0.0)
+        seen = flight_extremes(begin, last, start, before.x, seen, K)
+    floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
+
+
+def tally_sections(i, before, last, S, tally, K):
+    """Keep the sections between a state and the period number `last`, as many of the last ones as the ring holds."""
+    ring = tally.words.shape[1]
+    first = before.n + 1
+    if last - first >= ring:  # a long way without an event: all but the last words are empty
+        close_word(i, tally)
+        tally.ints[i, SECTIONS] += (last - ring) - first
+        first, tally.ints[i, EARLY] = last - ring, 1
+    S_x, S_v = max(before.S.S11, S.S11), max(before.S.S22, S.S22)
+    for period in range(first, last + 1):
+        tau = ((period - before.n) * TWO_PI - before.theta) / K.Om
+        keep_section(i, before, tau, S_x, S_v, tally)
+
+
+def keep_section(i, before, tau, S_x, S_v, tally):
+    """Keep a section `tau` after a state; the word of its period ends here unless an event just before did that."""
+    ints = tally.ints
+    if ints[i, EARLY] == 0:
+        close_word(i, tally)
+    kept = tally.sections[i, ints[i, SECTIONS] % tally.words.shape[1]]
+    kept[FLIES], kept[SINCE] = 1.0 if before.mode <= ON_BELT and tau > 0.0 else 0.0, tau
+    kept[FROM_THETA], kept[FROM_X], kept[FROM_V], kept[FROM_F] = before.theta, before.x, before.v, before.Fb
+    kept[S11_THERE], kept[S22_THERE] = S_x, S_v
+    ints[i, SECTIONS] += 1
+    ints[i, EARLY] = 0
+
+
+def close_word(i, tally):
+    """Keep the word of the period that ends, if that is a whole one, and begin the next."""
+    ints, labels, ring = tally.ints, tally.labels, tally.words.shape[1]
+    length = ints[i, LENGTH]
+    if ints[i, WHOLE] == 1:
+        tally.words[i, ints[i, SECTIONS] % ring] = ints[i, CODE] * 64 % WORD_MODULUS + length % 64
+        for n in range(min(length, labels.shape[2])):
+            labels[i, 1, n] = labels[i, 0, n]
+        ints[i, LAST_LENGTH] = length
+    else:
+        tally.words[i, ints[i, SECTIONS] % ring] = -1
+    ints[i, WHOLE], ints[i, LENGTH], ints[i, CODE] = 1, 0, 0
+
+
+def leave_tally(i, last, code, left, t0, tally, K):
+    """Keep the last state of a motion that ended, or goes on later; `left` is the time to its end."""
+    n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
+    if code == REST:  # without any more events
+        rest = rest_of(left, K)
+        n, theta, _ = later(last.n, last.theta, last.theta_low, rest, K)
+        n = n + int((left - rest) / K.period + 0.5)
+        if tally.asked.extent or tally.asked.stuck:
+            rest_stretches(i, last, left, t0, tally, K)
+        if tally.asked.ring > 0:
+            tally_sections(i, last, n, last.S, tally, K)
+        t, x = last.t + left, last.x + last.v * left
+        if last.mode <= ON_BELT:
+            turn = theta - last.theta
+            x, v = flown(last.x, launch_of(last), left, sin(turn), cos(turn), K)
+    tally.floats[i, T_LAST], tally.floats[i, X_LAST], tally.floats[i, V_LAST] = t, x, v
+    if code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION:  # a section that is just ahead
+        clock = t, last.t_low, sin(theta), cos(theta), 0.0
+        state = State(last.mode, last.at, n, theta, x, v, last.Fb, last.Fa, last.S, *clock)
+        keep_section(i, state, 0.0, state.S.S11, state.S.S22, tally)
+
+
+def rest_of(tau, K):
+    """Return the remainder of a time after whole forcing periods, of which there may be many."""
+    if tau < K.period:
+        return tau
+    rest = tau % K.period
+    turns = (tau - rest) / K.period
+    rest = rest - turns * K.period_low
+    return rest if rest >= 0.0 else 0.0
+
+
+def rest_stretches(i, state, left, t0, tally, K):
+    """Count the time and the extremes of a motion without any more events.
+
+    Its extremes are looked for piece by piece, until the transient is over; then one period shows all that is to come.
+    """
+    decay = K.h if K.under else -K.l1
+    fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
+    now, passed = state, 0.0
+    for _ in range(MOST_REST_STEPS):
+        step = left - passed if state.mode > ON_BELT or left - passed < K.chunk else K.chunk
+        x, v, F = now.x + now.v * step, now.v, now.Fb
+        if state.mode <= ON_BELT:
+            there = state_at(step, launch_of(now), K)
+            x, v, F = now.x + there.dx, now.v + there.dv, there.F
+        _, phase, theta_low = later(0, now.theta, now.theta_low, step, K)
+        clock = now.t + step, now.t_low, sin(phase), cos(phase), theta_low
+        then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
+        tally_stretch(i, now, then, step, t0, tally, K)
+        passed = passed + step
+        if passed >= left or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
+            break
+        now = then
+
+
+def flown(x, start, tau, s_Om, c_Om, K):
+    """Return position and velocity of a flight from x, given sine and cosine of what the phase gains."""
+    E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
+    dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    return x + dx, start.v + dv
+
+
+# --- at the end: the last sections, and after how many periods they repeat ---
+
+
+def settle(tally, sets, table, sections, repeats):
+    """Write the last sections of motions, and after how many periods these repeat.
+
+    `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
+    and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
+    periods, 0 for a motion that does not repeat.
+    """
+    wanted = sections.shape[1]
+    for i in range(sets.shape[0]):
+        K = table[sets[i]]
+        there = tally.ints[i, SECTIONS]
+        for n in range(wanted if wanted < there else there):
+            kept = section(i, there - 1 - n, tally, K)
+            sections[i, wanted - 1 - n, 0], sections[i, wanted - 1 - n, 1] = kept[FROM_X], kept[FROM_V]
+        if repeats.shape[0] > 0:
+            repeats[i] = periods(i, tally, K)
+
+
+def periods(i, tally, K):
+    """Return after how many periods words and sections repeat, twice in a row; 0 if they do not."""
+    there = tally.ints[i, SECTIONS]
+    for m in range(1, LONGEST_REPEAT + 1):
+        if 2 * m > there:
+            return 0
+        if same_words(i, m, tally) and same_sections(i, m, tally, K):
+            return m
+    return 0
+
+
+def same_words(i, m, tally):
+    """Return whether the last m words are whole and those of the m periods before."""
+    words, ring, there = tally.words, tally.words.shape[1], tally.ints[i, SECTIONS]
+    for n in range(there - m, there):
+        before = words[i, (n - m) % ring]
+        if before < 0 or words[i, n % ring] != before:
+            return False
+    return True
+
+
+def same_sections(i, m, tally, K):
+    """Return whether the last m sections are those of the m periods before."""
+    floats, there = tally.floats, tally.ints[i, SECTIONS]
+    x_extent, v_extent = floats[i, X_HIGH] - floats[i, X_LOW], floats[i, V_HIGH] - floats[i, V_LOW]
+    for n in range(there - m, there):
+        now, before = section(i, n, tally, K), section(i, n - m, tally, K)
+        x_error = sqrt(now[S11_THERE]) + sqrt(before[S11_THERE])
+        v_error = sqrt(now[S22_THERE]) + sqrt(before[S22_THERE])
+        same = abs(now[FROM_X] - before[FROM_X]) <= SAME_PART * x_extent + SAME_ERRORS * x_error
+        if not (same and abs(now[FROM_V] - before[FROM_V]) <= SAME_PART * v_extent + SAME_ERRORS * v_error):
+            return False
+    return True
+
+
+def section(i, n, tally, K):
+    """Return a section of the ring by its number, as one that is reached at once, computed if it is not yet."""
+    kept = tally.sections[i, n % tally.words.shape[1]]
+    x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
+    if kept[FLIES] > 0.0:
+        s, c = sin(theta), cos(theta)
+        x, v = flown(x, Launch(v, kept[FROM_F], s, c), tau, -s, c, K)
+    else:
+        x = x + v * tau
+    kept[FLIES], kept[SINCE], kept[FROM_X], kept[FROM_V] = 0.0, 0.0, x, v
+    return kept
+
+
+# --- the extremes of a flight, its stationary points included ---
+
+
+def widened(seen, x, v):
+    """Return extremes that include a point."""
+    return Extremes(
+        x if x < seen.x_min else seen.x_min,
+        x if x > seen.x_max else seen.x_max,
+        v if v < seen.v_min else seen.v_min,
+        v if v > seen.v_max else seen.v_max,
+    )
+
+
+def flight_extremes(begin, last, start, x0, seen, K):
+    """Return extremes that include a flight from the time `begin` to `last` (Flown), if they include its ends.
+
+    `start` is its Launch, x0 the position there.
+    """
+    if begin > 0.0:
+        now = state_at(begin, start, K)
+    else:
+        G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
+        now = Flown(0.0, 0.0, 0.0, start.F, G1, G2, G3, start.s, start.c, 1.0, 0.0, 0.0)
+    end, cell = last.tau, FIRST_CELL * K.moment
+    for _ in range(MOST_CELLS):
+        if now.tau >= end:
+            break
+        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+        cell = 1.0 / K.Om if not K.steady and cell * K.Om > 1.0 else cell
+        then = last
+        if cell < end - now.tau:
+            then = state_at(now.tau + cell, start, K)
+            seen = widened(seen, x0 + then.dx, start.v + then.dv)
+        cut = False
+        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not covered(now, then, M4, start.v, x0, seen):
+            then, cut = cut_at(now, then, start, K), True
+            seen = widened(seen, x0 + then.dx, start.v + then.dv)
+        cell = FIRST_CELL * K.moment if cut or cell < FIRST_CELL * K.moment else 2.0 * cell
+        now = then
+    return seen
+
+
+def covered(now, then, M4, v0, x0, seen):
+    """Return whether a cell lies within the extremes: one half seen from its beginning, the other from its end."""
+    half = 0.5 * (then.tau - now.tau)
+    return within(half, 1.0, now, M4, v0, x0, seen) and within(half, -1.0, then, M4, v0, x0, seen)
+
+
+def within(reach, way, now, M4, v0, x0, seen):
+    """Return whether a flight stays within the extremes for the time `reach` after a point, or before it (way -1)."""
+    v, x = v0 + now.dv, x0 + now.dx
+    slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
+    half, third, fourth = 0.5 * now.G1, way * SIXTH * now.G2, -0.25 * SIXTH * M4
+    slope = way * now.F
+    if not (
+        stays_positive(reach, seen.v_max - v + slack, -slope, -half, -third, fourth)
+        and stays_positive(reach, v - seen.v_min + slack, slope, half, third, fourth)
+    ):
+        return False
+    slack = WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
+    M3 = abs(now.G2) + (abs(now.G3) + 0.5 * M4 * reach) * reach
+    slope, half, third, fourth = way * v, 0.5 * now.F, way * SIXTH * now.G1, -0.25 * SIXTH * M3
+    return stays_positive(reach, seen.x_max - x + slack, -slope, -half, -third, fourth) and stays_positive(
+        reach, x - seen.x_min + slack, slope, half, third, fourth
+    )
+
+
+def stays_positive(reach, p0, p1, p2, p3, p4):
+    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach]: `positive_on`, which does not see a shallow dip."""
+    if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
+        return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
+    return positive_on(reach, (p0, p1, p2, p3, p4))
+
+
+def cut_at(now, then, start, K):
+    """Return a point between two: where the acceleration is 0, or the velocity, or the middle."""
+    width = then.tau - now.tau
+    for of_v in (True, False):
+        first, rise, _ = rates(now, of_v, start)
+        last, rise_last, _ = rates(then, of_v, start)
+        # A stationary point at an end is known, and no place to cut.
+        at_end = abs(first) <= CUT_AWAY * abs(rise) * width or abs(last) <= CUT_AWAY * abs(rise_last) * width
+        if first * last < 0.0 and not at_end:
+            here = stationary(now, then, of_v, start, K)
+            if now.tau < here.tau < then.tau:
+                return here
+    return state_at(0.5 * (now.tau + then.tau), start, K)
+
+
+def rates(now, of_v, start):
+    """Return the first three derivatives of v, or of x, at a point of a flight."""
+    return (now.F, now.G1, now.G2) if of_v else (start.v + now.dv, now.F, now.G1)
+
+
+def stationary(now, then, of_v, start, K):
+    """Return the point between two where v is stationary, or x: by Halley's method, and a short shift at the end."""
+    low, high, width = now.tau, then.tau, then.tau - now.tau
+    first, rise, _ = rates(now, of_v, start)
+    last, _, _ = rates(then, of_v, start)
+    tau = low + parabola_root(first, rise, last, width)
+    here = now
+    for _ in range(MOST_STATIONARY_STEPS):
+        here = state_at(tau, start, K)
+        value, slope, bend = rates(here, of_v, start)
+        if (value < 0.0) == (first < 0.0):
+            low = tau
+        else:
+            high = tau
+        square = slope * slope - 0.5 * value * bend
+        shift = -value * slope / square if square > 0.0 else 2.0 * width
+        if abs(shift) * K.rate < NEAR:  # the extreme is off by the square of what is missing
+            dv = here.dv + (here.F + (0.5 * here.G1 + SIXTH * here.G2 * shift) * shift) * shift
+            there = shifted(here, shift, start.v, K)
+            G1, G2 = here.G1 + here.G2 * shift, here.G2 + here.G3 * shift
+            s, c, E0, E1, E2 = there.s, there.c, there.E0, there.E1, there.E2
+            return Flown(there.tau, there.dx, dv, there.F, G1, G2, here.G3, s, c, E0, E1, E2)
+        tau = tau + shift
+        if not low < tau < high:
+            tau = 0.5 * (low + high)
+    return here
+
+
+def parabola_root(f0, slope, f1, width):
+    """Return the root in (0, width) of the parabola with f0 and a slope at 0 and f1, of the other sign, at `width`."""
+    bend = (f1 - f0 - slope * width) / (width * width)
+    square = slope * slope - 4.0 * bend * f0
+    root = sqrt(square) if square > 0.0 else 0.0
+    below = slope + (root if f1 > 0.0 else -root)
+    tau = -2.0 * f0 / below if below != 0.0 else 0.5 * width
+    return tau if 0.0 < tau < width else 0.5 * width

@@ -1,0 +1,294 @@
+"""Many digits: MPFR beside mpmath, and one precision for all threads."""
+
+from __future__ import annotations
+
+import importlib
+import random
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
+from importlib.util import find_spec
+from typing import Any
+
+import mpmath
+import pytest
+from mpmath.ctx_mp import MPContext
+from samples import sample_of
+
+from symosc import Parameters, find_orbit, grazing_start, grazing_window, jacobian, load_scene, simulate, solve_map
+from symosc.derive.document import chapter_items
+from symosc.derive.scope import Scope
+from symosc.derive.steps import Step
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.engine.start import Start
+from symosc.kernels.multiprecision import mp_context
+from symosc.simulation import motion
+
+gmpy2: Any = importlib.import_module("gmpy2") if find_spec("gmpy2") else None
+mpfr: Any = importlib.import_module("symosc.kernels.mpfr") if gmpy2 else None
+needs_gmpy2 = pytest.mark.skipif(gmpy2 is None, reason="needs gmpy2")
+
+
+def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
+    """Return random parameters in all regimes of damping, and a start, some on a belt."""
+    dice = random.Random(seed)
+    numbers = {name: Fraction(dice.randint(10, 300), 100) for name in ("m", "k", "A0", "B0", "Omega", "FN")}
+    c = dice.choice((Fraction(0), Fraction(dice.randint(1, 500), 100)))
+    p = Parameters(v1=-1, v2=1, mu1="0.3", mu2="0.4", c=c, **numbers)
+    start = {"t0": dice.randint(0, 50), "x0": Fraction(dice.randint(-99, 99), 50), "v0": dice.choice(("0.37", 1, -2))}
+    return p, {**start, "t_end": start["t0"] + 12}
+
+
+def followed(start: Start, arithmetic: MpArithmetic) -> motion.Motion:
+    path = motion.Motion(start, arithmetic)
+    while not path.ended:
+        path.step()
+    return path
+
+
+@needs_gmpy2
+@sample_of(12, 300)
+def test_the_events_are_those_of_mpmath(count: int) -> None:
+    seen = 0
+    for seed in range(count):
+        p, given = problem(seed)
+        start = Start(p, **{name: Fraction(value) for name, value in given.items()})
+        digits = random.Random(seed).choice((20, 36, 60, 111))
+        fast, plain = (MpArithmetic(p, digits, fast) for fast in (True, False))
+        assert fast.following is not fast.namespace
+        ours, theirs = followed(start, fast), followed(start, plain)
+        assert (ours.code, ours.decided, len(ours.events)) == (theirs.code, theirs.decided, len(theirs.events))
+        for a, b in zip(ours.events, theirs.events, strict=True):
+            assert (a.kind, a.boundary, a.source, a.target) == (b.kind, b.boundary, b.source, b.target), seed
+            assert a.t.context is b.t.context is mp_context(digits)
+            assert abs(a.t - b.t) <= 20 * b.t_error, seed
+            assert abs(a.x - b.x) <= 20 * b.x_error, seed
+            assert a.t_error == pytest.approx(b.t_error, rel=1e-3)
+        assert [piece.mode for piece in ours.pieces] == [piece.mode for piece in theirs.pieces]
+        seen += len(ours.events)
+    assert seen > 3 * count
+
+
+@needs_gmpy2
+@pytest.mark.parametrize("digits", [5, 17, 36, 400])
+def test_numbers_cross_the_border_exactly(digits: int) -> None:
+    context, inner = mp_context(digits), mpfr.mpfr_context(mp_context(digits).prec)
+    dice = random.Random(digits)
+    numbers = [context.mpf(dice.uniform(-1, 1)) / 3 * context.mpf(2) ** dice.randint(-5000, 5000) for _ in range(50)]
+    before = inner.enter()
+    try:
+        for number in [*numbers, context.mpf(0), context.inf, -context.inf]:
+            there = mpfr.from_mpf(number)
+            assert there.precision == context.prec
+            back = mpfr.to_mpf(there, context)
+            assert back == number
+            assert back.context is context
+    finally:
+        inner.leave(before)
+
+
+@needs_gmpy2
+def test_the_precision_of_others_is_left_alone() -> None:
+    """Whatever precision a thread has for itself, and however many digits other threads ask for at the same time."""
+    scene = load_scene("fig5")
+
+    def told(digits: int) -> Any:
+        trajectory = simulate(scene, digits=digits, t_end=8)
+        return [(event.t, event.x, event.t_error) for event in trajectory.events], trajectory.status
+
+    wanted = {digits: told(digits) for digits in (17, 20, 33, 50)}
+
+    def job(n: int) -> None:
+        own = gmpy2.context(precision=11 + 100 * n, round=gmpy2.RoundUp)
+        gmpy2.set_context(own)
+        third = gmpy2.mpfr(1) / 3
+        for digits in random.Random(n).sample(sorted(wanted), 4):
+            assert told(digits) == wanted[digits]
+            assert gmpy2.get_context() is own
+            assert gmpy2.mpfr(1) / 3 == third
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(8) as pool:
+            list(pool.map(job, range(8)))
+    finally:
+        sys.setswitchinterval(interval)
+
+
+@needs_gmpy2
+def test_an_error_leaves_the_precision_as_it_was() -> None:
+    p, given = problem(1)
+    path, before = (
+        motion.Motion(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
+        gmpy2.get_context(),
+    )
+    path._end = None, None  # type: ignore[assignment]
+    with pytest.raises(TypeError):
+        path.step()
+    assert gmpy2.get_context() is before
+
+
+WITHOUT = """
+import sys
+sys.modules["gmpy2"] = None
+from symosc import load_scene, simulate, solve_map
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.kernels.multiprecision import mp_context
+arithmetic = MpArithmetic(load_scene("fig5").parameters, 30)
+assert arithmetic.following is arithmetic.namespace
+for name in ("fig8", "fig8-exact"):
+    print([(e.kind, str(e.t), str(e.x)) for e in simulate(name, digits=25, max_events=4).events])
+    print([(e.kind, e.t, e.x, e.t_error) for e in simulate(name, max_events=4).events])
+start = mp_context(25).mpf("4.5"), mp_context(25).mpf("0.5")
+print(solve_map(load_scene("fig9").parameters, "P2", *start).x)
+"""
+
+
+@needs_gmpy2
+@pytest.mark.slow
+def test_without_gmpy2_the_results_are_the_same() -> None:
+    without = subprocess.run([sys.executable, "-c", WITHOUT], check=True, capture_output=True, text=True).stdout
+    lines = []
+    for name in ("fig8", "fig8-exact"):
+        lines.append([(e.kind, str(e.t), str(e.x)) for e in simulate(name, digits=25, max_events=4).events])
+        lines.append([(e.kind, e.t, e.x, e.t_error) for e in simulate(name, max_events=4).events])
+    start = mp_context(25).mpf("4.5"), mp_context(25).mpf("0.5")
+    lines.append(solve_map(load_scene("fig9").parameters, "P2", *start).x)
+    assert without.splitlines() == [str(line) for line in lines]
+
+
+THREADS = 8
+Job = Callable[[], Any]
+
+
+@pytest.fixture(autouse=True)
+def quick_switches() -> Iterator[None]:
+    """Let threads take turns as often as Python can."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(usual)
+
+
+def in_threads(jobs: list[Job], repeats: int = 3) -> None:
+    """Run every job in several threads at once; each must return what it does alone, before and after."""
+    alone = [repr(job()) for job in jobs]
+    order = [n for seed in range(repeats) for n in random.Random(seed).sample(range(len(jobs)), len(jobs))]
+    prec = mpmath.mp.prec
+    with ThreadPoolExecutor(THREADS) as pool:
+        together = list(pool.map(lambda n: (n, repr(jobs[n]()), mpmath.mp.prec), order))
+    assert {seen for _, _, seen in together} == {prec}
+    assert [n for n, found, _ in together if found != alone[n]] == []
+    assert [repr(job()) for job in jobs] == alone
+
+
+def scenario(seed: int) -> tuple[Parameters, dict[str, Any], int]:
+    """Return random parameters, a start on no belt, and a number of digits that other seeds have too."""
+    dice = random.Random(seed)
+    numbers = {name: Fraction(dice.randint(10, 300), 100) for name in ("m", "c", "k", "A0", "B0", "Omega", "FN")}
+    p = Parameters(v1=-1, v2=1, mu1="0.3", mu2="0.4", **numbers)
+    start = {"t0": dice.randint(0, 50), "x0": Fraction(dice.randint(-99, 99), 50), "v0": "0.37"}
+    return p, {**start, "t_end": start["t0"] + 3}, dice.choice((17, 25, 35, 50))
+
+
+@pytest.mark.slow
+def test_trajectories() -> None:
+    def job(seed: int) -> Any:
+        p, start, digits = scenario(seed)
+        run = simulate(p, **start, digits=digits)
+        return run.status, run.events, run.segments
+
+    in_threads([lambda seed=seed: job(seed) for seed in range(24)])
+
+
+def test_the_digits_printed_stay_those_asked_for() -> None:
+    """Once, numbers of digits=35 had 58 digits for ever after."""
+    scene = load_scene("fig5")
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(lambda n: simulate(scene, digits=(20, 35)[n % 2], max_events=2), range(16)))
+    x = simulate(scene, digits=35, max_events=2).events[1].x
+    assert 34 <= len(str(x).lstrip("-0.").replace(".", "")) <= 35
+
+
+@pytest.mark.slow
+def test_orbits_grazing_starts_and_windows() -> None:
+    scene, fig8 = load_scene("fig9-orbit"), load_scene("fig8").parameters
+    orbit = find_orbit(scene.parameters, scene.structure)
+    window = grazing_window(fig8, "P3")
+    jobs: list[Job] = [lambda d=d: find_orbit(scene.parameters, "P32", orbit, digits=d).points for d in (20, 30, 45)]
+    jobs += [lambda d=d: grazing_start(fig8, "P3", t_m="3.14159", t0="2.5", digits=d) for d in (15, 25, 40)]
+    jobs += [lambda n=n: window.contains(Fraction(n, 1000)) for n in (1, 100, 3141, 12345)]
+    in_threads(jobs)
+
+
+@pytest.mark.slow
+def test_maps_of_mpmath_numbers() -> None:
+    """Also those of mpmath's own context, whose precision is the caller's."""
+    scene = load_scene("fig9-orbit")
+    p, points = scene.parameters, find_orbit(scene.parameters, "P32").points
+
+    def job(number: Any, i: int) -> Any:
+        t, x = points[i]
+        start = number(x), number(t * float(p.Omega))
+        later = number(x) + number(1) / 3, start[1] + number(2)
+        return jacobian(p, ("P2", "P3")[i], start, later)
+
+    def solved(number: Any) -> Any:
+        t, x = points[0]
+        end = solve_map(p, "P2", number(x), number(t * float(p.Omega)))
+        return end.x, end.theta, end.derivative
+
+    kinds = [mpmath.mpf, mp_context(25).mpf, mp_context(40).mpf]
+    jobs: list[Job] = [lambda kind=kind, i=i: job(kind, i) for kind in kinds for i in (0, 1)]
+    in_threads(jobs + [lambda kind=kind: solved(kind) for kind in kinds], repeats=20)
+
+
+def test_one_arithmetic_for_all_threads() -> None:
+    """Arithmetics are kept and shared: entire functions and phases must not disturb each other."""
+    p = load_scene("fig5").parameters
+    arithmetic = MpArithmetic(p, 30)
+    basis, K, number = arithmetic.namespace["basis"], arithmetic.K, arithmetic.number
+    jobs: list[Job] = [lambda n=n: basis(number(Fraction(n, 7)), K) for n in (1, 2, 20, 30)]
+    in_threads(jobs + [lambda n=n: arithmetic.phase(Fraction(10**n, 3)) for n in (1, 9, 18)])
+
+
+@pytest.mark.slow
+def test_nothing_changes_the_precision_of_mpmath(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the precision of all threads: not for derivations at 50 digits, not for mappings of its numbers."""
+    changes = []
+    for name in ("prec", "dps"):
+        usual = getattr(MPContext, name)
+
+        def change(context: Any, value: int, usual: property = usual) -> None:
+            changes.append((context, value))
+            usual.fset(context, value)  # type: ignore[misc]
+
+        monkeypatch.setattr(MPContext, name, property(usual.fget, change))
+    p = load_scene("fig9-orbit").parameters
+    jacobian(p, "P2", (mpmath.mpf(1), mpmath.mpf(2)), (mpmath.mpf(1), mpmath.mpf(7)))
+    _, items = chapter_items("orbits", Scope(load_scene("fig9")))
+    for step in [item for item in items if isinstance(item, Step)][:6]:
+        step.verify()
+    assert changes == []
+
+
+def test_linear_equations_are_solved_in_a_shared_context() -> None:
+    context = mp_context(40)
+    A, b = context.matrix([[1, 2, 0], [3, 4, 5], [0, 1, 7]]), [context.mpf(n) / 3 for n in (1, 2, 3)]
+    residual = A * context.lu_solve(A, b) - context.matrix(b)
+    assert max(map(abs, residual)) < 1e-39
+
+
+def test_a_shared_context_cannot_be_changed() -> None:
+    context = mp_context(30)
+    for change in (lambda: setattr(context, "dps", 50), lambda: setattr(context, "prec", 50)):
+        with pytest.raises(AttributeError, match="fixed"):
+            change()
+    with pytest.raises(AttributeError, match="fixed"), context.workdps(50):
+        pass
+    own = context.clone()
+    own.dps = 50
+    assert (own.dps, context.dps) == (50, 30)
