@@ -21,14 +21,12 @@ import numpy as np
 
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
 from symosc.bench.solvers import Late, Solver
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.model import NEIGHBOURS
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 #: Steps that a run may take: this number per period, and as many before the first one.
 MOST_HEYOKA_STEPS = 100 * CHATTER
-#: Motions that the batch mode follows together, its tolerance, and the steps that it may take.
-LANES, BATCH_TOLERANCE, MOST_BATCH_STEPS = 8, 1e-16, 10_000_000
 
 
 class Tables(NamedTuple):
@@ -125,54 +123,6 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Late]:
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
         return Late(lambda: list(map(FoundEvents._make, rows)))
-
-    return run
-
-
-def count_by_heyoka(parameters: Parameters, starts: np.ndarray, duration: float) -> Callable[[], np.ndarray]:
-    """Return a function that counts the events of motions, LANES at a time in batch mode, each for one duration."""
-    import heyoka as hy
-
-    q = problem(parameters)
-    A, belts, pars, offsets = tables(q)
-    counts, modes = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-
-    def callback(event: int) -> Callable[[Any, int, int], bool]:
-        belt = belts[event]
-
-        def act(integrator: Any, sign: int, lane: int) -> bool:
-            state, p_now, source = integrator.state, integrator.pars, int(modes[lane])
-            if source > 3:
-                boundary = source - 3
-                now = boundary + event - 1
-                state[1, lane] = offsets[boundary, now]
-            else:
-                a = state[2, lane] - q.stiffness * state[0, lane] - q.damping * belt
-                now = event + 1 if a + A[event + 1] > 0.0 else event if a + A[event] < 0.0 else 3 + event
-                state[1, lane] = belt if now > 3 else offsets[event, now]
-            modes[lane], p_now[:, lane] = now, pars[now]
-            counts[lane] += 1
-            return True
-
-        return act
-
-    rates, functions = equations(q)
-    events = [hy.t_event_batch(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
-    options = {"t_events": events, "tol": BATCH_TOLERANCE, "fast_math": True, "pars": np.zeros((8, LANES))}
-    integrator = hy.taylor_adaptive_batch(rates, np.zeros((4, LANES)), **options)
-
-    def run() -> np.ndarray:
-        found = []
-        for begin in range(0, len(starts), LANES):
-            t, x, v = starts[begin : begin + LANES].T
-            modes[:] = 1 + (v > q.v1) + (v > q.v2)
-            counts[:] = 0
-            integrator.set_time(0.0)
-            integrator.state[:] = x, v, q.swing * np.cos(q.Omega * t), q.swing * np.sin(q.Omega * t)
-            integrator.pars[:] = np.array([pars[mode] for mode in modes.tolist()]).T
-            integrator.propagate_until(duration, max_steps=MOST_BATCH_STEPS)
-            found.append(counts.copy())
-        return np.concatenate(found)
 
     return run
 

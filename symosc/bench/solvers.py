@@ -19,8 +19,8 @@ from functools import cached_property, lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from multiprocessing import get_context
-from queue import Queue
 from threading import Event as Flag
+from threading import Lock
 from typing import Any, NamedTuple
 
 from pebble import ProcessExpired, ProcessPool
@@ -251,38 +251,28 @@ def in_parallel(
     With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
     a chunk is done again where a process was lost, and does not count.
     """
-    results: Queue[Any] = Queue()
-    stop = Flag()
+    stop, turn = Flag(), Lock()
 
-    def follow(chunk: Sequence[Job]) -> None:
+    def follow(chunk: Sequence[Job]) -> dict[Any, Outcome]:
+        found: dict[Any, Outcome] = {}
         with Worker() as worker:
             fresh = bool(first_limit)
             for job in chunk:
                 if stop.is_set():
-                    return
+                    break
                 if fresh and first_limit:
                     worker.call(first_limit, chunk[0].function, *chunk[0].arguments)
-                outcome = worker.call(limit, job.function, *job.arguments)
-                fresh = outcome.lost
-                results.put((job.key, outcome))
-
-    def guarded(chunk: Sequence[Job]) -> None:
-        try:
-            follow(chunk)
-        except BaseException as error:  # the main thread is to see it, whatever it is
-            results.put(error)
+                with turn:
+                    next(steps, None)
+                found[job.key] = worker.call(limit, job.function, *job.arguments)
+                fresh = found[job.key].lost
+        return found
 
     done: dict[Any, Outcome] = {}
     with ThreadPoolExecutor(PROCESSES) as pool:
         try:
-            for chunk in chunks:
-                pool.submit(guarded, chunk)
-            for _ in range(sum(map(len, chunks))):
-                next(steps, None)
-                result = results.get()
-                if isinstance(result, BaseException):
-                    raise result
-                done[result[0]] = result[1]
+            for found in pool.map(follow, chunks):
+                done |= found
         finally:
             stop.set()
     return done

@@ -409,8 +409,8 @@ def digits_table(r: Record) -> str:
 
 # -- many motions ------------------------------------------------------------------------------------------------------
 
-#: Motions that heyoka is given, periods of all motions, and samples per period and tolerance of the scan.
-HEYOKA_MOTIONS, PERIODS, SCAN_POINTS, SCAN_ACCURACY = 160, 50, 20, 1e-13
+#: Periods of all motions, and samples per period and tolerance of the scan.
+PERIODS, SCAN_POINTS, SCAN_ACCURACY = 50, 20, 1e-13
 #: What is recorded; the first is what all solvers are asked for.
 COMPARED_RECORDS = {
     "counts": ("events",),
@@ -424,9 +424,9 @@ def measure_ensembles(quick: bool = False) -> Record:
     """Measure many motions of fig9, in processor time of one thread.
 
     Keys: motions, events; ns_per_event by what is recorded; per_s, trajectories whose events are counted per second of
-    processor time; scan and heyoka, which count too, each with per_s, over_ours and missed (events that it has less
-    than ours, motion by motion), None if it is not installed; sets_over_starts (time per event of as many values of
-    Omega as there are starts); two_workers (gain in wall time).
+    processor time; scan, which counts too, with per_s, over_ours and missed (events that it has less than ours, motion
+    by motion); sets_over_starts (time per event of as many values of Omega as there are starts); two_workers (gain in
+    wall time).
     """
     p, count, repeats = load_scene("fig9").parameters, 2_000 if quick else 10_000, 3 if quick else 5
     rng = np.random.default_rng(1)
@@ -442,22 +442,13 @@ def measure_ensembles(quick: bool = False) -> Record:
     actions: Record = {name: partial(follow, record=record) for name, record in COMPARED_RECORDS.items()}
     actions["sets"] = partial(simulate_many, columns, (0, 0, 0), sets_ends, **options, record=("events",))
     actions["scan"] = scan_of_starts(p, starts, ends - starts[:, 0])
-    if find_spec("heyoka"):
-        from symosc.bench.peers_heyoka import count_by_heyoka
-
-        actions["heyoka"] = count_by_heyoka(p, starts[:HEYOKA_MOTIONS], PERIODS * period)
     times = dict(zip(actions, in_turns(repeats, *actions.values()), strict=True))
     counts, ours = count_events().events, times["counts"]
     events, set_events = int(counts.sum()), int(actions["sets"]().events.sum())
 
-    def peer(name: str, motions: int) -> Record | None:
-        if name not in times:
-            return None
-        missed = np.maximum(counts[:motions] - actions[name](), 0)
-        over = ratio(times[name], ours) * count / motions
-        rate = {"per_s": motions / min(times[name]), "over_ours": over}
-        return rate | {"missed": int(missed.sum()), "motions": int((missed > 0).sum())}
-
+    missed = np.maximum(counts - actions["scan"](), 0)
+    scan = {"per_s": count / min(times["scan"]), "over_ours": ratio(times["scan"], ours)}
+    scan |= {"missed": int(missed.sum()), "motions": int((missed > 0).sum())}
     walls = [[best(partial(count_events, workers=n), 1) for n in (1, 2)] for _ in range(repeats + 2)]
     return {
         "motions": count,
@@ -465,8 +456,7 @@ def measure_ensembles(quick: bool = False) -> Record:
         "per_s": count / min(ours),
         "ns_per_event": {name: min(times[name]) / events * 1e9 for name in COMPARED_RECORDS},
         "sets_over_starts": ratio(times["sets"], ours) * events / set_events,
-        "scan": peer("scan", count),
-        "heyoka": peer("heyoka", HEYOKA_MOTIONS),
+        "scan": scan,
         "two_workers": max(one / two for one, two in walls),
     }
 
@@ -505,13 +495,11 @@ def ensembles_table(r: Record) -> str:
         f"as many values of Omega: {r['sets_over_starts']:.2f} times the time per event; "
         f"two workers: {r['two_workers']:.2f} times one",
     ]
-    for key, name in {"scan": f"closed form, scan {SCAN_POINTS}, numba", "heyoka": "heyoka, batch mode"}.items():
-        peer = r[key]
-        if peer is None:
-            lines.append(f"{name}: not installed")
-            continue
-        missed = f"misses {peer['missed']:,} events of {peer['motions']:,} motions"
-        lines.append(f"{name}: {peer['per_s']:,.0f} per second, symosc {peer['over_ours']:.1f} times that; {missed}")
+    scan = r["scan"]
+    lines.append(
+        f"closed form, scan {SCAN_POINTS}, numba: {scan['per_s']:,.0f} per second, symosc {scan['over_ours']:.1f} "
+        f"times that; misses {scan['missed']:,} events of {scan['motions']:,} motions"
+    )
     return "\n".join(lines)
 
 

@@ -3,5 +3,5 @@
 closing_equations, guesses and newton find roots; admissibility and verification say which of them are orbits; floquet
 has their multipliers; curve, between, behind and continuation make branches. May import: kernels to simulation.
 
-One more reason for a branch to end: a margin in admissibility; its name in plot.branch.
+One more reason for a branch to end: a margin in admissibility; its mark in plot.figures.
 """

@@ -1,8 +1,8 @@
 # The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
-from .branch import branch_figure as branch_figure
 from .drawing import check_suffix as check_suffix
 from .drawing import save as save
 from .figures import MOST_DRAWN_EVENTS as MOST_DRAWN_EVENTS
+from .figures import branch_figure as branch_figure
 from .figures import check_panels as check_panels
 from .figures import default_panels as default_panels
 from .figures import figure as figure

@@ -212,14 +212,6 @@ def test_nothing_is_wider_than_the_window(browser: Any, address: str, width: int
         assert labels == 0
 
 
-def test_a_bad_link_is_a_page_that_says_so(browser: Any, address: str) -> None:
-    with opened(browser, f"{address}?m=0&k=2") as page:
-        assert page.locator("#m-error").inner_text() == "must be > 0"
-        assert "no motion to show yet" in page.locator("#status").inner_text()
-        page.locator("#m").fill("2")
-        page.locator("#status", has_text="reached").wait_for()
-
-
 @pytest.mark.campaign
 def test_it_answers_within_a_tenth_of_a_second(browser: Any, address: str) -> None:
     """On a machine that does nothing else: other tests beside this one take most of its time."""

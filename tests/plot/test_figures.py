@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import ScalarFormatter
 from problems import ordinary
 
 import symosc
@@ -101,16 +100,6 @@ def test_axes_hold_one_panel(kind: str) -> None:
 
 
 @pytest.mark.slow
-def test_functions_of_one_panel_take_axes() -> None:
-    axes = Figure().add_subplot()
-    assert plot.sweep_figure(P, "P2", "Omega", ax=axes) is axes.figure
-    assert axes.get_xlabel() == r"$\Omega$"
-    refused(lambda: plot.sweep_figure(P, "P2", "Omega", ax=3), "ax")  # type: ignore[arg-type]
-    windows = [grazing_window(P, mapping) for mapping in ("P2", "P3")]
-    refused(lambda: plot.window_figure(windows, ax=axes), "windows")
-
-
-@pytest.mark.slow
 def test_a_root_that_is_no_orbit_is_not_drawn() -> None:
     root = find_orbit(P.replace(Omega=3), "P32")
     assert not root.admissible
@@ -162,13 +151,6 @@ def test_panels_axes_and_labels_of_fig5(fig5: Figure) -> None:
     assert names == ["mass", "belt", "onset of stick", "end of stick", "start", "$F^{(1)}$", "$F^{(2)}$"]
 
 
-@pytest.mark.slow
-def test_the_legend_covers_no_panel(fig5: Figure) -> None:
-    fig5.draw_without_rendering()
-    legend = fig5.legends[0].get_window_extent()
-    assert not any(ax.get_tightbbox().overlaps(legend) for ax in fig5.axes)  # type: ignore[union-attr]
-
-
 def test_dots_are_at_the_events(fig5: Figure) -> None:
     trajectory = simulate("fig5", t_end=9)
     for kind, label in [("stick", "onset of stick"), ("slip", "end of stick")]:
@@ -195,12 +177,6 @@ def test_belts_move_with_the_mass_through_each_stick(fig5: Figure) -> None:
             np.interp([stick.t_start, stick.t_end], t, x), trajectory([stick.t_start, stick.t_end])[0]
         )
     assert [line.get_ydata()[0] for line in lines(fig5.axes[1], "belt")] == [1, 5]  # type: ignore[index]
-
-
-def test_a_start_on_a_belt_is_the_onset_of_its_stick() -> None:
-    drawing = plot.figure("fig6", panels="b")
-    assert dots(drawing.axes[0], "onset of stick")[0] == pytest.approx([0, 5])
-    assert not lines(drawing.axes[0], "start")
 
 
 def test_a_graze_is_a_red_dot_with_its_belt() -> None:
@@ -235,13 +211,6 @@ def test_files_by_suffix_the_same_each_time(suffix: str, tmp_path: Path) -> None
     assert first == second
 
 
-@pytest.mark.slow
-def test_pdf_keeps_text_as_text_and_svg_is_vector(tmp_path: Path) -> None:
-    drawing = plot.figure("fig5", panels="b")
-    assert b"/Type /Font" in plot.save(drawing, tmp_path / "a.pdf").read_bytes()
-    assert b"<image" not in plot.save(drawing, tmp_path / "a.svg").read_bytes()
-
-
 def test_other_suffixes_and_unwritable_paths_leave_nothing(tmp_path: Path) -> None:
     drawing = plot.figure("fig7", panels="c")
     with pytest.raises(OutputError, match=r"\.pdf, \.svg or \.png"):
@@ -257,18 +226,6 @@ def test_digits_and_an_undecided_end_can_be_drawn() -> None:
     undecided = simulate("fig8", t_end=160)
     assert undecided.status == "undecidable"
     assert plot.figure(undecided, panels="b").axes
-
-
-@pytest.mark.slow
-def test_no_global_state() -> None:
-    before = dict(rcParams)
-    plot.figure("fig5", panels="b")
-    assert dict(rcParams) == before
-    code = (
-        "import sys; from symosc import plot, simulate; plot.figure(simulate('fig5'));"
-        "assert 'matplotlib.pyplot' not in sys.modules; assert 'sympy' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 # -- what the panels show ---------------------------------------------------------------------------------------------
@@ -326,22 +283,6 @@ def test_many_marks_leave_the_motion_visible() -> None:
     assert max(areas) < 1.01 * 16 * 5.6**2  # that of 16 marks in full size
     legend = plot.figure(motion, panels="b").legends[0]
     assert {handle.get_markersize() for handle in legend.legend_handles if handle.get_marker() == "^"} == {5.6}
-
-
-@pytest.mark.slow
-def test_ordinary_sticks_are_not_magnified() -> None:
-    """In a long motion every stick is short on the axis; only one far below the others gets an inset."""
-    rng, tried = random.Random(3), 0
-    while tried < 3:
-        p, start = ordinary(rng)
-        motion = simulate(p, **(start | {"t_end": start["t0"] + 150}), max_events=300)
-        sticks = [float(each.t_end - each.t_start) for each in motion.segments if each.mode.startswith("belt")]
-        if len(sticks) < 6 or motion.status != "t_end":
-            continue
-        tried += 1
-        for contact in view_of(motion, None).magnified:
-            assert contact.until - contact.since < 0.1 * np.median(sticks)
-    assert len(view_of(simulate("fig8", t_end=9), None).magnified) == 2
 
 
 @pytest.mark.slow
@@ -474,22 +415,6 @@ def test_what_changes_between_two_drawings_is_measured_again(monkeypatch: pytest
     np.testing.assert_allclose(ours, changed(), atol=1e-9)
 
 
-@pytest.mark.slow
-def test_titles_give_way_to_a_power_of_ten(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The power stands above the axes on the left, where the letter of the panel is."""
-
-    def in_powers() -> np.ndarray:
-        drawing = plot.figure("fig5", panels="a")
-        drawing.axes[0].yaxis.set_major_formatter(formatter := ScalarFormatter())
-        formatter.set_powerlimits((0, 0))
-        drawing.axes[0].set_title("(a)", loc="left", x=0.0)
-        return places(drawing)
-
-    ours = in_powers()
-    monkeypatch.setattr(PanelAxes, "get_tightbbox", Axes.get_tightbbox)
-    np.testing.assert_allclose(ours, in_powers(), atol=1e-9)
-
-
 # -- bad input --------------------------------------------------------------------------------------------------------
 
 
@@ -513,9 +438,3 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
     assert "earlier end" in message
     long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
     refused(lambda: symosc.plot.figure(long), "subject")
-
-
-def test_what_cannot_be_saved(tmp_path: Any) -> None:
-    refused(lambda: symosc.plot.save(None, tmp_path / "a.pdf"), "drawing")
-    refused(lambda: symosc.plot.save(symosc.plot.figure("fig6", panels="a"), None), "path")  # type: ignore[arg-type]
-    assert list(tmp_path.iterdir()) == []

@@ -121,13 +121,6 @@ def test_what_is_drawn_thick_is_in_the_window(mapping: str) -> None:
     assert dots
 
 
-def test_a_free_place_is_told_by_bands() -> None:
-    window = grazing_window(FIG9.replace(k=0), "P2")
-    (contacts,) = plot.window_figure(window, panels="b").axes
-    bands = sorted((patch.get_x(), patch.get_width()) for patch in contacts.patches)  # type: ignore[attr-defined]
-    assert np.array(bands) == pytest.approx(np.array([(low, high - low) for low, high, *_ in window.intervals]))
-
-
 # -- regions of two parameters ----------------------------------------------------------------------------------------
 
 
@@ -228,16 +221,6 @@ def borders(ax: Axes) -> dict[bool, list[Any]]:
         ((_, dashes),) = each.get_linestyle()
         found[dashes is None] += [piece for piece in each.allsegs[0] if len(piece)]
     return found
-
-
-def test_the_given_values_are_marked_and_named() -> None:
-    region = values_containing(FIG9, "P2", ("Omega", "k"), "7*pi/6")
-    for values, word, face in (({"Omega": "1/2"}, "inside", "black"), ({}, "outside", "white")):
-        asked = values_containing(FIG9.replace(**values), "P2", ("Omega", "k"), "7*pi/6")
-        drawing = plot.region_figure(asked)
-        (dot,) = [line for line in drawing.axes[0].lines if line.get_marker() == "o"]
-        assert (dot.get_label(), dot.get_markerfacecolor()) == (f"given values, {word}", face)
-    assert not [line for line in plot.region_figure(region, (9, 10)).axes[0].lines if line.get_marker() == "o"]
 
 
 def test_an_answer_draws_itself_into_axes_of_a_users_own() -> None:

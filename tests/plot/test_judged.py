@@ -8,14 +8,12 @@ import sys
 from copy import copy
 from html.parser import HTMLParser
 from pathlib import Path
-from shutil import which
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from answers import MAKERS, PROVEN, answer
-from bad_values import refused
 from careful_solver import TIGHT, Run, solve
 from excerpts import crosscheck
 from matplotlib.axes import Axes
@@ -25,7 +23,6 @@ from small_set import right, stored_set
 from symosc import (
     Branch,
     OutputError,
-    ParameterError,
     Parameters,
     continue_orbit,
     find_orbit,
@@ -35,7 +32,7 @@ from symosc import (
 )
 from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.report import CrossCheck
-from symosc.plot.branch import MARKERS, multiplier_curves
+from symosc.plot.figures import END_MARKERS, multiplier_curves
 from symosc.plot.judged import ABSENT, FAULTY, LEAST_UNITS
 from symosc.plot.judged import crosscheck_figure as figure
 from symosc.reference.results import CaseResult
@@ -52,11 +49,6 @@ UNDAMPED = Parameters(m=1, c=0, k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2=25, 
 @pytest.fixture(scope="module")
 def branch() -> Branch:
     return continue_orbit(FIG9, "P32", "Omega", (3, 5))
-
-
-@pytest.fixture(scope="module")
-def short() -> Branch:
-    return continue_orbit(FIG9, "P32", "Omega", ("3.9", "4.1"))
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +98,7 @@ def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch,
 @pytest.mark.slow
 def test_points_ends_and_words_are_those_of_the_branch(branch: Branch) -> None:
     positions, multipliers = plot.branch_figure(branch).axes
-    ends = [(end, row) for end, row in zip(branch.ends, (0, -1), strict=True) if end.kind in MARKERS]
+    ends = [(end, row) for end, row in zip(branch.ends, (0, -1), strict=True) if end.kind in END_MARKERS]
     assert {end.kind for end, row in ends} == {"birth of a stick"}  # the other end is where the range ends
     curves = [line for line in positions.lines if str(line.get_label()).startswith("start of")]
     for i, line in enumerate(curves):
@@ -127,7 +119,7 @@ def test_points_ends_and_words_are_those_of_the_branch(branch: Branch) -> None:
 
 def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:
     """Return kind, value and height of each mark at an end of a branch."""
-    kinds = {marker: kind for kind, marker in MARKERS.items()}
+    kinds = {marker: kind for kind, marker in END_MARKERS.items()}
     dots = [line for line in ax.lines if line.get_marker() in kinds]
     return {(kinds[str(line.get_marker())], *map(float, np.asarray(line.get_xydata())[0])) for line in dots}  # type: ignore[misc]
 
@@ -244,31 +236,6 @@ def test_the_first_wrong_step_is_drawn() -> None:
     assert exact.get_ydata()[-1] - given[0] == pytest.approx(check.defects[step, 1], abs=1e-9)  # type: ignore[index]
 
 
-def test_events_of_the_step_are_marked() -> None:
-    check = spoilt()
-    event = check.trajectory.events[0]
-    step = int(np.searchsorted(check.t, float(event.t))) - 1
-    axes = plot.step_figure(check, step, "a").axes[0]
-    marked = [line.get_xdata()[0] for line in axes.get_lines() if line.get_label() == "exact event"]  # type: ignore[index]
-    assert marked == pytest.approx([float(event.t)], abs=1e-6)
-    assert event.kind in {text.get_text() for text in axes.texts}
-
-
-def test_bad_input_costs_a_line() -> None:
-    check = spoilt()
-    for step in (-1, len(check.t) - 1, "first"):
-        with pytest.raises(ParameterError, match="step"):
-            plot.step_figure(check, step)  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match="panels"):
-        plot.step_figure(check, 0, "c")
-    with pytest.raises(ParameterError, match="check"):
-        plot.step_figure("check")  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match="ax"):
-        plot.step_figure(check, 0, "a", ax=3)  # type: ignore[arg-type]
-    own = Figure().subplots()
-    assert plot.step_figure(check, 0, "b", ax=own) is own.figure
-
-
 # -- certificates -----------------------------------------------------------------------------------------------------
 
 
@@ -278,12 +245,6 @@ def test_widths_are_those_of_the_enclosures() -> None:
     drawn = np.array([line.get_xydata() for line in axes.lines])
     assert drawn[:, 0, 0] == pytest.approx([1.58260582141] * 2, rel=1e-12)
     assert drawn[:, 0, 1] == pytest.approx([2e-11, 1e-11], rel=1e-9)
-
-
-def test_what_is_no_proof() -> None:
-    refused(lambda: answer("open certificate").plot(), "certificate")
-    refused(lambda: plot.certificate_figure("fig5"), "certificate")  # type: ignore[arg-type]
-    refused(lambda: PROVEN.plot(ax="axes"), "ax")
 
 
 # -- scores -----------------------------------------------------------------------------------------------------------
@@ -310,18 +271,6 @@ def test_each_case_is_where_it_belongs() -> None:
 
 
 KINDS = sorted(MAKERS)
-#: Nothing wider than the window, and each picture has a size and words.
-LOOK = """() => {
-  const bad = [];
-  if (document.scrollingElement.scrollWidth > innerWidth) bad.push(`page is ${document.scrollingElement.scrollWidth}`);
-  for (const each of document.querySelectorAll('svg')) {
-    const box = each.getBoundingClientRect(), inside = each.querySelector('path, g').getBoundingClientRect();
-    if (box.width < 100 || box.height < 100 || !each.querySelector('title').textContent) bad.push(each.outerHTML);
-    if (inside.left < box.left - 1 || inside.right > box.right + 1 || inside.bottom > box.bottom + 1)
-      bad.push(`outside of ${each.outerHTML.slice(0, 99)}`);
-  }
-  return bad;
-}"""
 
 
 @pytest.mark.quick(4)
@@ -354,27 +303,6 @@ def test_no_page_loads_what_draws() -> None:
     )
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert run.stdout == "set()\n"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("width", [400, 1100])
-def test_pages_in_a_browser(width: int, tmp_path: Path) -> None:
-    sync_api = pytest.importorskip("playwright.sync_api")
-    program = which("chromium") or which("google-chrome")
-    if program is None:
-        pytest.skip("no browser is installed")
-    pages = "<hr>".join(answer(kind)._repr_html_() for kind in KINDS)
-    file = tmp_path / "pages.html"
-    file.write_text(f"<!doctype html><meta charset=utf-8><body>{pages}", encoding="utf-8")
-    complaints: list[str] = []
-    with sync_api.sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": width, "height": 800})
-        page.on("console", lambda message: complaints.append(message.text))
-        page.goto(file.as_uri())
-        complaints += page.evaluate(LOOK)
-        browser.close()
-    assert complaints == []
 
 
 def test_a_proof_shows_the_digits_that_are_proven() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from answers import answer
@@ -127,18 +125,6 @@ def test_a_map_of_words() -> None:
     assert len(inside) >= 3
 
 
-def test_the_axes_may_come_in_any_order() -> None:
-    ways = [made_up({name: values[::step] for name, values in axes}, sticks=bands) for axes, step in _orders()]
-    drawn = [plot.map_figure(dataset.transpose("Omega", "FN")).axes[0].collections[0] for dataset in ways]
-    arrays = [np.asarray(mesh.get_array()) for mesh in drawn]
-    assert all(np.array_equal(array, arrays[0]) for array in arrays)
-
-
-def _orders() -> list[tuple[list[tuple[str, Any]], int]]:
-    axes = [("Omega", np.linspace(1, 6, 30)), ("FN", np.linspace(1, 20, 20))]
-    return [(axes, 1), (axes, -1), (axes[::-1], 1)]
-
-
 def test_numbers_are_shades_with_lines() -> None:
     dataset = made_up(OVER, stuck=lambda cells: cells["FN"] / 20)
     drawing = plot.map_figure(dataset)
@@ -194,12 +180,6 @@ def test_the_form_that_fits() -> None:
     assert axis_labels({"v0": "0:1:5", "x0": "1:2:3"}, "sticks") == ("$x_0$", "$v_0$")
 
 
-def test_what_has_no_form() -> None:
-    refused(lambda: axis_labels({"mu1": "0:1:5", "k": "1:2:3", "c": "1:2:3"}, "sticks"), "dataset")
-    refused(lambda: axis_labels({"mu1": "0:1:5"}, "word"), "name")
-    refused(lambda: plot.swept_figure(5), "dataset")  # type: ignore[arg-type]
-
-
 # -- ensembles --------------------------------------------------------------------------------------------------------
 
 
@@ -212,10 +192,6 @@ def test_every_event_has_a_mark() -> None:
     assert np.array_equal(drawn["crossing"], np.column_stack([events.t, events.trajectory])[here])
     low, high = axes.get_ylim()
     assert low < 0 < len(events.status) - 1 < high
-
-
-def test_no_events_say_so() -> None:
-    assert [text.get_text() for text in answer("no events").plot().axes[0].texts] == ["no event"]
 
 
 @pytest.mark.parametrize("seed", range(3))
