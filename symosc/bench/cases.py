@@ -37,13 +37,21 @@ from symosc.bench.solvers import (
 )
 from symosc.files import write_text
 from symosc.reference.case import ReferenceCase
+from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
 from symosc.reference.compare import SCORE_TOLERANCE, FoundEvents
-from symosc.reference.hard_cases import GROUPS, hard_cases
+from symosc.reference.folder import stored
 from symosc.reference.results import CaseResult, GivenEvent
-from symosc.reference.score import Score, by_group, judge_case
-from symosc.reference.score_table import as_markdown, case_table, group_cell, group_table, legend, verdict
-from symosc.reference.sets import SET_VERSION, reference_cases
-from symosc.reference.stored import stored
+from symosc.reference.score import (
+    Score,
+    as_markdown,
+    by_group,
+    case_table,
+    group_cell,
+    group_table,
+    judge_case,
+    legend,
+    verdict,
+)
 
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0

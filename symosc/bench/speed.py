@@ -30,8 +30,7 @@ from symosc.aliases import Number, Record
 from symosc.bench import machine, sentence
 from symosc.engine.arithmetic import compiled
 from symosc.errors import MissingExtraError
-from symosc.grazing.sweep import grazing_windows
-from symosc.grazing.window import grazing_window
+from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
 from symosc.model import PARAMETER_NAMES, Parameters

@@ -418,7 +418,7 @@ def _mark(ax: Axes, end: BranchEnd, height: float, color: str) -> None:
 
 def _next_words(ax: Axes, branch: Branch) -> None:
     """Name the orbits on the branch and behind its ends, above the axes."""
-    from symosc.orbits.continuation import MOST, NO_CONVERGENCE
+    from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     low, high = branch.values.min(), branch.values.max()
     style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}

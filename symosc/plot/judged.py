@@ -31,8 +31,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.crosschecks.causes import Diagnosis
-    from symosc.crosschecks.faults import Fault
+    from symosc.crosschecks.causes import Diagnosis, Fault
     from symosc.reference.score import CaseScore, Score
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
@@ -321,7 +320,7 @@ def _diagnosis(one: Diagnosis) -> Record:
 
 
 def _fault(fault: Fault | None) -> Record | None:
-    from symosc.crosschecks.faults import REASONS
+    from symosc.crosschecks.causes import REASONS
 
     if fault is None:
         return None
@@ -467,7 +466,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     --------
     >>> from symosc import plot, reference_cases
     >>> from symosc.reference.score import score
-    >>> from symosc.reference.stored import stored
+    >>> from symosc.reference.folder import stored
     >>> drawing = plot.score_figure([score("nobody", [stored(reference_cases()[1])], {})])
     >>> [label.get_text() for label in drawing.axes[0].get_xticklabels()]
     ['paper']

@@ -30,7 +30,7 @@ from symosc.simulation.tables import EventTable, Summary
 if TYPE_CHECKING:
     import xarray
 
-    from symosc.sweeps.dataset import SweptDataset
+    from symosc.sweeps.output import SweptDataset
 
 LABELS = PARAMETER_LABELS | {name: f"${name[0]}_0$" for name in ("t0", "x0", "v0")}
 LABELS |= {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"} | {c: f"${c}$" for c in "mck"}
@@ -129,7 +129,7 @@ def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
-    from symosc.sweeps.dataset import SweptDataset
+    from symosc.sweeps.output import SweptDataset
 
     if isinstance(dataset, SweptDataset):
         return swept_figure(dataset.dataset, name, ax=ax)

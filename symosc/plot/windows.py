@@ -22,15 +22,14 @@ from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.grazing.curve import CurvePiece, GrazingCurve
-from symosc.grazing.sweep import WindowColumns, grazing_windows
-from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, grazing_windows
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot.drawing import Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
 
 if TYPE_CHECKING:
-    from symosc.symbolic.grazing_answers import ParameterRegion
+    from symosc.symbolic.inverse import ParameterRegion
 
 INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 START_COLOR, CONTACT_COLOR, GAP_COLOR = "#d7191c", "#1f3fd6", "0.85"

@@ -31,8 +31,7 @@ from symosc.plot.explorer.answers import (
     scene_of,
     state_of,
 )
-from symosc.scenes import START_NAMES, read_scene
-from symosc.scenes.writing import as_toml
+from symosc.scenes import START_NAMES, as_toml, read_scene
 
 # -- support ----------------------------------------------------------------------------------------------------------
 

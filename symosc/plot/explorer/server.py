@@ -30,8 +30,7 @@ from symosc.plot.explorer.answers import (
     state_of,
 )
 from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
-from symosc.scenes import Scene, read_scene
-from symosc.scenes.writing import as_toml
+from symosc.scenes import Scene, as_toml, read_scene
 
 try:
     from bokeh.embed import components
