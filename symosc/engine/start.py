@@ -6,6 +6,7 @@ crosschecks.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, cos, log10, sin
@@ -99,7 +100,7 @@ def belt_state(
 
 
 def start_rows(
-    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: np.ndarray, K: Any
+    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return rows of the compiled loop for many starts, some of them on a belt (`at` > 0): `belt_start` in columns.
 

@@ -300,14 +300,14 @@ class Chunk:
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
-        starts, arithmetic = self._starts[members], many_digits(parameters, ROUNDED_FROM)
+        starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            start = self.problem(members[i])
+            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
             pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
         return pairs
 
