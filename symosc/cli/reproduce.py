@@ -36,12 +36,13 @@ def reproduce(output: str, only: str | None, as_json: bool) -> int:
     folder = Path(folder_name(output))
     from symosc.derive.chapters import CHAPTERS
     from symosc.derive.errata import read_errata
-    from symosc.paper.claims import read_claims, read_unjudged
+    from symosc.paper.claims import read_claims
     from symosc.paper.pictures import PICTURES
     from symosc.paper.run import Plan
 
     errata = tuple(erratum.in_unicode() for erratum in read_errata())
-    plan = Plan(read_claims(PICTURES), PICTURES, tuple(CHAPTERS), errata, read_unjudged())
+    claims, unjudged = read_claims(PICTURES)
+    plan = Plan(claims, PICTURES, tuple(CHAPTERS), errata, unjudged)
     return carry_out(plan if only is None else plan.only(only), folder, as_json)
 
 

@@ -1,8 +1,5 @@
 """The paper's claims, recomputed and judged; its figures, as printed and corrected; and the report on both.
 
-claims and errata are data (TOML), checks compute the evidence, coverage tells what of the paper they are on, pictures,
-drawings and oscillator draw, run, report and letter put all together.
-May import: everything but cli.
-
-One more claim: an entry in claims, and a function in checks that returns an Evidence.
+claims.toml has the statements, claims reads them, checks compute the evidence, pictures, figures and drawings draw, run
+does all of it in processes, report puts it together. May import: everything but cli.
 """

@@ -1,63 +1,73 @@
-"""The claims files: what the paper states, as data, each statement with the function that checks it."""
+"""The paper's statements as data (claims.toml), the evidence that a check returns, and what of the paper is covered."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+import ast
+import re
+import tomllib
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
-from symosc.derive.records import RecordsError, kebab, one_line, one_of, records, tables
-from symosc.paper.evidence import CORRECTED, NOT_AS_PRINTED, VERDICTS, Evidence
+from symosc.derive.records import RecordsError, kebab, one_line, one_of
 
-CLAIMS_FOLDER = Path(__file__).parent / "claims"
+CONFIRMED = "confirmed"
+#: What the paper lays down, and this program with it: there is nothing to find out.
+DEFINITION = "by definition"
+CORRECTED = "confirmed with a correction"
+NOT_AS_PRINTED = "not as printed"
+UNDECIDED = "cannot be decided"
+VERDICTS = (CONFIRMED, DEFINITION, CORRECTED, NOT_AS_PRINTED, UNDECIDED)
+#: Verdicts that say that something is wrong: they need a correction, and the erratum that it belongs to.
+FAULTY = (CORRECTED, NOT_AS_PRINTED)
+
+CLAIMS_FILE = Path(__file__).with_name("claims.toml")
 CHECKS = "symosc.paper.checks"
-#: The files, in the order in which they are read, and what each one is about.
+#: The parts of the report, in order; a claim `[figures.fig5-stick-appears]` is in the part "figures".
 PARTS = {
     "model": "The model and the friction law",
     "theorems": "Theorems 4 to 7",
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
 }
-REQUIRED = ("id", "source", "says", "check", "verdict")
-LISTS = ("figures", "errata")
-OPTIONAL = (*LISTS, "derivation", "correction", "remark")
-#: Verdicts that say that something is wrong: they need a correction, and the erratum that it belongs to.
-FAULTY = (CORRECTED, NOT_AS_PRINTED)
-UNJUDGED = "unjudged"
+REQUIRED = ("source", "says", "check")
+KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
 
 
 @dataclass(frozen=True)
-class Claim:
-    """A statement of the paper.
+class Evidence:
+    """What a check returns: a verdict, one or two sentences with the decisive numbers, and all numbers by their names.
 
-    Attributes
-    ----------
-    id : str
-        Unique, in kebab case.
-    part : str
-        Key of PARTS.
-    source : str
-        Where in the paper.
-    says : str
-        The statement, restored.
-    check : callable
-        Returns the evidence; a function of a module, so that a worker process can be told to call it.
-    verdict : str
-        The committed verdict, one of VERDICTS.
-    figures : tuple of str
-        Keys of the pictures that show it.
-    derivation : str or None
-        Subject of the chapter that derives it, a key of CHAPTERS.
-    correction : str or None
-        The statement that does hold, if this one does not as it stands.
-    errata : tuple of str
-        Ids of the errata that it shows; several claims can show one erratum.
-    remark : str or None
-        What there is to add to a statement that holds.
+    The verdict is computed from the numbers, never taken from the claims file; the numbers are kept as text.
+    """
+
+    verdict: str
+    finding: str
+    numbers: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.verdict not in VERDICTS:
+            raise ValueError(f"verdict = {self.verdict!r}: must be one of {', '.join(VERDICTS)}")
+        if not self.numbers:
+            raise ValueError("numbers = {}: evidence needs at least one computed number")
+        object.__setattr__(self, "numbers", {name: str(value) for name, value in self.numbers.items()})
+
+
+def verdict(as_printed: object, corrected: object = False) -> str:
+    """Return the verdict on a statement that holds as printed, or only when corrected."""
+    return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
+
+
+class Claim(NamedTuple):
+    """A statement of the paper, where it stands there, and the check that judges it.
+
+    `verdict` is the committed one; `figures` are keys of pictures, `derivation` is the key of a chapter; `correction`
+    is the statement that does hold, if this one does not, and `remark` what there is to add to one that holds.
     """
 
     id: str
@@ -73,119 +83,162 @@ class Claim:
     remark: str | None = None
 
 
-@dataclass(frozen=True)
-class Unjudged:
-    """A part of the paper that gets no verdict.
-
-    Attributes
-    ----------
-    source, says : str
-        Where, and what stands there.
-    why : str
-        Why no verdict is possible.
-    """
+class Unjudged(NamedTuple):
+    """A part of the paper that gets no verdict: its place, what stands there, and why no verdict is possible."""
 
     source: str
     says: str
     why: str
 
 
-def read_claims(pictures: Collection[str], folder: Path = CLAIMS_FOLDER, checks: str = CHECKS) -> tuple[Claim, ...]:
-    """Read all claims, in the order of PARTS.
+def read_claims(
+    pictures: Collection[str], path: Path = CLAIMS_FILE, checks: str = CHECKS
+) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
+    """Read all claims, in the order of PARTS, and the parts of the paper without a verdict.
 
-    Parameters
-    ----------
-    pictures : collection of str
-        Keys of the pictures that there are.
-    folder : Path
-        With `<part>.toml` files; a part without a file has no claims.
-    checks : str
-        The package whose modules have the check functions.
-
-    Raises
-    ------
-    RecordsError
-        For a file that is no TOML or no part; a key that is unknown, missing or no text; an id twice; a verdict,
-        figure, erratum, derivation or check function that does not exist; a correction too many or too few.
+    `pictures` are the keys that claims may refer to, `checks` is the package whose modules have the check functions. A
+    RecordsError says what is wrong with a file: its TOML, a key, a name that does not exist, a missing correction.
     """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordsError(path.name, f"cannot be read: {error}") from None
+    unjudged = data.pop("unjudged", [])
+    for row in unjudged:
+        if sorted(row) != ["says", "source", "why"]:
+            raise RecordsError(path.name, f"[[unjudged]] has {', '.join(row)}; must have source, says, why")
+    targets = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
+    targets |= {erratum.id: "errata" for erratum in read_errata()}
     claims: dict[str, Claim] = {}
-    for path in sorted(folder.glob("*.toml")):
-        if path.stem not in (*PARTS, UNJUDGED):
-            raise RecordsError(path.name, f"is no part; parts are {', '.join(PARTS)}")
-    errata = {erratum.id for erratum in read_errata()}
+    for part in data:
+        one_of(path.name, "part", part, PARTS)
     for part in PARTS:
-        path = folder / f"{part}.toml"
-        if not path.exists():
-            continue
-        for number, table in enumerate(tables(path, "claim"), 1):
-            where = f"{path.name}, claim {table.get('id', number)}"
-            claim = _claim(part, table, where, pictures, errata, checks)
-            if claim.id in claims:
-                raise RecordsError(path.name, f"id {claim.id!r} is there twice")
-            claims[claim.id] = claim
-    return tuple(claims.values())
+        for name, table in data.get(part, {}).items():
+            where = f"{path.name}, claim {name}"
+            kebab(where, name)
+            if name in claims:
+                raise RecordsError(where, f"is in {claims[name].part} already")
+            claims[name] = _claim(name, part, table, where, targets, checks)
+    return tuple(claims.values()), tuple(Unjudged(**row) for row in unjudged)
 
 
-def read_unjudged(folder: Path = CLAIMS_FOLDER) -> tuple[Unjudged, ...]:
-    """Read what gets no verdict."""
-    path = folder / f"{UNJUDGED}.toml"
-    return tuple(Unjudged(**row) for row in records(path, "part", ("source", "says", "why"))) if path.exists() else ()
-
-
-def _claim(
-    part: str, table: dict[str, Any], where: str, pictures: Collection[str], errata: Collection[str], checks: str
-) -> Claim:
+def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dict[str, str], checks: str) -> Claim:
     for key in REQUIRED:
         if key not in table:
             raise RecordsError(where, f"{key} is missing")
     for key, value in table.items():
-        if key not in REQUIRED + OPTIONAL:
-            raise RecordsError(where, f"{key} is unknown; known are {', '.join(REQUIRED + OPTIONAL)}")
-        texts = value if key in LISTS else [value]
+        if key not in KEYS:
+            raise RecordsError(where, f"{key} is unknown; known are {', '.join(KEYS)}")
+        texts = value if key == "see" else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
-            raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key in LISTS else 'text'}")
-    kebab(where, table["id"])
-    one_of(where, "verdict", table["verdict"], VERDICTS)
-    for key in table.get("figures", ()):
-        one_of(where, "figure", key, pictures)
-    for key in table.get("errata", ()):
-        one_of(where, "erratum", key, errata)
-    for key, why in (("correction", "what does hold?"), ("errata", "which erratum does it show?")):
-        if table["verdict"] in FAULTY and key not in table:
-            raise RecordsError(where, f"{key} {'is' if key == 'correction' else 'are'} missing: {why}")
-        if table["verdict"] not in FAULTY and key in table:
-            raise RecordsError(where, f"has {key} although its verdict is {table['verdict']!r}")
+            raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
+    seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
+    for target in table.get("see", ()):
+        one_of(where, "see", target, targets)
+        seen[targets[target]].append(target)
+    if len(seen["derivation"]) > 1:
+        raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
+    said = {key: one_line(value) for key, value in table.items() if key not in ("see", "check")}
+    said.setdefault("verdict", CORRECTED if "correction" in table else CONFIRMED)
+    one_of(where, "verdict", said["verdict"], VERDICTS)
+    for what, there in (("a correction", "correction" in table), ("an erratum", bool(seen["errata"]))):
+        if there != (said["verdict"] in FAULTY):
+            raise RecordsError(where, f"{'has' if there else 'needs'} {what}: its verdict is {said['verdict']!r}")
     return Claim(
-        id=table["id"],
-        part=part,
-        source=table["source"],
-        says=one_line(table["says"]),
-        check=_function(where, checks, table["check"]),
-        verdict=table["verdict"],
-        figures=tuple(table.get("figures", ())),
-        derivation=_subject(where, table["derivation"]) if "derivation" in table else None,
-        correction=one_line(table["correction"]) if "correction" in table else None,
-        errata=tuple(table.get("errata", ())),
-        remark=one_line(table["remark"]) if "remark" in table else None,
+        name,
+        part,
+        check=_check(where, checks, table["check"]),
+        figures=tuple(seen["figures"]),
+        derivation=next(iter(seen["derivation"]), None),
+        errata=tuple(seen["errata"]),
+        **said,
     )
 
 
-def _function(where: str, package: str, name: str) -> Callable[[], Evidence]:
+def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
+    """Return the call that a text such as "sticks.together(FIG5, 1)" says; names are those of the module."""
+    name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:
-        found = getattr(import_module(f"{package}.{module}"), function, None)
-    except ModuleNotFoundError as error:
-        if error.name != f"{package}.{module}":
+        names = vars(import_module(f"{package}.{module}"))
+        given = ast.parse(f"f({arguments}" if arguments else "f()", mode="eval").body
+        values = [
+            names[each.id] if isinstance(each, ast.Name) else ast.literal_eval(each)
+            for each in given.args  # type: ignore[attr-defined]
+        ]
+        check: Callable[[], Evidence] = names[function]
+    except (ModuleNotFoundError, KeyError, SyntaxError, ValueError) as error:
+        if isinstance(error, ModuleNotFoundError) and error.name not in (f"{package}.{module}", f"{package}."):
             raise
-        found = None
-    if not callable(found):
-        raise RecordsError(where, f"check = {name!r}: there is no such function in {package}")
-    check: Callable[[], Evidence] = found
-    return check
+        raise RecordsError(where, f"check = {text!r}: there is no such function, or value, in {package}") from None
+    return partial(check, *values)
 
 
-def _subject(where: str, key: str) -> str:
-    """Return the key of a chapter of the derivations."""
-    if key not in CHAPTERS:
-        raise RecordsError(where, f"derivation = {key!r}: must be one of {', '.join(CHAPTERS)}")
-    return key
+# --- which numbered equations, lemmas, theorems, figures and sections of the paper the claims are on ---
+
+
+class Item(NamedTuple):
+    """A numbered part of the paper, such as ("equation", 26); a section without a number has 0."""
+
+    kind: str
+    number: int
+
+    @property
+    def label(self) -> str:
+        """Its name in the text, such as (26) or Lemma 1."""
+        if self.kind == "equation":
+            return f"({self.number})"
+        return "Abstract" if self == ("section", 0) else f"{NAMES[self.kind]} {self.number}"
+
+
+NAMES = {"section": "Section", "equation": "eq.", "lemma": "Lemma", "theorem": "Theorem", "figure": "Fig."}
+#: The first and the last number of each kind, and all items of the paper.
+EXTENT = {"section": (0, 7), "equation": (1, 66), "lemma": (1, 3), "theorem": (4, 7), "figure": (1, 10)}
+PAPER = tuple(Item(kind, number) for kind, (first, last) in EXTENT.items() for number in range(first, last + 1))
+_WORDS = {
+    "Sections?": "section",
+    "eqs?[.]": "equation",
+    "Lemmas?": "lemma",
+    "Theorems?": "theorem",
+    "Figs?[.]": "figure",
+}
+# "after eq. (19)" is a place, and no statement on (19).
+_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(_WORDS)}) [(]?\d+[)]?")
+# One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
+_NUMBER = re.compile(r"(?P<joint>,? and |, | to | )[(]?(?P<number>\d+)(?:[.]\d+)?[)]?")
+
+
+def items_of(source: str) -> list[Item]:
+    """Return the items that a source names: sections, equations, lemmas, theorems, figures.
+
+    Examples
+    --------
+    >>> [item.label for item in items_of("Theorem 4 (i), eqs. (26), (32) to (34)")]
+    ['(26)', '(32)', '(33)', '(34)', 'Theorem 4']
+    >>> [item.label for item in items_of("Section 5, before eq. (54)")]
+    ['Section 5']
+    """
+    found = [Item("section", 0)] if "Abstract" in source else []
+    source = _PLACE.sub("", source)
+    for word, kind in _WORDS.items():
+        for start in re.finditer(rf"\b{word}", source):
+            found += [Item(kind, number) for number in _numbers(source, start.end())]
+    return list(dict.fromkeys(found))
+
+
+def _numbers(source: str, at: int) -> Iterator[int]:
+    last = 0
+    while match := _NUMBER.match(source, at):
+        number, at = int(match["number"]), match.end()
+        yield from range(last + 1, number) if match["joint"] == " to " else ()
+        yield number
+        last = number
+
+
+def coverage(entries: Iterable[Claim | Unjudged]) -> dict[Item, list[Any]]:
+    """Return the entries on each item of the paper, in the paper's order."""
+    found: dict[Item, list[Any]] = {item: [] for item in PAPER}
+    for entry in entries:
+        for item in items_of(entry.source):
+            found[item].append(entry)
+    return found

@@ -1,32 +1,45 @@
-"""The report on a run: as data for machines (JSON), as Markdown, and as one HTML file that needs nothing else."""
+"""The report on a run: data for machines (JSON), Markdown, one HTML file that needs nothing else, and a letter."""
 
 from __future__ import annotations
 
 import json
 import os
-import signal
-import threading
+import re
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
+from datetime import date
+from html import escape
 from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from textwrap import fill
 from typing import Any
+from unicodedata import normalize
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from symosc import __version__
 from symosc.bench.machine import machine
+from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import paper_reference
-from symosc.derive.errata import SEVERITIES, Erratum
+from symosc.derive.errata import SEVERITIES
+from symosc.derive.mathml import font_style
 from symosc.errors import OutputError
-from symosc.paper import letter
-from symosc.paper.claims import PARTS
-from symosc.paper.coverage import NAMES, coverage
-from symosc.paper.evidence import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, UNDECIDED
-from symosc.paper.rendering import render
-from symosc.paper.run import ERROR, Judged, Results
+from symosc.paper.claims import (
+    CONFIRMED,
+    CORRECTED,
+    DEFINITION,
+    NAMES,
+    NOT_AS_PRINTED,
+    PARTS,
+    UNDECIDED,
+    Claim,
+    coverage,
+)
+from symosc.paper.run import ERROR, Results
 
 #: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
 BADGES = {
@@ -55,88 +68,76 @@ NUMBER_MEANINGS = {
     "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
 }
 REPORTS = ("report.html", "report.md", "report.json")
-FIGURES, DERIVATIONS = "figures", "derivations"
+FIGURES = "figures"
 
 
 def data(results: Results) -> dict[str, Any]:
     """Return everything that a run found as plain data, the content of report.json."""
+    judged, covered = results.judged, {}
+    if results.unjudged is not None:  # else only a part of the claims was judged
+        covered = coverage([*(each.claim for each in judged), *results.unjudged])
     return {
         "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
-        "errata": [asdict(erratum) | {"claims": _shown_by(erratum, results)} for erratum in results.errata],
-        "coverage": _coverage(results),
-        "unjudged": [asdict(part) for part in results.unjudged or ()],
+        "errata": [
+            asdict(erratum) | {"claims": [each.claim.id for each in results.shown_by(erratum)]}
+            for erratum in results.errata
+        ],
+        "coverage": [
+            {
+                "item": item.label,
+                "kind": item.kind,
+                "claims": [each.id for each in entries if isinstance(each, Claim)],
+                "unjudged": [each.says for each in entries if not isinstance(each, Claim)],
+            }
+            for item, entries in covered.items()
+        ],
+        "unjudged": [part._asdict() for part in results.unjudged or ()],
         "changed": [each.claim.id for each in results.changed],
         "failures": results.failures,
         "made": {"seconds": round(results.seconds, 1), **machine()},
-        "claims": [_claim(each) for each in results.judged],
-        "figures": [_figure(key, results) for key in results.pictures],
-        "derivations": [_derivation(subject, results) for subject in results.chapters],
-    }
-
-
-def _shown_by(erratum: Erratum, results: Results) -> list[str]:
-    return [each.claim.id for each in results.shown_by(erratum)]
-
-
-def _coverage(results: Results) -> list[dict[str, Any]]:
-    """Return what there is on each numbered item of the paper; nothing if only a part of the claims was judged."""
-    if results.unjudged is None:
-        return []
-    table = coverage((each.claim for each in results.judged), results.unjudged)
-    return [
-        {"item": item.label, "kind": item.kind, "claims": on.claims, "unjudged": [part.says for part in on.unjudged]}
-        for item, on in table.items()
-    ]
-
-
-def _claim(each: Judged) -> dict[str, Any]:
-    claim = each.claim
-    return {
-        "id": claim.id,
-        "part": claim.part,
-        "source": claim.source,
-        "says": claim.says,
-        "verdict": each.verdict,
-        "committed": claim.verdict,
-        "finding": each.finding,
-        "numbers": each.numbers,
-        "correction": claim.correction,
-        "errata": list(claim.errata),
-        "remark": claim.remark,
-        "figures": list(claim.figures),
-        "derivation": claim.derivation,
-        "seconds": round(each.seconds, 3),
-    }
-
-
-def _figure(key: str, results: Results) -> dict[str, Any]:
-    picture, done = results.pictures[key], results.drawn[key]
-    return {
-        "key": key,
-        "title": picture.title,
-        "caption": done.value.caption if done.value else "",
-        "alt": picture.alt,
-        "paper_figure": picture.paper_figure,
-        "file": f"{FIGURES}/{key}.svg" if done.value else None,
-        "claims": [each.claim.id for each in results.judged if key in each.claim.figures],
-        "seconds": round(done.seconds, 3),
-    }
-
-
-def _derivation(subject: str, results: Results) -> dict[str, Any]:
-    from symosc.derive.chapters import CHAPTERS
-
-    done = results.chapters[subject]
-    return {
-        "subject": subject,
-        "number": list(CHAPTERS).index(subject) + 1,
-        "title": CHAPTERS[subject],
-        "steps": done.value.steps if done.value else 0,
-        "file": f"{DERIVATIONS}/{done.value.name}.md" if done.value else None,
-        "claims": [each.claim.id for each in results.judged if each.claim.derivation == subject],
-        "seconds": round(done.seconds, 3),
+        "claims": [
+            {
+                **{name: getattr(each.claim, name) for name in ("id", "part", "source", "says")},
+                "verdict": each.verdict,
+                "committed": each.claim.verdict,
+                "finding": each.finding,
+                "numbers": each.numbers,
+                "correction": each.claim.correction,
+                "errata": list(each.claim.errata),
+                "remark": each.claim.remark,
+                "figures": list(each.claim.figures),
+                "derivation": each.claim.derivation,
+                "seconds": round(each.seconds, 3),
+            }
+            for each in judged
+        ],
+        "figures": [
+            {
+                "key": key,
+                "title": picture.title,
+                "caption": done.value.caption if done.value else "",
+                "alt": picture.alt,
+                "paper_figure": picture.paper_figure,
+                "file": f"{FIGURES}/{key}.svg" if done.value else None,
+                "claims": [each.claim.id for each in judged if key in each.claim.figures],
+                "seconds": round(done.seconds, 3),
+            }
+            for (key, picture), done in zip(results.pictures.items(), results.drawn.values(), strict=True)
+        ],
+        "derivations": [
+            {
+                "subject": subject,
+                "number": list(CHAPTERS).index(subject) + 1,
+                "title": CHAPTERS[subject],
+                "steps": done.value.steps if done.value else 0,
+                "file": f"report.html#derivation-{list(CHAPTERS).index(subject) + 1}" if done.value else None,
+                "claims": [each.claim.id for each in judged if each.claim.derivation == subject],
+                "seconds": round(done.seconds, 3),
+            }
+            for subject, done in results.chapters.items()
+        ],
     }
 
 
@@ -146,64 +147,50 @@ def files(results: Results) -> dict[str, str]:
     drawn = {key: done.value for key, done in results.drawn.items() if done.value}
     chapters = {subject: done.value for subject, done in results.chapters.items() if done.value}
     found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
-    found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
-    parts = {part: title for part, title in PARTS.items() if any(each.claim.part == part for each in results.judged)}
-    context = {
-        **content,
-        "parts": parts,
+    # Pictures that belong to one figure of the paper stand together: fig7, fig7-corrected and fig7-exact.
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for figure in content["figures"]:
+        groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
+    context = content | {
+        "parts": {part: PARTS[part] for part in PARTS if any(each.claim.part == part for each in results.judged)},
         "badges": BADGES,
-        "groups": _groups(content["figures"]),
+        "groups": groups,
         "words": NUMBER_MEANINGS,
+        "severities": SEVERITIES,
+        "kinds": NAMES,
+        "erratum_numbers": {erratum.id: erratum.number for erratum in results.errata},
+        "images": {key: _data_uri(each.svg) for key, each in drawn.items()},
+        "narrow": {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow},
+        "proofs": {subject: Markup(each.html) for subject, each in chapters.items()},
     }
-    context |= {"severities": SEVERITIES, "kinds": NAMES}
-    context["erratum_numbers"] = {erratum.id: erratum.number for erratum in results.errata}
-    images = {key: _data_uri(each.svg) for key, each in drawn.items()}
-    narrow = {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow}
-    proofs = {subject: Markup(each.html) for subject, each in chapters.items()}
-    found["report.md"] = render("report.md.j2", context)
-    found["report.html"] = render("report.html.j2", {**context, "images": images, "narrow": narrow, "proofs": proofs})
-    if content["coverage"]:
-        found |= letter.texts(results)
+    found |= {name: render(f"{name}.j2", context) for name in ("report.md", "report.html")}
+    if results.unjudged is not None:
+        found |= letter(results)
     found["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     return found
 
 
-def _groups(figures: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    """Put the pictures that belong to one figure of the paper together: fig7, fig7-corrected and fig7-exact."""
-    groups: dict[str, list[dict[str, Any]]] = {}
-    for figure in figures:
-        groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
-    return groups
+def letter(results: Results) -> dict[str, str]:
+    """Return a letter to the authors, HTML and plain text by file name: the errata that this run has shown."""
+    shown = [erratum for erratum in results.errata if results.shown_by(erratum)]
+    context = {
+        "paper": paper_reference(),
+        "errata": shown,
+        "numbers": {severity: sum(each.severity == severity for each in shown) for severity in SEVERITIES},
+        "held": sum(not each.claim.errata for each in results.judged),
+        "judged": len(results.judged),
+        "version": __version__,
+        "date": date.today().isoformat(),
+    }
+    return {f"letter.{kind}": render(f"letter.{kind}.j2", context) for kind in ("html", "txt")}
 
 
 def _data_uri(svg: str) -> str:
     return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
 
 
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Put an interrupt off to the end of the block."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread gets them
-        return
-    caught: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if caught:
-            signal.raise_signal(signal.SIGINT)
-
-
 class Folder:
-    """A folder for a report: made and tried out before the work, filled when all of it is done, else taken away again.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be made or written to.
-    """
+    """A folder for a report: made and tried out before the work, filled when all is done, else taken away again."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -230,9 +217,95 @@ class Folder:
             for name, text in texts.items():
                 (draft / name).parent.mkdir(exist_ok=True)
                 (draft / name).write_text(text, encoding="utf-8")
-            with uninterrupted():
-                for name in texts:
-                    (self.path / name).parent.mkdir(exist_ok=True)
-                    os.replace(draft / name, self.path / name)
+            for name in texts:
+                (self.path / name).parent.mkdir(exist_ok=True)
+                os.replace(draft / name, self.path / name)
         except OSError as error:
             raise OutputError(str(self.path), error.strerror or str(error)) from None
+
+
+# --- templates ---
+
+
+def render(template: str, context: Mapping[str, Any]) -> str:
+    """Return a template of the folder templates, filled in."""
+    environment = Environment(
+        loader=PackageLoader("symosc.paper"),
+        autoescape=lambda name: name is not None and ".html" in name,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"typeset": lambda text: Markup(typeset(text)), "md": _markdown, "wrapped": _wrapped}
+    environment.globals["font_style"] = lambda: Markup(font_style())
+    return environment.get_template(template).render(context)
+
+
+def _markdown(text: str) -> str:
+    """Return a text for Markdown, in a table as well: its formulas are set, its other characters mean themselves."""
+    return re.sub(r"([\\`*_|\[\]~])", r"\\\1", typeset(" ".join(text.split())))
+
+
+def _wrapped(text: str, indent: int = 4) -> str:
+    """Return a text in lines of a mail, indented."""
+    return fill(text, 78, initial_indent=" " * indent, subsequent_indent=" " * indent)
+
+
+# --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML, which Markdown takes as well ---
+
+_GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ", "lambda": "λ", "mu": "μ", "pi": "π",
+    "tau": "τ", "omega": "ω", "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω",
+}  # fmt: skip
+_SIGNS = {">=": "≥", "<=": "≤", "!=": "≠", "->": "→", "+-": "±", "x'''": "x‴", "x''": "ẍ", "x'": "ẋ", " - ": " − "}
+_LETTER = r"(?<![^\W_\d])([A-Za-zα-ωΑ-Ωẋẍ])"  # alone, not the end of a word
+_RAISED, _LOWERED = "[⁰¹²³⁴-⁹⁺⁻⁼⁽⁾ʰⁱˡⁿᵅᵒ]+", "[₀-₉₊₋₌₍₎ₐ-ₜᵢ-ᵥⱼ]+"
+_Replacement = str | Callable[[re.Match[str]], str]
+_PLAIN: list[tuple[str, _Replacement]] = [
+    # Names that are for the command line.
+    (r"\bfig(\d+)\b(?!-)", "Fig.\u00a0\\1"),
+    (r"\bfig(\d+)-(\w+)", "Fig.\u00a0\\1 (\\2)"),
+    (r"\bbelt([12])\b", "belt\u00a0\\1"),
+    (rf"(?<![A-Za-z])({'|'.join(_GREEK)})(?![A-Za-z])", lambda found: _GREEK[found[1]]),
+    (r"(?<![A-Za-z])oo\b", "∞"),
+    (r" = (?=[\w.…−-]{1,16}(?![\w.…]))", "\u00a0=\u00a0"),  # a short equation stays on its line
+    (r"(^|[\s(\[{=<>≤≥≠,;:|/·])-(?=[\w.(∞])", r"\1−"),
+    (r"−(?=\()", "−\u2060"),  # no line ends with a sign
+    (r"\|(\w[^|\s]{0,6})\|", "|\u2060\\1\u2060|"),  # nor with the first bar of an absolute value
+]
+_MARKED: list[tuple[str, _Replacement]] = [
+    (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: _power_of_ten(*found.groups())),
+    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _raised(*found.groups())),
+    (_LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: (
+        f"{found[1]}{found[2]}<sub>{found[3] or found[4]}</sub>"
+    )),
+    (r"\b(d?[FG])\((\d(?:, ?[\dα])?)\)", r"\1<sup>(\2)</sup>"),
+    (_LETTER + r"(\d+)(?!\w|\.\d|<)", r"\1<sub>\2</sub>"),
+    (r"(?<![A-Za-z])FN\b", "F<sub>N</sub>"),
+    # The raised and lowered characters of Unicode look the same.
+    (_RAISED, lambda found: f"<sup>{normalize('NFKC', found[0]).replace('ɑ', 'α')}</sup>"),
+    (_LOWERED, lambda found: f"<sub>{normalize('NFKC', found[0])}</sub>"),
+]  # fmt: skip
+
+
+def typeset(text: str) -> str:
+    """Return a text as HTML, its letters, signs, indices and powers as a printer would set them."""
+    for sign, replacement in _SIGNS.items():
+        text = re.sub(rf"(?<![\w]){re.escape(sign)}" if sign[0] == "x" else re.escape(sign), replacement, text)
+    for pattern, plain in _PLAIN:
+        text = re.sub(pattern, plain, text)
+    text = escape(text, quote=False)
+    for pattern, marked in _MARKED:
+        text = re.sub(pattern, marked, text)
+    return text
+
+
+def _power_of_ten(mantissa: str, sign: str, exponent: str) -> str:
+    factor = "" if mantissa == "1" else f"{mantissa}·"
+    return f"{factor}10<sup>{sign.replace('-', '−').replace('+', '')}{exponent}</sup>"
+
+
+def _raised(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:
+    power = braced or single or (f"({bracketed})" if base in "FG" else bracketed)
+    return f"{base}<sup>{power}</sup>"

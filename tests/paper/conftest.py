@@ -20,10 +20,8 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple
     (package / "stand_ins.py").write_text(CHECKS)
     monkeypatch.syspath_prepend(tmp_path)
 
-    def read(text: str, part: str = "model") -> tuple[Claim, ...]:
-        folder = tmp_path / "claims"
-        folder.mkdir(exist_ok=True)
-        (folder / f"{part}.toml").write_text(text, encoding="utf-8")
-        return read_claims(["fig1"], folder, "fake_checks")
+    def read(text: str) -> tuple[Claim, ...]:
+        (tmp_path / "claims.toml").write_text(text, encoding="utf-8")
+        return read_claims(["fig1"], tmp_path / "claims.toml", "fake_checks")[0]
 
     return read

@@ -8,12 +8,15 @@ CHECKS = """
 import os
 import time
 from pathlib import Path
-from symosc.paper.evidence import CONFIRMED, NOT_AS_PRINTED, Evidence
+from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, Evidence
 def right(): return Evidence(CONFIRMED, "It is 1 <2>.", {"a|b": "1e-20", "F(1)": "-3"})
 def wrong(): return Evidence(NOT_AS_PRINTED, "It is 3.", {"x": "3"})
 def raises(): raise ZeroDivisionError("by nothing")
 def dies(): os._exit(7)
 def no_evidence(): return True
+def interrupts(): raise KeyboardInterrupt
+NUMBER = 9
+def given(number, letter): return Evidence(CONFIRMED, "It is so.", {"number": number, "letter": letter})
 def hangs(): time.sleep(600)
 def shared():
     own = Path(__file__).with_name(f"process-{os.getpid()}")
@@ -25,12 +28,10 @@ def shared():
 """
 
 CLAIM = """
-[[claim]]
-id = "{id}"
+[model.{id}]
 source = "Section 9, Fig. 1"
 says = "1 < 2"
 check = "stand_ins.{check}"
-verdict = "confirmed"
 """
 
 

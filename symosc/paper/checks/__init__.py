@@ -1,1 +1,1 @@
-"""One function per claim: it computes the evidence and the verdict that follows from it."""
+"""The checks: each returns an Evidence, and is called by the claims that name it in claims.toml."""

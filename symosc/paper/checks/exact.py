@@ -1,0 +1,246 @@
+"""Ground truth that uses nothing of the engine: rational contacts, a second closed form of the flow, and DOP853."""
+
+from __future__ import annotations
+
+import cmath
+import random
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, cached_property
+from math import factorial
+from typing import Any
+
+import numpy as np
+
+from symosc.model import NEIGHBOURS, Parameters
+
+# --- the flow of eq. (5) near a contact, in rational numbers ---
+# Parameters, place and the sine and cosine of the phase are all rational, so whether a force vanishes is decided
+# exactly, and so is on which side of the belt's speed the flow of a domain is a short time before and after.
+
+#: Time before and after a contact, and the terms of the power series. The first term that does not vanish has order 4
+#: at most here, and numbers of few digits: it is many orders of magnitude larger than all that is left out.
+SHORT, SERIES_TERMS = Fraction(1, 10**8), 6
+#: Sines and cosines of phases: the quarters of the circle, and rational points between them.
+QUARTER_POINTS = ((0, 1), (1, 0), (0, -1), (-1, 0))
+RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) + tuple(
+    (Fraction(a * x, hypotenuse), Fraction(b * y, hypotenuse))
+    for leg, other, hypotenuse in ((3, 4, 5), (5, 12, 13))
+    for x, y in ((leg, other), (other, leg))
+    for a in (1, -1)
+    for b in (1, -1)
+)
+
+
+def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
+    """Return the sum of mu FN sgn(v_belt - x') over both belts, for x' inside domain `alpha`."""
+    drags = (1, 1) if alpha == 1 else (-1, 1) if alpha == 2 else (-1, -1)
+    return (drags[0] * p.mu1 + drags[1] * p.mu2) * p.FN
+
+
+def velocity_series(
+    p: Parameters, constant: Fraction, x: Fraction, v: Fraction, s: Fraction, c: Fraction
+) -> list[Fraction]:
+    """Return Taylor coefficients of x'(tau), first v, for m x'' + c x' + k x = constant + B0 cos(theta + Omega tau).
+
+    s and c are the sine and cosine of theta.
+    """
+    place = [x, v]
+    wave, turned = c, -s  # cos(theta) and its derivative by theta
+    scale = Fraction(1)  # Omega^n/n!
+    for n in range(SERIES_TERMS - 1):
+        drive = p.B0 * wave * scale + (constant if n == 0 else 0)
+        place.append((drive - p.c * (n + 1) * place[n + 1] - p.k * place[n]) / (p.m * (n + 1) * (n + 2)))
+        wave, turned = turned, -wave
+        scale = scale * p.Omega / (n + 1)
+    return [(n + 1) * place[n + 1] for n in range(SERIES_TERMS)]
+
+
+@dataclass(frozen=True)
+class RationalContact:
+    """A point of a boundary, where x' is the speed of the belt; s and c are the sine and cosine of the phase."""
+
+    p: Parameters
+    boundary: int
+    x: Fraction
+    s: Fraction
+    c: Fraction
+
+    @property
+    def speed(self) -> Fraction:
+        """Speed of the belt."""
+        return self.p.belt(self.boundary)
+
+    def force(self, alpha: int) -> Fraction:
+        """Return F^(alpha) by Newton's law with Coulomb's friction of both belts."""
+        p = self.p
+        return (p.A0 + friction_on_mass(p, alpha) + p.B0 * self.c - p.k * self.x - p.c * self.speed) / p.m
+
+    def slope(self, alpha: int) -> Fraction:
+        """Return G^(1,alpha) = dF^(alpha)/dt along the flow of the domain."""
+        p = self.p
+        return -(p.c * self.force(alpha) + p.k * self.speed + p.B0 * p.Omega * self.s) / p.m
+
+    @cached_property
+    def _series(self) -> dict[int, list[Fraction]]:
+        p = self.p
+        return {
+            alpha: velocity_series(p, p.A0 + friction_on_mass(p, alpha), self.x, self.speed, self.s, self.c)
+            for alpha in NEIGHBOURS[self.boundary]
+        }
+
+    def side(self, alpha: int, after: bool) -> int:
+        """Return the sign of x' - v_lambda a short time before or after, along the flow of domain `alpha`."""
+        t, slope = (SHORT if after else -SHORT), Fraction(0)
+        for coefficient in reversed(self._series[alpha][1:]):
+            slope = slope * t + coefficient
+        return (slope * t > 0) - (slope * t < 0)
+
+    def derivatives(self, alpha: int) -> tuple[Fraction, ...]:
+        """Return the first four derivatives of x' along the flow of domain `alpha`, from its power series."""
+        return tuple(factorial(n) * a for n, a in enumerate(self._series[alpha][:5]) if n)
+
+    @property
+    def below(self) -> Fraction:
+        """The force of the domain below the belt's speed."""
+        return self.force(NEIGHBOURS[self.boundary][0])
+
+    @property
+    def above(self) -> Fraction:
+        """The force of the domain above the belt's speed."""
+        return self.force(NEIGHBOURS[self.boundary][1])
+
+    @property
+    def next_mode(self) -> str:
+        """Where the motion goes on, in the words of `Trajectory.mode`."""
+        lo, hi = NEIGHBOURS[self.boundary]
+        if self.side(hi, after=True) > 0:
+            return f"Omega{hi}"
+        return f"Omega{lo}" if self.side(lo, after=True) < 0 else f"belt{self.boundary}"
+
+    @property
+    def goes_on(self) -> str:
+        """Where the motion goes on, as a phrase."""
+        return f"goes on {'on' if self.sticks else 'in'} {self.next_mode}"
+
+    @property
+    def sticks(self) -> bool:
+        """Whether neither domain's flow leads away from the belt."""
+        return self.next_mode.startswith("belt")
+
+    @property
+    def passes(self) -> bool:
+        """Whether the flow arrives from one domain and leaves into the other."""
+        lo, hi = NEIGHBOURS[self.boundary]
+        up = self.side(lo, after=False) < 0 < self.side(hi, after=True)
+        return up or self.side(lo, after=True) < 0 < self.side(hi, after=False)
+
+    def grazes(self, alpha: int) -> bool:
+        """Whether the flow of a domain is in that domain both before and after."""
+        own = -1 if alpha == self.boundary else 1
+        return self.side(alpha, after=False) == self.side(alpha, after=True) == own
+
+    def __str__(self) -> str:
+        values = ", ".join(f"{name} = {value}" for name, value in self.p.as_dict().items())
+        return f"{values}; x = {self.x}, sin = {self.s}, cos = {self.c}"
+
+
+def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalContact]:
+    """Yield contacts at random rational parameters, in turn of six kinds.
+
+    Two are generic; two have the force below or above exactly 0; and two have the phase such that G^(1) = 0 as well
+    (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them is at phase 0.
+    """
+    draw = random.Random(seed)
+
+    def positive(top: int = 12) -> Fraction:
+        return Fraction(draw.randint(1, top), draw.randint(1, 4))
+
+    lo, hi = NEIGHBOURS[boundary]
+    for number in range(count):
+        kind = max(number % 6 - 1, 0)
+        v1 = Fraction(draw.randint(-8, 8), draw.randint(1, 4))
+        mu1, mu2 = positive(4), positive(4)
+        values = {name: positive() for name in ("m", "k", "B0", "Omega", "FN")}
+        c, A0 = positive() - Fraction(1, 4), draw.randint(-20, 20)
+        p = Parameters(**values, c=c, A0=A0, v1=v1, v2=v1 + positive(), mu1=mu1, mu2=mu2)
+        s, c = draw.choice(RATIONAL_PHASES) if draw.random() > 0.2 else RATIONAL_PHASES[0]
+        if kind >= 3:  # G^(1) = 0 where F = 0: k v = -B0 Omega sin
+            v = -p.B0 * p.Omega * s / p.k
+            p = p.replace(v1=v, v2=v + 1) if boundary == 1 else p.replace(v1=v - 1, v2=v)
+        origin = RationalContact(p, boundary, Fraction(0), s, c)
+        held = origin.force(hi if kind % 2 else lo)
+        if kind == 0:  # anywhere from far below the two forces' zeros to far above them
+            held -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
+        yield RationalContact(p, boundary, p.m * held / p.k, s, c)
+
+
+@cache
+def exact_contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
+    """Return contacts of all kinds with a belt, as `contacts` draws them; by default those of Theorems 4 to 6."""
+    return tuple(contacts(boundary, count, boundary if seed is None else seed))
+
+
+def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
+    """Count the cases for which each question is answered with yes."""
+    counts = dict.fromkeys(questions, 0)
+    for case in cases:
+        for name, question in questions.items():
+            counts[name] += bool(question(case))
+    return counts
+
+
+# --- flights ---
+
+#: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.
+FAR_APART = 1e-8
+#: What DOP853 is asked for, and may differ by from the exact motion, relative to the size of the motion.
+DOP853_TOLERANCE, DOP853_AGREEMENT = 1e-12, 1e-9
+
+
+def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
+    """Return x and x' at times t of m x'' + c x' + k x = A + B0 cos(Omega t) from start = (t0, x0, v0).
+
+    The closed form is in complex numbers, independent of the package's kernels; for c > 0 or off resonance, and k > 0.
+    """
+    m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
+    t0, x0, v0 = map(float, start)
+    half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
+    if abs(half) < FAR_APART * c / m:
+        half = FAR_APART * c / m
+    one, two = -c / (2 * m) + half, -c / (2 * m) - half
+    swing = B0 / (k - m * Omega**2 + 1j * c * Omega)
+
+    def steady(time: Any) -> tuple[Any, Any]:
+        turning = swing * np.exp(1j * Omega * np.asarray(time))
+        return float(A) / k + turning.real, (1j * Omega * turning).real
+
+    x_s, v_s = steady(t0)
+    a = (v0 - v_s - two * (x0 - x_s)) / (one - two)
+    b = x0 - x_s - a
+    first, second = a * np.exp(one * (np.asarray(t) - t0)), b * np.exp(two * (np.asarray(t) - t0))
+    x, v = steady(t)
+    return x + (first + second).real, v + (one * first + two * second).real
+
+
+def dop853(
+    p: Parameters, constant: Fraction, span: tuple[float, float], state: Any, until_speed: float | None = None
+) -> Any:
+    """Integrate m x'' + c x' + k x = constant + B0 cos(Omega t) from `state`; return scipy's result.
+
+    With `until_speed` the flight ends where it first has that velocity (`t_events`, `y_events`).
+    """
+    from scipy.integrate import solve_ivp
+
+    A, m, c, k, B0, Omega = (float(value) for value in (constant, p.m, p.c, p.k, p.B0, p.Omega))
+
+    def rates(t: float, y: np.ndarray) -> tuple[float, float]:
+        return y[1], (A + B0 * np.cos(Omega * t) - k * y[0] - c * y[1]) / m
+
+    def gap(t: float, y: np.ndarray) -> float:
+        return float(y[1] - until_speed)
+
+    gap.terminal = True  # type: ignore[attr-defined]
+    tolerance = {"rtol": DOP853_TOLERANCE, "atol": DOP853_TOLERANCE}
+    return solve_ivp(rates, span, state, "DOP853", events=None if until_speed is None else gap, **tolerance)

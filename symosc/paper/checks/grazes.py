@@ -1,0 +1,628 @@
+"""Figs. 7 and 8: the grazes of belt 1 from below and from above, their printed starts, and what follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from math import cos, hypot, inf, pi, sin
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from symosc.engine.arithmetic import mp_context
+from symosc.engine.flow import constants
+from symosc.engine.next_event import never_leaves
+from symosc.engine.state import Covariance, Launch
+from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
+from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import place
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.paper.checks import sticks
+from symosc.paper.checks.exact import flow
+from symosc.paper.checks.motions import (
+    LAST_HALF_UNIT,
+    certificate_of,
+    force_name,
+    force_text,
+    forces,
+    is_zero,
+    mode_text,
+    motion,
+    number,
+    scene_contacts,
+    subscripted,
+    text,
+    texts,
+)
+from symosc.paper.checks.orbits import REACH, range_of
+from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, verdict
+from symosc.scenes import Scene, load_scene
+from symosc.simulation.trajectory import Trajectory
+
+#: Until when motions are followed that shall have no further contact, and samples of their velocity.
+LATE, GRAZE_SAMPLES = 60, 8000
+
+
+@dataclass(frozen=True)
+class Graze:
+    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping.
+
+    `half_turns` is the phase of the grazing point in units of pi.
+    """
+
+    printed: Scene
+    scene: Scene
+    mapping: str
+    half_turns: int
+
+    def source(self, to_start: bool = True) -> GrazingStart:
+        """Return where the flow that grazes was at t0, or on the switching plane before."""
+        theta = +mp_context(60).pi * self.half_turns
+        return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The corrected parameters."""
+        return self.scene.parameters
+
+    @property
+    def belt(self) -> int:
+        """The belt that the motion grazes."""
+        return place(self.mapping).boundary
+
+    @property
+    def print_is_right(self) -> bool:
+        """Whether a start that grazes rounds to the printed start, with all parameters as printed."""
+        return nearest_graze(self.printed, self.mapping, float(LAST_HALF_UNIT)).rounds
+
+
+#: Fig. 7 needs A0 = 10.
+FIG7 = Graze(load_scene("fig7"), load_scene("fig7-corrected"), "P2", 1)
+_FIG8 = replace(load_scene("fig8"), t_end=Fraction(9))
+FIG8 = Graze(_FIG8, _FIG8, "P3", 0)
+
+
+@cache
+def exact(figure: Graze, t_end: Any = None) -> Scene:
+    """Return the scene of a figure from the start that grazes, to 40 decimals."""
+    start = figure.source().start
+    return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
+
+
+# --- is there a graze at all? ---
+
+
+def reaches_belt(scene: Scene, belt: int) -> Evidence:
+    """Check whether a motion below a belt touches it: by the event search, and for all later times by a bound."""
+    p, path = scene.parameters, motion(scene, LATE)
+    first = next((event for event in path.events if event.boundary == belt), None)
+    square, speed = steady_square(p), f"v{subscripted(belt)}"
+    numbers = {
+        "square of the steady velocity amplitude": text(square),
+        f"square of {speed}": text(p.belt(belt) ** 2),
+    }
+    if first is not None:
+        numbers["t of the first contact"] = text(first.t, 20)
+        finding = f"The first contact is a {first.kind} at t = {text(first.t, 11)}."
+        return Evidence(verdict(first.kind == "graze"), finding, numbers)
+    t_max, v_max = highest_velocity(path)
+    since = no_contact_since(path, belt)
+    numbers |= {
+        "highest velocity": f"{text(v_max, 12)} at t = {text(t_max, 9)} (to 1e-12)",
+        "contacts until t": f"0 until {LATE}",
+        "no contact after t, by steady amplitude and energy of the transient": text(since, 6),
+    }
+    if since > LATE:
+        return Evidence(UNDECIDED, f"There is no contact until t = {LATE}; later is not known.", numbers)
+    finding = (
+        f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} ({speed} = "
+        f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
+        f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
+    )
+    return Evidence(verdict(False), finding, numbers)
+
+
+def steady_square(p: Parameters) -> Fraction:
+    """Return the square of the amplitude of the steady velocity in one domain; friction and A0 do not enter."""
+    return (p.B0 * p.Omega) ** 2 / ((p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2)
+
+
+def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[float, float]:
+    """Return when the velocity of a flight in domain 1 is highest, and how high."""
+    times = np.linspace(float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES)
+    i = int(np.argmax(path(times)[1]))
+    top = float(times[i])
+    if 0 < i < GRAZE_SAMPLES - 1:
+        top = brentq(lambda t: float(path.force(1, t)), times[i - 1], times[i + 1], xtol=1e-13)
+    return top, float(path(top)[1])
+
+
+def no_contact_since(path: Trajectory, belt: int) -> float:
+    """Return a time after which the flight in the domain below a belt cannot reach it; inf if none is seen."""
+    p = path.parameters
+    K, level = constants(p), float(p.belt(belt))
+    for t in np.linspace(float(path.t_start), float(path.t_end), 400):
+        v, a, phase = float(path(t)[1]), float(path.force(NEIGHBOURS[belt][0], t)), float(p.Omega) * t
+        start = Launch(v, a, sin(phase), cos(phase))
+        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, level, NEIGHBOURS[belt][0], K):
+            return float(t)
+    return inf
+
+
+def contacts_text(path: Trajectory) -> str:
+    """Return the first two contacts of a motion as text."""
+    shown = [f"{e.kind} at t = {text(e.t, 16)}" for e in path.events[:2]]
+    return ", ".join(shown) or f"none until t = {text(path.t_end)}"
+
+
+# --- the red point ---
+
+
+def tangential(figure: Graze) -> Evidence:
+    """Check that the motion touches the belt at the red point and leaves: from the printed start and the exact one."""
+    printed, scene, p = motion(figure.printed), exact(figure), figure.parameters
+    path = motion(scene)
+    numbers = {"contacts as printed until the first slip": contacts_text(printed)}
+    if figure.scene.parameters != figure.printed.parameters:
+        numbers["contacts with the corrected parameter"] = contacts_text(motion(figure.scene))
+    if not path.events:
+        return Evidence(verdict(False), "There is no contact from the exact start either.", numbers)
+    at, event, side = scene_contacts(scene)[0], path.events[0], place(figure.mapping).domain
+    force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
+    order = is_grazing(p, figure.mapping, at.x, at.theta)
+    touches = event.kind == "graze" and is_zero(force) and order.grazing
+    numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"
+    numbers[f"{force_name(side)}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
+    finding = (
+        f"From the start to 40 decimals the motion {'grazes' if touches else 'does not graze'} belt {at.belt} at t = "
+        f"{text(event.t, 12)}, with {force_name(side)} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
+    )
+    usual = motion(figure.scene).events
+    if len(usual) > 1 and usual[0].kind == "stick":
+        lasts = usual[1].t - usual[0].t
+        numbers["stick in place of the graze, from the printed start, lasts"] = text(lasts, 12)
+        finding += f" From the printed digits it overshoots and sticks for a time of {text(lasts, 4)}."
+    if not printed.events:
+        finding += " With the printed parameters there is no contact at all."
+    as_printed = bool(printed.events) and printed.events[0].kind == "graze"
+    held = verdict(as_printed or (touches and figure.print_is_right), touches)
+    return Evidence(held, finding, numbers | certificate_of(scene))
+
+
+def touches_once(figure: Graze) -> Evidence:
+    """Check that a motion in the domain below touches belt 1 once and never again."""
+
+    def once(scene: Scene) -> bool:
+        return [event.kind for event in motion(scene, LATE).events] == ["graze"]
+
+    scene = exact(figure)
+    path = motion(scene, LATE)
+    after = no_contact_since(path, figure.belt)
+    numbers = {
+        f"contacts until t = {LATE}, exact start": str(len(path.events)),
+        "none by the energy bound after t": text(after, 6),
+        f"contacts until t = {LATE} as printed": str(len(motion(figure.printed, LATE).events)),
+    }
+    if not path.events:
+        return Evidence(verdict(False), "There is no contact.", numbers)
+    t, v = highest_velocity(path, float(path.events[0].t) + 1)
+    numbers["highest velocity later"] = f"{text(v, 9)} at t = {text(t, 7)}"
+    finding = (
+        f"From the exact start mass and belt {figure.belt} have the same velocity at t = {text(path.events[0].t, 12)} "
+        f"only, where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
+    )
+    return Evidence(verdict(once(figure.printed), once(scene) and after < LATE), finding, numbers)
+
+
+def of_mapping(figure: Graze) -> Evidence:
+    """Flow back from the graze: does it come from where the mapping starts? And does the mapping follow it?"""
+    found, name = figure.source(to_start=False), subscripted(figure.mapping)
+    word = motion(exact(figure)).word
+    follows = word[:1] == [figure.mapping]
+    numbers = {
+        f"comes from the plane of {name}": "yes" if found.found else "no",
+        "mappings that follow": subscripted(" ".join(word)) or "none",
+    }
+    came = "never was at a belt before"
+    if found.t is not None:
+        t = found.t + figure.source().t_m - found.t_m
+        came = f"came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}"
+        numbers["last contact before: t, x, belt"] = f"{texts((t, found.x), 12)}, {found.boundary}"
+    ending = f"so {'a' if found.found else 'no'} {name} ends in it"
+    finding = f"Flowing back, the motion {came}: {ending}; {'a' if follows else 'no'} {name} begins at it."
+    either = found.found or follows
+    return Evidence(verdict(either and figure.parameters == figure.printed.parameters, either), finding, numbers)
+
+
+def in_window(figure: Graze) -> Evidence:
+    """Check that the phase of the graze is in Theorem 7's window, as printed, whose case is decided exactly."""
+    p, mapping, scene = figure.parameters, figure.mapping, exact(figure)
+    window = grazing_window(p, mapping, "paper")
+    event = next((e for e in motion(scene).events if e.kind == "graze"), None)
+    numbers = {"γ, B₀Ω/m": texts((window.gamma, window.amplitude)), "case": window.case}
+    if event is None:
+        return Evidence(verdict(False), "There is no graze.", numbers)
+    at = scene_contacts(scene)[0]
+    inside, touch = window.contains(figure.half_turns * mp_context(60).pi), is_grazing(p, mapping, at.x, at.theta)
+    numbers["Ωt mod 2π at the graze"] = text(event.theta, 25)
+    numbers["G⁽⁰⁾, G⁽¹⁾"] = ", ".join(f"{value:.6g}" for value in touch.values)
+    finding = (
+        f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case {window.case}. Its "
+        f"window {'contains' if inside else 'does not contain'} Ωt = {'π' if figure.half_turns else '0'}, and the flow "
+        f"touches with order {touch.order}, G⁽¹⁾ = {touch.values[-1]:.6g}."
+    )
+    return Evidence(verdict(inside and touch.grazing and touch.order == 1), finding, numbers)
+
+
+# --- after the graze of Fig. 7 ---
+
+
+def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
+    """Return by how much x and v have changed from one blue point to the next, one period of the excitation later."""
+    times = float(scene.t0) + 2 * pi / float(scene.parameters.Omega) * np.arange(periods + 1)
+    return [(float(dx), float(dv)) for dx, dv in np.diff(motion(scene, LATE)(times), axis=1).T]
+
+
+def same_point(figure: Graze) -> Evidence:
+    """Compare the states at the blue point and one period later, from the exact start and from the printed one."""
+    path, change, printed = motion(exact(figure), LATE), returns(exact(figure), 1)[0], returns(figure.printed, 1)[0]
+    blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.parameters.Omega))
+    same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
+    numbers = {
+        "x, ẋ at the blue point": texts(blue, 10),
+        "x, ẋ at the green point": texts(green, 10),
+        "differences": texts(change, 10),
+        "differences with all numbers as printed": texts(printed, 10),
+    }
+    finding = (
+        f"One period after the start the mass is at (x, ẋ) = ({texts(green, 7)}), and it was at ({texts(blue, 7)}): "
+        f"{'one point' if same else 'two points'} of the phase plane."
+    )
+    return Evidence(verdict(as_printed, same), finding, numbers)
+
+
+def periodic(figure: Graze) -> Evidence:
+    """Check whether the motion is periodic, or approaches one; and whether the periodic motion can graze."""
+    p, scene = figure.parameters, exact(figure)
+    changes = [hypot(*each) for each in returns(scene, 4)]
+    fixed = changes[0] <= LAST_HALF_UNIT
+    factor = changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
+    square, level = steady_square(p), p.belt(figure.belt) ** 2
+    approaches = factor < 1 and motion(scene, LATE).segments[-1].mode == "Omega1"
+    detuning = (p.B0 * p.Omega) ** 2 / level - (p.c * p.Omega) ** 2
+    numbers = {f"change of (x, ẋ) over period {i}": text(change, 8) for i, change in enumerate(changes, 1)} | {
+        "ratio of the last two changes": text(factor, 8),
+        "square of the steady velocity amplitude, of v₁": texts((square, level)),
+        "(k − mΩ²)²; for a periodic motion that just touches v₁": (
+            f"{text((p.k - p.m * p.Omega**2) ** 2)}; {text(detuning)}"
+        ),
+    }
+    what = "periodic" if fixed else "not periodic"
+    what += ", but approaching a periodic motion" if approaches and not fixed else ""
+    finding = (
+        f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} over the next: "
+        f"{what}. The periodic motion has the velocity amplitude √{text(square)} = {text(float(square) ** 0.5, 5)} "
+        f"and {'can' if square >= level else 'never can'} touch v₁ = {text(p.v1)}, whatever A₀ is."
+    )
+    return Evidence(verdict(fixed, approaches), finding, numbers)
+
+
+def not_at_belt(figure: Graze) -> Evidence:
+    """Check that the velocity differs from the belt's at the start and one period later."""
+    numbers, gaps = {}, []
+    for scene, name in ((figure.printed, "as printed"), (exact(figure), "A₀ = 10, exact start")):
+        level, period = float(scene.parameters.belt(figure.belt)), 2 * pi / float(scene.parameters.Omega)
+        velocities = [float(motion(scene, LATE)(t)[1]) for t in (float(scene.t0), float(scene.t0) + period)]
+        gaps += [abs(v - level) for v in velocities]
+        numbers[f"ẋ at the blue and the green point, {name}"] = texts(velocities, 10)
+    least = f"v{subscripted(figure.belt)} by {text(min(gaps), 6)}"
+    finding = f"The velocities differ from {least} or more: these are no grazing points."
+    return Evidence(verdict(min(gaps) > LAST_HALF_UNIT), finding, numbers)
+
+
+# --- the stick after the graze of Fig. 8 ---
+
+
+def sticks_later(figure: Graze) -> Evidence:
+    """Check that the contact that follows the red point is the onset of a stick on the same belt, for both starts."""
+    numbers, held, times = {}, True, []
+    for name, scene in (("printed start", figure.printed), ("exact start", exact(figure))):
+        events = [e for e in motion(scene).events if e.kind != "slip"]
+        following = events[1] if len(events) > 1 else None
+        held = held and following is not None and (following.kind, following.boundary) == ("stick", figure.belt)
+        if following is not None:
+            times.append(following.t)
+            numbers[f"t, x of the next contact, {name}"] = f"{text(following.t, 16)}, {text(following.x, 12)}"
+    if len(times) < 2:
+        numbers["contacts after the red point"] = str(len(times))
+        return Evidence(verdict(False), "No contact follows.", numbers)
+    what = f"sticks to belt {figure.belt}" if held else "does something else"
+    finding = (
+        f"The next contact is at t = {text(times[1], 11)} from the exact start ({text(times[0], 11)} from the "
+        f"printed one): there the mass {what}."
+    )
+    return Evidence(verdict(held), finding, numbers)
+
+
+def stick_after(figure: Graze, what: str) -> Evidence:
+    """Check what `sticks` has under a name, of the stick that follows the graze from the exact start."""
+    if what == "flight_after":
+        return sticks.flight_after(exact(figure, Fraction(10)), figure.belt, 2)
+    evidence: Evidence = getattr(sticks, what)(exact(figure), figure.belt)
+    return evidence
+
+
+def curves_meet(figure: Graze) -> Evidence:
+    """Check that the mass never is slower than belt 1: then it meets each point of the belt once."""
+
+    def as_described(path: Trajectory) -> bool:
+        kinds = [(event.kind, event.boundary) for event in path.events]
+        slower = any(segment.mode == "Omega1" for segment in path.segments)
+        return not slower and kinds == [("graze", 1), ("stick", 1), ("slip", 1)]
+
+    path, printed, p = motion(exact(figure)), motion(figure.printed), figure.parameters
+    numbers = {
+        f"modes of motion, {name} start": ", ".join(mode_text(segment.mode) for segment in each.segments)
+        for name, each in (("exact", path), ("printed", printed))
+    }
+    if min(len(path.events), len(printed.events)) < 2:
+        return Evidence(verdict(False), "There are no two contacts.", numbers)
+    red, blue = path.events[:2]
+    ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
+    numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
+    held = as_described(path)
+    finding = (
+        f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} at the blue point, "
+        f"and {'meets the curves as described only' if held else 'meets the curves elsewhere too'}. From the printed "
+        f"start there is a {printed.events[0].kind} at the red point."
+    )
+    return Evidence(verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers)
+
+
+# --- do the printed starts graze, and if not, does one misprinted number explain it? ---
+
+START = ("t0", "x0", "v0")
+#: A parameter is printed with no more significant digits than this.
+MISPRINTED_DIGITS = 3
+#: A phase of the contact is a quarter of a turn if it is within so much of one.
+PHASE = 1e-4
+
+
+def contact_or_misprint(figure: Graze) -> Evidence:
+    """Check that the motion with all numbers as printed grazes; if not, search for single numbers that make it."""
+    scene = figure.printed
+    as_printed = reaches_belt(scene, figure.belt)
+    if as_printed.verdict != NOT_AS_PRINTED:
+        return as_printed
+    found = search(scene, figure.mapping, float(LAST_HALF_UNIT))
+    numbers = dict(as_printed.numbers)
+    for name in (*PARAMETER_NAMES, *START):
+        values = [f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name]
+        numbers[f"{name} free: values that graze"] = "; ".join(values) or "none"
+    finding = f"{as_printed.finding} With one number changed it grazes: {misprints(scene, found)}."
+    return Evidence(as_printed.verdict, finding, numbers)
+
+
+def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
+    """List the values that are as short as the printed ones; first those that graze at a quarter of a period."""
+    quarter = pi / (2 * float(scene.parameters.Omega))
+    lists: tuple[list[str], list[str]] = ([], [])
+    for each in found:
+        if each.as_short_as_printed:
+            off = abs((each.t_m + quarter / 2) % quarter - quarter / 2)
+            value = f"{each.value:.4f}" if each.name in START else each.shortest
+            lists[off > PHASE].append(f"{each.name} = {value} (at t = {each.t_m:.6g})")
+    first = " or ".join(lists[0]) or "none at a quarter of a period"
+    return first + (f"; also, at times that nothing tells from others, {' or '.join(lists[1])}" if lists[1] else "")
+
+
+def start_grazes(figure: Graze) -> Evidence:
+    """Find the start of a graze next to the printed one, of all phases of the contact: does it round to it?"""
+    scene, printed, half_unit = figure.scene, figure.printed.parameters, float(LAST_HALF_UNIT)
+    near = nearest_graze(scene, figure.mapping, half_unit)
+    values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
+    changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
+    numbers = {
+        "printed x₀, ẋ₀": texts((scene.x0, scene.v0)),
+        "nearest start that grazes, minus printed: x₀, ẋ₀": f"{near.dx:+.3g}, {near.dv:+.3g}",
+        "time of its contact": f"{near.t_m:.9g}",
+        "half a unit of the last printed digit": f"{half_unit:g}",
+        "contacts from the printed start": contacts_text(motion(scene)),
+    }
+    held, how = False, "which does not round to it"
+    if near.rounds:
+        times = f"{near.t_low:.8g} to {near.t_high:.8g}"
+        numbers["contacts at these times have starts that round to the printed one"] = times
+        held = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9), numbers)
+        how = "which rounds to it" if held else "which rounds to it, but does not graze in many digits"
+    finding = (
+        f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze are a curve, one "
+        "for each time of the contact. The one next to the printed start is "
+        f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
+    )
+    return Evidence(verdict(held and not changed, held), finding, numbers)
+
+
+def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
+    """Tell whether the flow from the start that belongs to t_m grazes, with 40 digits and in another closed form."""
+    scene, at = figure.scene, place(figure.mapping)
+    p = scene.parameters
+    found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
+    start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
+    path = motion(replace(scene, **start, start_error=found.start["start_error"]))
+    x, v = flow(p, p.A(at.domain), (scene.t0, *start.values()), float(t_m))
+    x_m = (float(p.A(at.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)) / float(p.k)
+    gap = abs(float(v) - float(p.belt(at.boundary))) + abs(float(x) - x_m)
+    numbers["x₀, ẋ₀ of a start that grazes"] = f"{found.start['x0'][:22]}, {found.start['v0'][:22]}"
+    numbers["contacts from it"] = contacts_text(path)
+    numbers["|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form"] = f"{gap:.1g}"
+    inside = all(abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items())
+    return inside and path.events[0].kind == "graze" and gap < 1e-9
+
+
+# --- the search ---
+# The starts at t0 from which a flow grazes are a curve in the plane (x0, v0), one point for each time t_m of the
+# contact: x_m and v_lambda at t_m, flowed back. Printed digits are right if the curve meets the box of all starts that
+# round to them. If it does not, each parameter and each number of the start is left free in turn: a value at which the
+# flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
+# is printed.
+
+#: Periods after the start in which a touch is looked for, instants in them, and values of a number left free.
+SEARCHED_PERIODS, INSTANTS, VALUES = 3, 300, 201
+LONGEST = 12
+
+
+@dataclass(frozen=True)
+class NearestGraze:
+    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start.
+
+    `t_low` and `t_high` are the times of contact of all starts that round to the printed one; nan if there are none.
+    """
+
+    t_m: float
+    dx: float
+    dv: float
+    t_low: float
+    t_high: float
+
+    @property
+    def rounds(self) -> bool:
+        """Whether a start that grazes rounds to the printed one."""
+        return self.t_low <= self.t_high
+
+
+@dataclass(frozen=True)
+class FreeValue:
+    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed.
+
+    `uncertainty` is what half a unit of the printed x0 and v0 changes it by.
+    """
+
+    name: str
+    value: float
+    uncertainty: float
+    t_m: float
+
+    @property
+    def shortest(self) -> str:
+        """The shortest decimal number within the uncertainty."""
+        for digits in range(1, LONGEST):
+            shown = f"{self.value:.{digits}g}"
+            if abs(float(shown) - self.value) <= self.uncertainty:
+                return f"{float(shown):.{LONGEST}g}"
+        return f"{self.value:.{LONGEST}g}"
+
+    @property
+    def as_short_as_printed(self) -> bool:
+        """Whether it has no more digits than are printed: few for a parameter, one decimal for t0, four for x0, v0."""
+        if self.name in ("x0", "v0"):
+            return True
+        if self.name == "t0":
+            return len(self.shortest.partition(".")[2]) <= 1
+        return len(self.shortest.replace(".", "").lstrip("-0")) <= MISPRINTED_DIGITS
+
+
+def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
+    """Return x0 and v0 at t0 of the flows that touch the mapping's belt at the times t_m."""
+    p, at = scene.parameters, place(mapping)
+    v = float(p.belt(at.boundary))
+    A, B0, Omega, c, k = (float(value) for value in (p.A(at.domain), p.B0, p.Omega, p.c, p.k))
+    x_m = (A + B0 * np.cos(Omega * t_m) - c * v) / k
+    return np.array([flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]).T
+
+
+def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
+    """Find the point of the curve of grazing starts next to the printed start, and where it is in its rounding box."""
+    printed = np.array([[float(scene.x0)], [float(scene.v0)]])
+
+    def away(t: float) -> float:
+        return float(np.abs(starts_that_graze(scene, mapping, np.array([t])) - printed).max())
+
+    times = float(scene.t0) + 2 * np.pi / float(scene.parameters.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    coarse = np.abs(starts_that_graze(scene, mapping, times) - printed).max(axis=0)
+    inner = coarse[1:-1]
+    valleys = np.flatnonzero((inner <= coarse[:-2]) & (inner <= coarse[2:])) + 1
+    best, around = np.nan, (np.nan, np.nan)
+    for i in valleys[np.argsort(coarse[valleys])] if len(valleys) else [1 + int(np.argmin(inner))]:
+        ends = float(times[i - 1]), float(times[i + 1])
+        t = float(minimize_scalar(away, bounds=ends, method="bounded", options={"xatol": 1e-13}).x)
+        if not away(t) >= away(best):
+            best, around = t, ends
+    box = [np.nan, np.nan]
+    if away(best) <= half_unit:
+        box = [float(brentq(lambda t: away(t) - half_unit, *sorted((best, end)), xtol=1e-12)) for end in around]
+    dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
+    return NearestGraze(best, float(dx), float(dv), *box)
+
+
+def search(
+    scene: Scene, mapping: str, half_unit: float, names: Sequence[str] = (*PARAMETER_NAMES, *START)
+) -> list[FreeValue]:
+    """Leave each parameter and each number of the start free in turn, and return all values that graze."""
+    return [value for name in names for value in _values(scene, mapping, name, half_unit)]
+
+
+def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[FreeValue]:
+    if name in START:
+        printed = float(getattr(scene, name))
+        # Times come back after a period.
+        reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
+        tried = printed - reach, printed + reach
+    else:
+        printed, tried = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
+    values = np.unique([*np.linspace(*tried, VALUES), printed])
+    gaps = [_gap(scene, mapping, {name: float(value)})[0] for value in values]
+    found = []
+    for i, (one, two) in enumerate(pairwise(gaps)):
+        if not one * two <= 0 or abs(one - two) > 10 * max(1.0, abs(printed)):
+            continue
+        root = float(brentq(lambda value: _gap(scene, mapping, {name: float(value)})[0], values[i], values[i + 1]))
+        gap, t_m, inside = _gap(scene, mapping, {name: root})
+        if not inside or abs(gap) > half_unit:
+            continue
+        moved = sum(abs(_slope(scene, mapping, name, root, key, 1e-6)) for key in ("x0", "v0") if key != name)
+        slope = abs(_slope(scene, mapping, name, root, name, 1e-6 * max(1.0, abs(root))))
+        found.append(FreeValue(name, root, half_unit * (moved / slope + (name in START)), t_m))
+    return found
+
+
+def _slope(scene: Scene, mapping: str, name: str, root: float, key: str, step: float) -> float:
+    """Return the derivative of the gap by a number `key`, where the number `name` is `root`."""
+    ends = []
+    for sign in (1, -1):
+        change = {name: root}
+        change[key] = change.get(key, float(getattr(scene, key, 0))) + sign * step
+        ends.append(_gap(scene, mapping, change)[0])
+    return (ends[0] - ends[1]) / (2 * step)
+
+
+def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
+    """Return how far the flow gets beyond the belt (negative: not at all), when, and if it starts in its domain."""
+    at = place(mapping)
+    start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
+    exact = {name: Fraction(value) for name, value in change.items() if name not in START}
+    p = scene.parameters.replace(**exact) if exact else scene.parameters
+    A, belt = float(p.A(at.domain)), float(p.belt(at.boundary))
+    times = start[0] + SEARCHED_PERIODS * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+
+    def beyond(t: Any) -> Any:
+        return at.side * (flow(p, A, start, t)[1] - belt)
+
+    try:
+        over = beyond(times)
+    except ZeroDivisionError:  # resonance without a damper
+        return np.nan, np.nan, False
+    i = int(np.argmax(over))
+    step = times[1] - times[0]
+    around = times[i] - step, times[i] + step
+    best = minimize_scalar(lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10})
+    inside = over[0] < 0 and i > 0
+    if at.domain == 2:
+        other = p.v2 if at.boundary == 1 else p.v1
+        speeds = flow(p, A, start, times[: i + 1])[1]
+        inside = inside and bool(np.all(-at.side * (speeds - float(other)) < 0))
+    return -float(best.fun), float(best.x), bool(inside)

@@ -1,0 +1,555 @@
+"""Sections 2, 3 and 5: the friction law, the equations of motion, domains, switching planes, and the eight mappings."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import product
+from math import pi, sqrt, tanh
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from symosc.mappings.equations import residual
+from symosc.mappings.theorem7_cases import PLACES
+from symosc.model import NEIGHBOURS, Parameters
+from symosc.paper.checks.exact import (
+    DOP853_AGREEMENT,
+    RationalContact,
+    contacts,
+    dop853,
+    exact_contacts,
+    friction_on_mass,
+    tally,
+)
+from symosc.paper.checks.motions import recorded
+from symosc.paper.claims import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence, verdict
+from symosc.scenes import load_scene
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
+
+CASES = 240
+#: Scenes of the paper whose motions have every state between them, and all printed ones.
+STATES = ("fig5", "fig6", "fig8", "fig9", "fig10")
+FIGURES = ("fig5", "fig6", "fig7", "fig8", "fig9", "fig10")
+
+
+# --- what the paper prints in Sections 2 and 3 ---
+
+
+def friction_force(p: Parameters, alpha: int) -> Fraction:
+    """Eq. (1) inside a domain: the force F_f that friction opposes to the motion."""
+    return {1: -(p.mu1 + p.mu2), 2: p.mu1 - p.mu2, 3: p.mu1 + p.mu2}[alpha] * p.FN
+
+
+def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]:
+    """Eq. (1) at the speed of a belt: the interval in which F_f lies."""
+    middle, outer = (p.mu1 - p.mu2) * p.FN, (p.mu1 + p.mu2) * p.FN
+    return (-outer, middle) if boundary == 1 else (middle, outer)
+
+
+def added_force(p: Parameters, alpha: int) -> Fraction:
+    """Eq. (5): what stands beside A0 on the right."""
+    return {1: p.mu1 + p.mu2, 2: -(p.mu1 - p.mu2), 3: -(p.mu1 + p.mu2)}[alpha] * p.FN
+
+
+def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
+    """Eq. (9)."""
+    rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
+    return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
+
+
+def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> Fraction:
+    """Eq. (2), and its counterpart on belt 2: all forces but the friction of that belt."""
+    other = p.mu2 * p.FN if boundary == 1 else -p.mu1 * p.FN
+    return p.A0 + p.B0 * cosine - p.k * x - p.c * p.belt(boundary) + other
+
+
+def domain_of(p: Parameters, v: Fraction) -> list[int]:
+    """Eqs. (6) and (7): the open domains (1, 2, 3) and the boundaries (12, 23) that a velocity is in."""
+    inside = {1: v < p.v1, 2: p.v1 < v < p.v2, 3: v > p.v2, 12: v == p.v1, 23: v == p.v2}
+    return [name for name, yes in inside.items() if yes]
+
+
+# --- checks of Sections 2 and 3 ---
+
+
+def _parameter_sets() -> list[Parameters]:
+    return [contact.p for contact in contacts(1, CASES, seed=3)]
+
+
+def _both_boundaries(seed: int) -> Iterator[RationalContact]:
+    for boundary in NEIGHBOURS:
+        yield from contacts(boundary, CASES, seed=seed + boundary)
+
+
+def _friction_coefficient(p: Parameters, boundary: int) -> Fraction:
+    return p.mu1 if boundary == 1 else p.mu2
+
+
+def friction_levels() -> Evidence:
+    """Eq. (1) inside the domains, against Coulomb's law of both belts and eq. (5)."""
+    questions = {
+        "rational parameter sets and domains": lambda of: True,
+        "F_f not the sum of both belts' Coulomb friction": lambda case: (
+            -friction_force(*case) != friction_on_mass(*case)
+        ),
+        "A_α − A₀ not -F_f": lambda case: case[0].A(case[1]) - case[0].A0 != -friction_force(*case),
+    }
+    numbers = tally(product(_parameter_sets(), (1, 2, 3)), questions)
+    total, *wrong = numbers.values()
+    p = load_scene("fig5").parameters
+    numbers["levels of Fig. 5"] = ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3))
+    finding = "F_f is the friction of both belts as a resistance: it stands with a minus on the right of (5)"
+    return Evidence(verdict(not any(wrong)), f"{finding}; {total} exact cases.", numbers)
+
+
+def friction_at_the_jumps() -> Evidence:
+    """Eq. (1) at x' = v1 and v2: its intervals, and the single values whose closed intervals end there too."""
+
+    def needed(contact: RationalContact) -> Fraction:  # x'' = 0: friction holds all other forces
+        p = contact.p
+        return p.A0 + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
+
+    def interval(contact: RationalContact) -> tuple[Fraction, Fraction]:
+        return friction_interval(contact.p, contact.boundary)
+
+    questions = {
+        "exact contacts at which the mass sticks": lambda contact: True,
+        "friction force outside the interval of (1)": lambda c: not min(interval(c)) <= needed(c) <= max(interval(c)),
+        "friction force equal to a single value of (1)": lambda c: needed(c) in interval(c),
+    }
+    numbers = tally((contact for contact in _both_boundaries(40) if contact.sticks), questions)
+    held, outside, at_an_end = numbers.values()
+    if outside or not held:
+        return Evidence(NOT_AS_PRINTED, f"Outside the interval at {outside} of {held} contacts.", numbers)
+    finding = f"The friction force that keeps ẍ = 0 is in the interval at all {held} contacts, and is neither of the "
+    finding += f"single values at {held - at_an_end}: the intervals of these have to be open."
+    return Evidence(verdict(at_an_end == held, corrected=True), finding, numbers)
+
+
+def equations_of_motion() -> Evidence:
+    """Eq. (5), integrated by scipy's DOP853 over flights in each domain, against the exact motion."""
+    errors: dict[int, list[float]] = {}
+    for motion in (simulate(load_scene(name), max_events=40) for name in STATES):
+        p = motion.parameters
+        for segment in motion.segments[:8]:
+            if segment.mode.startswith("Omega"):
+                alpha, span = int(segment.mode[-1]), (float(segment.t_start), float(segment.t_end))
+                run = dop853(p, p.A0 + added_force(p, alpha), span, motion(span[0]))
+                error = np.abs(run.y - motion(np.minimum(run.t, span[1]))).max() / max(1.0, np.abs(run.y).max())
+                errors.setdefault(alpha, []).append(float(error))
+    numbers = {f"flights in Ω{alpha}": len(found) for alpha, found in sorted(errors.items())} | {
+        f"largest relative difference to DOP853 in Ω{alpha}": f"{max(found):.2g}"
+        for alpha, found in sorted(errors.items())
+    }
+    worst = max(map(max, errors.values()))
+    finding = f"Flights by (5) as printed differ from the exact motion by {worst:.1g} at most, in all three domains."
+    return Evidence(verdict(set(errors) == {1, 2, 3} and worst < DOP853_AGREEMENT), finding, numbers)
+
+
+def stick_condition() -> Evidence:
+    """Eq. (2) with |F_s1| <= mu1 FN, its counterpart on belt 2, and Theorem 4."""
+
+    def excess(contact: RationalContact) -> Fraction:
+        p, b = contact.p, contact.boundary
+        return abs(stick_force(p, b, contact.x, contact.c)) - _friction_coefficient(p, b) * p.FN
+
+    questions = {
+        "rational contacts with both belts": lambda contact: True,
+        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (excess(c) <= 0) != (c.below >= 0 >= c.above),
+        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: excess(c) and (excess(c) < 0) != c.sticks,
+        "|Fₛ| = μ FN": lambda c: excess(c) == 0,
+        "of them the mass stays on the belt": lambda c: excess(c) == 0 and c.sticks,
+        "of them it leaves at once": lambda c: excess(c) == 0 and not c.sticks,
+    }
+    numbers = tally(_both_boundaries(10), questions)
+    total, differs, wrong, equal, _, leaves = numbers.values()
+    if differs or wrong:
+        return Evidence(NOT_AS_PRINTED, f"Wrong at {differs + wrong} of {total} contacts.", numbers)
+    finding = f"|Fₛ| ≤ μ FN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without equality. "
+    finding += f"At |Fₛ| = μ FN friction just holds; at {leaves} of {equal} such contacts the mass leaves right after."
+    return Evidence(CONFIRMED, finding, numbers)
+
+
+def stick_motion() -> Evidence:
+    """Eqs. (3), (4), (11), (12): x' = v_lambda and x'' = 0 while the mass sticks."""
+    import sympy as sp
+
+    t, speed, place = sp.symbols("t v_lambda x_i")
+    x = place + speed * t
+    numbers = {"dx/dt, d²x/dt² of x = xᵢ + v_λ (t − tᵢ)": f"{x.diff(t)}, {x.diff(t, 2)}"}
+    right = (x.diff(t), x.diff(t, 2)) == (speed, 0)
+    finding = "Sticking to a belt means to have its speed; (3), (4) and (11), (12) say so in two forms; ẍ = 0 follows."
+    return Evidence(DEFINITION if right else NOT_AS_PRINTED, finding, numbers)
+
+
+def mirrored(p: Parameters) -> Parameters:
+    """Return the oscillator seen in a mirror, x -> -x: the belts change places, and so do mu1 and mu2."""
+    return p.replace(A0=-p.A0, B0=-p.B0, v1=-p.v2, v2=-p.v1, mu1=p.mu2, mu2=p.mu1)
+
+
+def friction_order() -> Evidence:
+    """The assumption mu1 >= mu2: is it needed? A mirror turns every motion into one with mu1 and mu2 exchanged."""
+    gaps, other = [0.0], 0
+    for scene in map(load_scene, STATES):
+        given = recorded(simulate(scene, max_events=12))
+        start: dict[str, Any] = {"t0": scene.t0, "x0": -scene.x0, "v0": -scene.v0, "t_end": scene.t_end}
+        seen = simulate(mirrored(scene.parameters), **start, max_events=12)
+        kinds = [(event.kind, 3 - event.boundary) for event in seen.events]
+        other += kinds != [(event.kind, event.boundary) for event in given.events]
+        gaps += [abs(a.t - b.t) + abs(a.x + b.x) for a, b in zip(given.events, seen.events, strict=False)]
+    cases = [c for boundary in NEIGHBOURS for c in contacts(boundary, CASES, seed=20) if c.p.mu1 < c.p.mu2]
+    reverse = [contact for contact in cases if contact.below * contact.above != 0]
+    wrong = sum((contact.below > 0 > contact.above) != contact.sticks for contact in reverse)
+    numbers = {
+        "events of Figs. 5, 6, 8, 9, 10 compared with their mirror image": len(gaps) - 1,
+        "figures whose mirror image has other events": other,
+        "largest difference of t and x": f"{max(gaps):.2g}",
+        "rational contacts with μ₁ < μ₂": len(reverse),
+        "of them Theorem 4 wrong": wrong,
+    }
+    needless = not other and not wrong and max(gaps) < 1e-9 and reverse
+    finding = f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact contacts with "
+    finding += f"μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the mirror images by {max(gaps):.1g}."
+    return Evidence(DEFINITION, finding if needless else "It is an assumption, and it is needed.", numbers)
+
+
+def friction_characteristics() -> Evidence:
+    """Section 2: both belts possess the same friction characteristics; and the coefficients of the figures."""
+    jumps = [(p, boundary, friction_interval(p, boundary)) for p in _parameter_sets() for boundary in (1, 2)]
+    wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
+    numbers: dict[str, Any] = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
+    for name in FIGURES:
+        p = load_scene(name).parameters
+        numbers[f"{name}: μ₁, μ₂"] = f"{float(p.mu1):g}, {float(p.mu2):g}"
+    finding = f"At both belts the force jumps by 2 μ FN, with the belt's own μ: one law, at all {len(jumps)} jumps."
+    return Evidence(verdict(not wrong), finding, numbers)
+
+
+def frequency() -> Evidence:
+    """Section 2 calls Omega a frequency ratio: which meaning has it in (9) and (62)?"""
+    import sympy as sp
+
+    t, B0, m, k, Omega = sp.symbols("t B0 m k Omega", positive=True)
+    printed = -B0 * Omega / m * sp.sin(Omega * t)  # the last term of (62) and (66)
+    rests = {}
+    for words, factor in {"angular frequency": Omega, "ratio to √(k/m)": Omega * sp.sqrt(k / m)}.items():
+        drive = B0 / m * sp.cos(factor * t)
+        rests[words] = sp.simplify(drive.diff(t) - printed.subs(sp.sin(Omega * t), sp.sin(factor * t)))
+    numbers = {f"d/dt of the drive minus the term in (62), Ω as {words}": rest for words, rest in rests.items()}
+    if rests["ratio to √(k/m)"] == 0:
+        return Evidence(CONFIRMED, "As a ratio it gives (62).", numbers)
+    finding = "(62) and (66) follow from (9) if Ω is the angular frequency; with a ratio they lack the factor √(k/m)."
+    return Evidence(verdict(False, rests["angular frequency"] == 0), finding, numbers)
+
+
+def motion_states() -> Evidence:
+    """Section 3: five motion states."""
+    p = load_scene("fig5").parameters
+    places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
+    domains, boundaries = (sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]]))
+    numbers = {"domains of (6)": domains, "boundaries of (7)": boundaries}
+    finding = "A motion in each domain of (6), and one on each boundary of (7) that stays there."
+    return Evidence(DEFINITION if (domains, boundaries) == (3, 2) else NOT_AS_PRINTED, finding, numbers)
+
+
+def domains_and_boundaries() -> Evidence:
+    """Eqs. (6) and (7): every state is in exactly one domain or on one boundary."""
+    draw, places = random.Random(6), []
+    for p in _parameter_sets():
+        middle = (p.v1 + p.v2) / 2
+        for v in (p.v1, p.v2, middle, middle + Fraction(draw.randint(-40, 40), 4), p.v1 - 1, p.v2 + 1):
+            places.append(domain_of(p, v))
+    wrong = sum(len(place) != 1 for place in places)
+    on_boundary = sum(place in ([12], [23]) for place in places)
+    numbers = {"velocities": len(places), "on a boundary": on_boundary, "in none or several places": wrong}
+    finding = (
+        f"Each of {len(places)} velocities is in one domain or on one boundary." if not wrong else f"{wrong} are not."
+    )
+    return Evidence(NOT_AS_PRINTED if wrong else DEFINITION, finding, numbers)
+
+
+def vector_fields() -> Evidence:
+    """Eqs. (8) to (10): the field (9) is (5) divided by the mass, and jumps by 2 mu FN/m."""
+    wrong = jumps = total = 0
+    for contact in _both_boundaries(30):
+        p, domains = contact.p, NEIGHBOURS[contact.boundary]
+        fields = [vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in domains]
+        total += 2
+        wrong += sum(field != contact.force(alpha) for field, alpha in zip(fields, domains, strict=True))
+        jumps += fields[0] - fields[1] != 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
+    numbers = {
+        "rational states and domains": total,
+        "(9) not Newton's law with Coulomb's friction": wrong,
+        "jumps that are not 2 μ FN/m": jumps,
+    }
+    finding = f"(9) agrees with Newton's law and Coulomb's friction in {total - wrong} of {total} exact cases."
+    return Evidence(verdict(not wrong and not jumps), finding, numbers)
+
+
+def forces_or_accelerations() -> Evidence:
+    """The quantities F that Section 6 shows as forces: m F is the right side of (5), exactly."""
+
+    def differs(case: tuple[RationalContact, int]) -> bool:
+        (contact, side), p = case, case[0].p
+        alpha = NEIGHBOURS[contact.boundary][side]
+        force = p.A0 + added_force(p, alpha) + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
+        return p.m * vector_field(p, alpha, contact.x, contact.speed, contact.c) != force
+
+    questions = {"exact contacts and domains": lambda case: True, "m F of (9) not the right side of (5)": differs}
+    numbers = tally(product((*exact_contacts(1), *exact_contacts(2)), (0, 1)), questions)
+    _, wrong = numbers.values()
+    masses = {f"Fig. {name.removeprefix('fig')}": load_scene(name).parameters.m for name in FIGURES}
+    apart = [name for name, mass in masses.items() if mass != 1]
+    numbers |= {f"{name}: m": f"{float(mass):g}" for name, mass in masses.items()}
+    finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}."
+    return Evidence(verdict(not apart and not wrong, not wrong), finding, numbers)
+
+
+# --- what the paper prints in Section 5 ---
+
+#: Eqs. (50) and (51): belt and side at the start and at the end (0 on the belt, -1 below, 1 above its speed).
+PLANES = {
+    "P1": ((1, 0), (1, 0)),
+    "P2": ((1, -1), (1, -1)),
+    "P3": ((1, 1), (1, 1)),
+    "P4": ((2, 0), (2, 0)),
+    "P5": ((2, -1), (2, -1)),
+    "P6": ((2, 1), (2, 1)),
+    "P7": ((2, -1), (1, 1)),
+    "P8": ((1, 1), (2, -1)),
+}
+
+
+def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
+    """Eqs. (52) and (53): left side minus right side of the second equation, at the end of a stick."""
+    number = (lambda value: value) if isinstance(x, Fraction) else float
+    rest = number(p.A0) + number(p.B0) * cosine - number(p.k) * x - number(p.c * p.belt(boundary))
+    if boundary == 1:
+        return rest + number(p.mu2 * p.FN) - number(p.mu1 * p.FN)
+    return rest - number(p.mu1 * p.FN) - number(p.mu2 * p.FN)
+
+
+def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
+    """Eq. (49): the expressions whose limits for delta -> 0 define v^- and v^+."""
+    return speed - delta, speed + delta
+
+
+# --- checks of Section 5 ---
+
+MAPPED_SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
+FLIGHTS = ("P2", "P3", "P5", "P6", "P7", "P8")
+#: A residual that vanishes, relative to the size of its terms.
+NO_RESIDUAL = 1e-11
+#: Exact contacts that are searched for ends of sticks, and for grazes.
+EXIT_CASES = 300
+
+
+def switching_planes() -> Evidence:
+    """Eq. (49): three planes at each belt, by the motion that is there."""
+    names = {-1: "below", 0: "on it", 1: "above"}
+    ends = Counter(end for pair in PLANES.values() for end in pair)
+    numbers = {f"belt {belt}, {names[side]}: ends of mappings": count for (belt, side), count in ends.items()}
+    finding = f"{len(ends)} planes, three at each belt: what is there goes on below, on or above the belt's speed."
+    return Evidence(DEFINITION if len(ends) == 6 else NOT_AS_PRINTED, finding, numbers)
+
+
+def planes_as_limits() -> Evidence:
+    """Eq. (49) as it stands: v_lambda^- and v_lambda^+ as limits."""
+    import sympy as sp
+
+    speed, delta = sp.symbols("v_lambda delta", positive=True)
+    limits = [sp.limit(expression, delta, 0, "+") for expression in printed_planes(speed, delta)]
+    different = len({speed, *limits})
+    numbers = {f"limit that defines v_λ{sign}": limit for sign, limit in zip("⁻⁺", limits, strict=True)}
+    numbers["different planes among Σ⁰, Σ¹, Σ²"] = different
+    if different == 3:
+        return Evidence(CONFIRMED, "The three planes are different.", numbers)
+    return Evidence(CORRECTED, "Both limits are v_λ, so that Σ⁰, Σ¹ and Σ² are one and the same set.", numbers)
+
+
+def basic_mappings() -> Evidence:
+    """Eqs. (50) and (51): every way from plane to plane through one domain, or on one belt, is one of the eight."""
+    ways = {((belt, 0), (belt, 0)) for belt in NEIGHBOURS}
+    for domain in (1, 2, 3):
+        # The belts at a domain, and the side of them on which it is.
+        planes = [(belt, -1 if domain == belt else 1) for belt, sides in NEIGHBOURS.items() if domain in sides]
+        ways |= set(product(planes, planes))
+    listed = set(PLANES.values())
+    numbers = {
+        "ways from plane to plane in one domain or on one belt": len(ways),
+        "mappings of (50)": len(PLANES),
+        "ways that (50) lacks": len(ways - listed),
+        "mappings of (50) that are no way": len(listed - ways),
+    }
+    if ways == listed and len(PLANES) == len(ways):
+        return Evidence(DEFINITION, f"(50) lists all {len(ways)} ways from plane to plane, each once.", numbers)
+    return Evidence(NOT_AS_PRINTED, "(50) does not list all ways from plane to plane once.", numbers)
+
+
+def trajectories_in_domains() -> Evidence:
+    """Fig. 4: between its ends a trajectory is in one domain or on one belt; that is what a mapping is."""
+    numbers = {}
+    for label, planes in PLANES.items():
+        start, end = ({NEIGHBOURS[belt][side > 0]} if side else set() for belt, side in planes)
+        between = ", ".join(f"Ω{domain}" for domain in start & end)
+        numbers[f"{label}: in between"] = between or f"belt {planes[0][0]}"
+    flights = sum(between.startswith("Ω") for between in numbers.values())
+    finding = f"The planes at its ends leave one domain to each of {flights} flights, and the belt to P₁ and P₄."
+    return Evidence(DEFINITION if flights == 6 else NOT_AS_PRINTED, finding, numbers)
+
+
+def stick_exits(boundary: int) -> Evidence:
+    """Eqs. (52) and (53), where sticks end: against the exact flow where one of the forces vanishes, and a figure."""
+    equation, (lo, hi) = 51 + boundary, NEIGHBOURS[boundary]
+    exits: Counter[int] = Counter()
+    satisfied: Counter[int] = Counter()
+    for contact in contacts(boundary, EXIT_CASES, seed=50 + boundary):
+        # The stick ends here: held so far by both forces, and the exact flow leaves the belt.
+        if contact.force(lo) == 0 > contact.force(hi) and contact.slope(lo) < 0:
+            left = lo
+        elif contact.force(hi) == 0 < contact.force(lo) and contact.slope(hi) > 0:
+            left = hi
+        else:
+            continue
+        if contact.next_mode != f"Omega{left}":
+            raise ArithmeticError(f"the exact flow {contact.goes_on}")
+        exits[left] += 1
+        satisfied[left] += stick_exit(contact.p, boundary, contact.x, contact.c) == 0
+    numbers = {
+        f"exact ends of sticks into Ω{alpha}; ({equation}) holds": f"{exits[alpha]}; {satisfied[alpha]}"
+        for alpha in (lo, hi)
+    } | _first_exit(boundary, equation)
+    if satisfied.total() == exits.total() > 0:
+        return Evidence(CONFIRMED, f"({equation}) holds at all {exits.total()} ends of sticks.", numbers)
+    finding = f"({equation}) holds at {satisfied[hi]} of {exits[hi]} exact ends of sticks with F({hi}) = 0, and at "
+    finding += f"{satisfied[lo]} of {exits[lo]} with F({lo}) = 0, where the mass leaves as well, into Ω{lo}."
+    return Evidence(NOT_AS_PRINTED, finding, numbers)
+
+
+def _first_exit(boundary: int, equation: int) -> dict[str, str]:
+    """Say how the first stick of Fig. 5 or 6 ends, by scipy's DOP853 and by the roots of the forces on the belt."""
+    scene, name, (lo, hi) = load_scene(f"fig{4 + boundary}"), f"Fig. {4 + boundary}", NEIGHBOURS[boundary]
+    p, speed = scene.parameters, float(scene.parameters.belt(boundary))
+    t, x = float(scene.t0), float(scene.x0)
+    if scene.v0 != p.belt(boundary):
+        run = dop853(p, p.A(1), (t, t + 200 * pi / float(p.Omega)), (x, float(scene.v0)), until_speed=speed)
+        t, x = float(run.t_events[0][0]), float(run.y_events[0][0][0])
+
+    def forces(elapsed: Any) -> dict[int, Any]:
+        place, phase = x + speed * elapsed, np.cos(float(p.Omega) * (t + elapsed))
+        rest = float(p.B0) * phase - float(p.k) * place - float(p.c * p.belt(boundary))
+        return {alpha: (float(p.A(alpha)) + rest) / float(p.m) for alpha in (lo, hi)}
+
+    grid = np.linspace(0.0, 20.0, 4001)
+    along = forces(grid)
+    last = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))
+    left = lo if along[lo][last] < 0 else hi
+    end = float(brentq(lambda elapsed: forces(elapsed)[left], grid[last - 1], grid[last], xtol=1e-13))
+    printed = stick_exit(p, boundary, x + speed * end, np.cos(float(p.Omega) * (t + end)))
+    at_end = ", ".join("0" if abs(value) < 1e-10 else f"{value:.6g}" for value in forces(end).values())
+    return {
+        f"{name}: first stick begins, ends at t": f"{t:.9g}, {t + end:.9g}",
+        f"{name}: F({lo}), F({hi}) at its end": at_end,
+        f"{name}: left side of ({equation}) minus right side there": f"{float(printed):.6g}",
+    }
+
+
+def _mapped_segments() -> Iterator[tuple[Trajectory, Any, Any, Any]]:
+    """Yield (motion, segment, event at its start, event at its end) for segments between events."""
+    for name in MAPPED_SCENES:
+        motion = simulate(load_scene(name), max_events=40)
+        for segment, start, end in zip(motion.segments[1:], motion.events, motion.events[1:], strict=False):
+            yield motion, segment, start, end
+
+
+def governing_equations() -> Evidence:
+    """Eq. (54): f1 and f2 of the flights vanish at the events of simulated motions; so they do for DOP853."""
+    worst, other = dict.fromkeys(FLIGHTS, 0.0), dict.fromkeys(FLIGHTS, 0.0)
+    counts: Counter[str] = Counter()
+    for motion, segment, start, end in _mapped_segments():
+        p, label = motion.parameters, segment.label
+        if label not in FLIGHTS:
+            continue
+        counts[label] += 1
+        Omega, t, x, v = float(p.Omega), float(end.t), float(end.x), float(end.v)
+        f1, f2 = residual(p, label, (float(start.x), Omega * float(start.t)), (x, Omega * t))
+        size_x, size_v = max(1.0, abs(x)), max(1.0, abs(v))
+        worst[label] = max(worst[label], abs(f1) / size_x, abs(f2) / size_v)
+        if counts[label] <= 3:
+            run = dop853(p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v)))
+            gaps = abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v
+            other[label] = max(other[label], *map(float, gaps))
+    numbers = {
+        label: f"{counts[label]} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 {other[label]:.2g}"
+        for label in FLIGHTS
+    }
+    largest, by_dop853 = max(worst.values()), max(other.values())
+    right = all(counts[label] for label in FLIGHTS) and largest < NO_RESIDUAL and by_dop853 < DOP853_AGREEMENT
+    finding = f"f₁ = f₂ = 0 at the ends of {counts.total()} flights of six kinds, to {largest:.1g}"
+    return Evidence(verdict(right), f"{finding}; by DOP853 to {by_dop853:.1g}.", numbers)
+
+
+def four_grazes() -> Evidence:
+    """Before Theorem 7: four cases of grazing, those of P2, P3, P5 and P6."""
+    pairs = sorted((domain, boundary) for boundary, sides in NEIGHBOURS.items() for domain in sides)
+    of_maps = sorted((row.domain, row.boundary) for row in PLACES.values())
+    grazes: Counter[tuple[int, int]] = Counter()
+    for boundary in NEIGHBOURS:
+        for contact in contacts(boundary, EXIT_CASES, seed=60 + boundary):
+            grazes.update((alpha, boundary) for alpha in NEIGHBOURS[boundary] if contact.grazes(alpha))
+    numbers = {
+        "pairs of a domain and a boundary that it has": len(pairs),
+        "of them the place of P₂, P₃, P₅ or P₆": sum(pair in of_maps for pair in pairs),
+    } | {f"exact grazes of belt {belt} from Ω{domain}": grazes[domain, belt] for domain, belt in pairs}
+    finding = f"{len(pairs)} pairs of domain and boundary, one for each of P₂, P₃, P₅ and P₆; each of them can graze."
+    return Evidence(verdict(pairs == of_maps == sorted(grazes) and len(pairs) == 4), finding, numbers)
+
+
+def position_bound(p: Parameters) -> float:
+    """Return what |x| comes down to in the long run, from the L1 norm of the impulse response; c, k > 0.
+
+    Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
+    M/k without oscillation.
+    """
+    force = float(abs(p.A0) + abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
+    damping = float(p.c) / (2 * sqrt(p.k * p.m))
+    if damping >= 1:
+        return force / float(p.k)
+    return force / float(p.k) / tanh(pi * damping / (2 * sqrt(1 - damping**2)))
+
+
+def bounded_motions() -> Evidence:
+    """Section 5: three bounded motions in the three unbounded domains; and what becomes of that without a damper."""
+    within, numbers = 0, {}
+    for name in STATES:
+        scene = load_scene(name)
+        begin, period = float(scene.t0), 2 * pi / float(scene.parameters.Omega)
+        motion = recorded(simulate(scene, t_end=begin + 30 * period, max_events=2000))
+        begin, end = float(motion.t_start), float(motion.t_end)
+        late = np.linspace(begin + 0.5 * (end - begin), end, 400)
+        reach, bound = float(np.abs(motion(late)[0]).max()), position_bound(scene.parameters)
+        within += reach <= bound
+        numbers[f"{name}: largest |x| in the second half of 30 periods, bound"] = f"{reach:.4g}, {bound:.4g}"
+    numbers["bound"] = "lim sup |x| ≤ (M/k) coth(πζ/(2√(1 − ζ²))), M the sum of all forces"
+    growth = _growth(load_scene("fig8").parameters.replace(c=0, mu1="0.1", mu2="0.1", FN=10, B0=16))
+    swings = ", ".join(f"{value:.4g}" for value in growth)
+    numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
+    finding = f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper gives"
+    if within < len(STATES):
+        return Evidence(NOT_AS_PRINTED, f"{finding}.", numbers)
+    finding += ", which holds for every motion with c, k > 0 (one kind in each of three domains)"
+    if growth[1] > 1.5 * growth[0] and growth[2] > 1.5 * growth[1]:
+        finding += f". Without a damper, at resonance, the swings grow: {swings}"
+    return Evidence(CONFIRMED, f"{finding}.", numbers)
+
+
+def _growth(p: Parameters) -> list[float]:
+    """Return the largest |x| in the 10th, 20th and 40th period of a motion from rest."""
+    period = 2 * pi / float(p.Omega)
+    motion = simulate(p, t0=0, x0=0, v0=0, t_end=41 * period, max_events=400)
+    return [float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max()) for n in (10, 20, 40)]

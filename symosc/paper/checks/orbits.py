@@ -1,0 +1,559 @@
+"""Figs. 9 and 10: periodic motions without sticks (P32) and with sticks (P4645), their starts, and Section 7."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import cycle, pairwise, zip_longest
+from math import cos, inf, pi, sin
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from symosc.errors import SymoscError
+from symosc.mappings.equations import jacobian, residual
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.orbits.closing_equations import ConvergenceError
+from symosc.orbits.find import find_orbit
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.paper.checks.motions import (
+    CONTACT_DIGITS,
+    LAST_HALF_UNIT,
+    NO_FORCE,
+    SceneContact,
+    certificate_of,
+    force_name,
+    force_names,
+    force_text,
+    forces,
+    is_zero,
+    mode_text,
+    motion,
+    number,
+    recorded,
+    scene_contacts,
+    start_contact,
+    sticks,
+    subscripted,
+    text,
+    texts,
+)
+from symosc.paper.claims import CONFIRMED, Evidence, verdict
+from symosc.scenes import Scene, load_scene
+from symosc.simulation.ensemble import simulate_many
+from symosc.words import read_word
+
+FIG9, FIG10 = map(load_scene, ("fig9", "fig10"))
+WITHIN = 1e-4
+
+
+def orbit_of(scene: Scene) -> PeriodicOrbit | None:
+    """Return the periodic orbit of a scene's structure with 30 digits, or None if there is none."""
+    found = _orbit_of(scene)
+    return None if found is None else recorded(found)
+
+
+@cache
+def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
+    try:
+        found = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
+    except ConvergenceError:
+        return None
+    return found if found.admissible else None
+
+
+def no_orbit(scene: Scene) -> Evidence:
+    """Return the evidence that a structure has no orbit: what the motion does instead."""
+    numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
+    return Evidence(verdict(False), f"There is no periodic motion {subscripted(str(scene.structure))}.", numbers)
+
+
+def orbit_exists(scene: Scene) -> Evidence:
+    """Solve the closing equations (54) of the structure and check every inequality that makes the root a motion."""
+    found, name = orbit_of(scene), subscripted(str(scene.structure))
+    if found is None:
+        return no_orbit(scene)
+    margin = min(found.conditions(), key=lambda condition: condition.value)
+    finding = (
+        f"{name} exists: it has the period of the excitation, {text(found.period, 10)}, all {len(found.conditions())} "
+        f"inequalities hold, and it is {'stable' if found.stable else 'unstable'} (largest |multiplier| "
+        f"{float(abs(found.multipliers[0])):.6g})."
+    )
+    numbers = {
+        f"{i}. {subscripted(label)} starts at t, x": texts((point.t, point.x), 22)
+        for i, (label, point) in enumerate(zip(found.labels, found.points, strict=True), 1)
+    }
+    numbers |= {
+        "largest residual of (54)": text(found.residual, 2),
+        "smallest margin of an inequality": f"{margin.value:.6g} ({margin.text})",
+        "distance from grazing, as a velocity": f"{found.grazing_distance:.6g}",
+        "|multipliers|": texts((float(abs(value)) for value in found.multipliers), 8),
+    }
+    return Evidence(verdict(found.periods == 1 and found.stable is True), finding, numbers | certificate_of(found))
+
+
+def in_order(scene: Scene) -> Evidence:
+    """Check the order of the mappings from the start, and with (54) that each starts where the last one ended."""
+    p, path, at = scene.parameters, motion(scene), scene_contacts(scene)
+    points = [start_contact(scene, path.events[0].boundary), *at]
+    Omega, word = number(p, p.Omega), path.word
+    expected = cycle(read_word(scene.structure).labels if scene.structure else ("",))
+    ordered = bool(word) and all(label == next(expected) for label in word)
+    worst = 0 * Omega
+    for segment, (start, end) in zip(path.segments, pairwise(points), strict=False):
+        if segment.label:
+            rest = residual(p, segment.label, (start.x, Omega * start.t), (end.x, Omega * end.t))
+            worst = max([worst, *map(abs, rest)])
+    crossings = [forces(p, point) for point, event in zip(at, path.events, strict=True) if event.kind == "cross"]
+    numbers = {
+        "mappings in order of time": subscripted(" ".join(word)) or "none",
+        "largest residual f₁, f₂ of (54) from each switching point to the next": text(worst, 2),
+    }
+    named = f"the structure {subscripted(scene.structure)}" if ordered else "not the order of the structure"
+    finding = (
+        f"From the start on the mappings are {', '.join(map(subscripted, word[:5]))}, …: {named}, "
+        f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
+    )
+    if crossings:
+        jump = max(abs(each.below - each.above) for each in crossings)
+        numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
+        finding += f"; the acceleration jumps, by {text(jump, 6)}"
+    return Evidence(verdict(ordered and worst < NO_FORCE), finding + ".", numbers)
+
+
+def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
+    """Return the switching points at a belt: of the motion from the printed start, that start, and of the orbit."""
+    points = [at for at in scene_contacts(scene) if at.belt == belt]
+    if scene.v0 == scene.parameters.belt(belt):
+        points.insert(0, start_contact(scene, belt))
+    found = orbit_of(scene)
+    if found is not None:
+        Omega = number(scene.parameters, scene.parameters.Omega)
+        for piece, point in zip(found.equations().pieces, found.points, strict=True):
+            if piece.start == belt:
+                points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
+    return points
+
+
+def products_positive(scene: Scene, belt: int) -> Evidence:
+    """Check that both forces have one sign at every switching point (Theorem 5)."""
+    points = switching_points(scene, belt)
+    both = [forces(scene.parameters, at) for at in points]
+    if not both:
+        return Evidence(verdict(False), "There is no switching point.", {"switching points": "0"})
+    products = [each.product for each in both]
+    numbers = {
+        "switching points (start, motion, periodic motion)": str(len(points)),
+        "lowest and highest product": texts((min(products), max(products)), 10),
+    }
+    for at, each in list(zip(points, both, strict=True))[-2:]:
+        numbers[f"{force_names(belt)} at t = {text(at.t, 12)} (periodic motion)"] = texts(each[:2], 12)
+    held = min(products) > 0
+    finding = (
+        f"At {'all' if held else 'not all'} {len(points)} switching points the product is positive; the smallest is "
+        f"{text(min(products), 8)}."
+    )
+    return Evidence(verdict(held), finding, numbers)
+
+
+def passes(scene: Scene, belt: int) -> Evidence:
+    """Check that every contact is a crossing in the direction of both forces, as Theorem 5 says."""
+    p, path = scene.parameters, motion(scene)
+    lo, hi = (f"Omega{domain}" for domain in NEIGHBOURS[belt])
+    places: dict[str, list[SceneContact]] = {"up": [], "down": []}
+    right = True
+    for at, event in zip(scene_contacts(scene), path.events, strict=True):
+        each = forces(p, at)
+        way = "up" if each.below > 0 and each.above > 0 else "down" if each.below < 0 and each.above < 0 else ""
+        to = {"up": (lo, hi), "down": (hi, lo)}.get(way)
+        right = right and event.kind == "cross" and (event.source, event.target) == to
+        if way:
+            places[way].append(at.x)
+    numbers = {
+        f"passages {way}: number, x from, to": f"{len(found)}, {texts((min(found), max(found)), 9)}"
+        for way, found in places.items()
+        if found
+    } | {"contacts": str(len(path.events))}
+    finding = (
+        f"{'All' if right else 'Not all'} {len(path.events)} contacts are passages to the side that both forces "
+        f"point to: up where both are positive ({len(places['up'])}), down where both are negative "
+        f"({len(places['down'])})."
+    )
+    return Evidence(verdict(right and path.events), finding, numbers)
+
+
+def never_sticks(scene: Scene) -> Evidence:
+    """Check that neither the motion from the printed start nor the periodic motion sticks."""
+    path, found = motion(scene), orbit_of(scene)
+    modes = sorted({segment.mode for segment in path.segments})
+    none = not any(mode.startswith("belt") for mode in modes) and found is not None
+    count, until = len(sticks(scene)), text(path.t_end, 6)
+    numbers = {
+        "modes of motion": ", ".join(map(mode_text, modes)),
+        f"sticks, passages until t = {until}": f"{count}, {len(path.events)}",
+    }
+    if found is not None:
+        none = none and not {"P1", "P4"} & set(found.labels)
+        velocities = found([float(found.period) * i / 2000 for i in range(2000)])[1]
+        numbers["velocities of the periodic motion"] = f"{velocities.min():.6g} to {velocities.max():.6g} (sampled)"
+    finding = (
+        f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = {until}; it is in "
+        f"{' and '.join(map(mode_text, modes))} only."
+    )
+    return Evidence(verdict(none), finding, numbers)
+
+
+def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
+    """Count the sticks in one period of the periodic motion."""
+    found = orbit_of(scene)
+    if found is None:
+        return no_orbit(scene)
+    ends = [*[point.t for point in found.points[1:]], found.points[0].t + found.period]
+    lasts = [end - point.t for each, point, end in zip(found.labels, found.points, ends, strict=True) if each == label]
+    numbers = {f"length of stick {i}": text(value, 20) for i, value in enumerate(lasts, 1)}
+    numbers["period"] = text(found.period, 20)
+    finding = (
+        f"One period of {subscripted(found.word)} has {len(lasts)} parts {subscripted(label)}, "
+        f"{' and '.join(text(value, 8) for value in lasts)} long: {100 * float(sum(lasts) / found.period):.2f} % of "
+        "the period."
+    )
+    return Evidence(verdict(len(lasts) == count), finding, numbers)
+
+
+def onsets(scene: Scene, belt: int) -> Evidence:
+    """Check the force product where the mass begins to stick, on the printed motion up to its end."""
+    found = [stick.onset for stick in sticks(scene) if stick.belt == belt]
+    if not found:
+        return Evidence(verdict(False), f"There is no stick on belt {belt}.", {"sticks": "0"})
+    both = [forces(scene.parameters, at) for at in found]
+    products = [each.product for each in both]
+    numbers = {
+        f"{force_names(belt)} at t = {text(at.t, 14)}": texts(each[:2], 12)
+        for at, each in list(zip(found, both, strict=True))[:4]
+    } | {"lowest and highest product": texts((min(products), max(products)), 10)}
+    held = max(products) < 0
+    how = "all" if held else "not all"
+    finding = f"At {how} {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
+    return Evidence(verdict(held), finding, numbers)
+
+
+def ends(scene: Scene, belt: int) -> Evidence:
+    """Check that one force vanishes where a stick ends, and that a flight into its domain follows."""
+    p, (lo, hi) = scene.parameters, NEIGHBOURS[belt]
+    found = [(stick, stick.end) for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
+    if not found:
+        return Evidence(verdict(False), f"No stick on belt {belt} ends.", {"sticks": "0"})
+    held, numbers = True, {}
+    for i, (stick, end) in enumerate(found):
+        at = forces(p, end)
+        free = [domain for domain, force in ((lo, at.below), (hi, at.above)) if is_zero(force)]
+        held = held and len(free) == 1 and stick.into == f"Omega{free[0]}"
+        if i < 4:
+            values = f"{force_text(at.below)}, {force_text(at.above)}, {mode_text(stick.into)}"
+            numbers[f"{force_names(belt)} at t = {text(end.t, 14)}, into"] = values
+    into = [stick.into for stick, _ in found]
+    finding = (
+        f"At all {len(found)} green points one force is 0 and the mass slips into its domain: "
+        f"{into.count(f'Omega{lo}')} times {force_name(lo)}, into {mode_text(f'Omega{lo}')}, and "
+        f"{into.count(f'Omega{hi}')} times {force_name(hi)}, into {mode_text(f'Omega{hi}')}. Eq. ({51 + belt}) of the "
+        f"paper knows {force_name(hi)} only."
+        if held
+        else "Not at all green points exactly one force is 0."
+    )
+    return Evidence(verdict(held), finding, numbers)
+
+
+def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
+    """Check whether the printed equations are conditions of a periodic motion: what do they leave open on its orbit?
+
+    `closed` adds the closing conditions, that the orbit ends where it starts, one period later; (54) lacks them.
+    """
+    found, p = orbit_of(scene), scene.parameters
+    if found is None:
+        return no_orbit(scene)
+    Omega, count = number(p, p.Omega), len(found.labels)
+    points = [(point.x, Omega * point.t) for point in found.points]
+    points.append((points[0][0], points[0][1] + Omega * found.period))
+    rows = np.zeros((2 * count + 2, 2 * count + 2))
+    for i, label in enumerate(found.labels):
+        rows[2 * i : 2 * i + 2, 2 * i : 2 * i + 4] = jacobian(p, label, points[i], points[i + 1]).astype(float)
+    rows[-2:, :2], rows[-2:, -2:] = -np.eye(2), np.eye(2)
+    printed = rows if closed else rows[: 2 * count]
+    rank, full = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, rows))
+    free = printed.shape[1] - rank
+    at = [start_contact(scene, motion(scene).events[0].boundary), *scene_contacts(scene)[:count]]
+    rest = [
+        max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
+        for label, (a, b) in zip(found.labels, pairwise(at), strict=True)
+    ]
+    numbers = {
+        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{printed.shape[1]}, {printed.shape[0]}",
+        "rank of its Jacobian at the orbit": str(rank),
+        "rank with the closing conditions": str(full),
+        "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
+        "x at the end of that motion's first round minus x₀": text(at[-1].x - at[0].x, 10),
+    }
+    if not free:
+        return Evidence(verdict(True), "The printed equations determine the orbit.", numbers)
+    finding = (
+        f"(54) leaves {free} of {printed.shape[1]} unknowns open. The motion from the printed start of Fig. "
+        f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
+    )
+    return Evidence(verdict(False, full == rows.shape[1]), finding, numbers)
+
+
+# --- is the printed start on the periodic orbit, and if not, does one misprinted number explain it? ---
+
+
+def start_or_misprint(scene: Scene) -> Evidence:
+    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
+    distance = start_on_orbit(scene)
+    if distance.verdict == CONFIRMED:
+        return distance
+    search = misprint(scene)
+    return Evidence(search.verdict, f"{distance.finding} {search.finding}", distance.numbers | search.numbers)
+
+
+def start_on_orbit(scene: Scene) -> Evidence:
+    """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
+    found = orbit_of(scene)
+    if found is None:
+        return no_orbit(scene)
+    near = found.approach(scene, WITHIN)
+    on_orbit = max(abs(near.dt), abs(near.dx)) <= LAST_HALF_UNIT
+    path, period = motion(scene), float(found.period)
+    count = min(3, int((float(path.t_end) - float(path.t_start)) / period))
+    states = [path(float(scene.t0) + i * period) for i in range(count + 1)]
+    points = "; ".join(texts((point.t, point.x), 9) for point in found.points)
+    numbers = {
+        "start minus nearest switching point: t, x": f"{near.dt:+.7f}, {near.dx:+.7f}",
+        "half a unit of the last printed digit": f"{float(LAST_HALF_UNIT):g}",
+        "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, {near.offset_v:+.7f}",
+        f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
+        f"switching points of {subscripted(found.word)}: t, x": points,
+    }
+    for i, (before, after) in enumerate(pairwise(states), 1):
+        dx, dv = after - before
+        numbers[f"change of x, ẋ over period {i}"] = f"{dx:+.5g}, {dv:+.5g}"
+    name = f"the periodic motion {subscripted(found.word)}"
+    finding = f"The start is on {name}, to all printed digits."
+    if not on_orbit:
+        later, higher = "later" if near.dt < 0 else "earlier", "higher" if near.dx < 0 else "lower"
+        finding = (
+            f"The start is not on {name}, whose nearest switching point is {abs(near.dt):.6f} {later} and "
+            f"{abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after "
+            f"{near.periods} period{'' if near.periods == 1 else 's'}."
+        )
+    return Evidence(verdict(on_orbit), finding, numbers)
+
+
+def misprint(scene: Scene) -> Evidence:
+    """Search for one number whose misprint explains the start of a periodic scene."""
+    start = search_start(scene)
+    allowed = float(LAST_HALF_UNIT)
+    if any(each.explains and abs(each.value - float(getattr(scene, each.name))) <= allowed for each in start):
+        return Evidence(CONFIRMED, "The printed start is on the orbit, to all its digits.", _free_numbers(start))
+    parameters = search_parameters(scene)
+    found = [*parameters, *start]
+    numbers = _free_numbers(found) | _end_of_stick(scene)
+    free = f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in turn"
+    explaining = " or ".join(f"{each.name} = {each.value:.5g}" for each in found if each.explains)
+    if explaining:
+        finding = f"With {free}: {explaining} puts the start on the orbit, to all printed digits."
+        return Evidence(verdict(False, True), finding, numbers)
+    best = min(found, key=lambda each: each.distance)
+    finding = (
+        f"No single number explains the start. With {free}, parameters up to {REACH} times the printed value, the "
+        f"motion misses the start after one period by {best.distance:.4f} at least, in t or x (with {best.name} = "
+        f"{best.value:.5g}); an orbit would have to go through it to within {allowed}."
+    )
+    return Evidence(verdict(False), finding + _one_digit(scene, start), numbers)
+
+
+def _free_numbers(found: list[Nearest]) -> dict[str, str]:
+    numbers = {}
+    for each in found:
+        what = "orbit minus start" if each.orbit else "misses the start after one period by"
+        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
+        if each.name in PARAMETER_NAMES:
+            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
+        numbers[f"{each.name} free"] = value
+    return numbers
+
+
+def _end_of_stick(scene: Scene) -> dict[str, str]:
+    """Say what the force in domain 2 is at a start on belt 2, where the stick is to end: with c v2 and without."""
+    p = scene.parameters
+    if scene.v0 != p.v2:
+        return {}
+    theta = float(p.Omega * scene.t0)
+    known = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
+    spread = float(LAST_HALF_UNIT) * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
+    return {
+        "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
+        "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",
+    }
+
+
+def _one_digit(scene: Scene, start: list[Nearest]) -> str:
+    """Point out a start whose x0 or t0 alone differs from the orbit's in one digit."""
+    remarks = ""
+    for each in start:
+        printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
+        if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:
+            remarks += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
+            remarks += ", but the other number of the start does not agree."
+    return remarks
+
+
+# --- the search: a periodic motion comes back to its start after one period of the drive ---
+# Every parameter is left free in turn: from the printed start, on its belt, one period is followed for many values, and
+# between those next to the smallest misses the miss is minimised. A value explains the start if the orbit of the
+# printed structure then goes through it. Then each number of the start is left free; the parameters stay as printed.
+
+#: How far a parameter is varied: this many times its size (at least 1) both ways, as far as the model allows.
+REACH = 10
+#: Values of a parameter that are tried: so many evenly spaced, and so many on each side ever closer to what is printed.
+EVEN_VALUES, CLOSER_VALUES = 120, 50
+#: So many of the smallest misses are minimised; an orbit is looked for where the miss is below this.
+VALLEYS, NEAR_MISS = 3, 0.002
+# The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
+LEAST = 1e-3
+# How long is followed, in periods: the event that may be the return can be late.
+FOLLOWED = Fraction(5, 4)
+# What counts as infinitely far from the printed start.
+OUT_OF_SIGHT = 1e9
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """How near a motion comes to being periodic from the printed start when one number is left free.
+
+    Attributes
+    ----------
+    name, value : str, float
+        The parameter, or "t0", "x0", "v0", that is left free, and its value there.
+    dt, dx : float
+        By how much the motion misses the start after one period; where it is an orbit, its switching point minus the
+        start. 0 for what was left free.
+    orbit : bool
+        Whether it is the orbit of the printed structure that dt and dx are measured from.
+    searched : tuple of float
+        The range of values that was tried.
+    """
+
+    name: str
+    value: float
+    dt: float
+    dx: float
+    orbit: bool = True
+    searched: tuple[float, float] = (-inf, inf)
+
+    @property
+    def distance(self) -> float:
+        """The larger one of |dt| and |dx|."""
+        return max(abs(self.dt), abs(self.dx))
+
+    @property
+    def explains(self) -> bool:
+        """Whether it is an orbit through the printed start, to half a unit of its last digit."""
+        # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half a unit.
+        allowed = float(LAST_HALF_UNIT) * (1 + abs(self.value) if self.name == "v0" else 1)
+        return self.orbit and self.distance <= allowed
+
+
+def search_start(scene: Scene) -> list[Nearest]:
+    """Leave each number of the start free in turn; the parameters stay as they are printed."""
+    orbit = find_orbit(scene.parameters, str(scene.structure))
+    t0, x0, gaps = float(scene.t0), float(scene.x0), _gaps(orbit, scene)
+    dt, off_x = min(gaps, key=lambda gap: abs(gap[1]))
+    off_t, dx = min(gaps, key=lambda gap: abs(gap[0]))
+    x, v = orbit(t0)
+    return [
+        Nearest("t0", t0 + dt, 0.0, off_x),
+        Nearest("x0", x0 + dx, off_t, 0.0),
+        Nearest("v0", float(v), 0.0, float(x) - x0),
+    ]
+
+
+def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) -> list[Nearest]:
+    """Leave each of the parameters free in turn; return one result for each, the nearest first."""
+    return sorted((_search_parameter(scene, name) for name in names), key=lambda each: each.distance)
+
+
+def _search_parameter(scene: Scene, name: str) -> Nearest:
+    value, (low, high) = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
+    closer = np.geomspace(LEAST, 1.0, CLOSER_VALUES)
+    near = [value - (value - low) * closer, value + (high - value) * closer]
+    values = np.unique(np.concatenate([np.linspace(low, high, EVEN_VALUES), *near, [value]]))
+    misses = _misses(scene, name, values)
+    sizes = np.abs(misses).max(axis=1)
+    best, value, orbit = misses[sizes.argmin()], float(values[sizes.argmin()]), False
+    padded = np.array([inf, *sizes, inf])
+    valleys = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
+    for i in valleys[np.argsort(sizes[valleys])][:VALLEYS]:
+        around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
+        at, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
+        if np.abs(miss).max() < NEAR_MISS:
+            exact, gap = _least(lambda number: _gap(scene, name, number), around)
+            if np.abs(gap).max() < np.abs(best).max():
+                best, value, orbit = gap, exact, True
+        elif np.abs(miss).max() < np.abs(best).max():
+            best, value = miss, at
+    return Nearest(name, value, float(best[0]), float(best[1]), orbit, (float(values[0]), float(values[-1])))
+
+
+def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
+    """Minimise the larger component of a miss."""
+
+    def size(number: float) -> float:
+        return min(float(np.abs(miss(float(number))).max()), OUT_OF_SIGHT)  # parabolas through infinite values are none
+
+    found = minimize_scalar(size, bounds=around, method="bounded")
+    return float(found.x), np.asarray(miss(float(found.x)))
+
+
+def range_of(p: Parameters, name: str) -> tuple[float, float]:
+    """Return the values of a parameter that are tried: REACH times its size both ways, as far as the model allows."""
+    value, margin = float(getattr(p, name)), LEAST * float(p.v2 - p.v1)
+    reach = REACH * max(1.0, abs(value))
+    least = {"m": LEAST * value, "k": LEAST * value, "Omega": LEAST * value, "v2": float(p.v1) + margin}
+    least |= dict.fromkeys(("c", "mu1", "mu2", "FN"), 0.0)
+    most = float(p.v2) - margin if name == "v1" else inf
+    return max(value - reach, least.get(name, -inf)), min(value + reach, most)
+
+
+def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
+    """Return (dt, dx) of the contact that comes nearest to the printed start one period later, for each value."""
+    boundary = 1 if scene.v0 == scene.parameters.v1 else 2
+    sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
+    periods = np.array([2 * pi / float(p.Omega) for p in sets])
+    t0, x0 = float(scene.t0), float(scene.x0)
+    starts = [(scene.t0, scene.x0, p.belt(boundary)) for p in sets]
+    # A few thousand short motions: compiling would take longer.
+    table = simulate_many(sets, starts, t0 + float(FOLLOWED) * periods, accuracy=inf, use_numba=False)
+    misses = np.full((len(values), 2), inf)
+    dt, dx = table.t - t0 - periods[table.trajectory], table.x - x0
+    size = np.where(table.boundary == boundary, np.maximum(np.abs(dt), np.abs(dx)), inf)
+    for row in np.lexsort((-size, table.trajectory)):  # the last one of each trajectory is the nearest
+        if size[row] < inf:
+            misses[table.trajectory[row]] = dt[row], dx[row]
+    return misses
+
+
+def _gap(scene: Scene, name: str, value: float) -> np.ndarray:
+    """Return (dt, dx) from the printed start to the nearest switching point of the orbit; inf if there is none."""
+    try:
+        orbit = find_orbit(scene.parameters.replace(**{name: value}), str(scene.structure))
+    except SymoscError:
+        return np.array([inf, inf])
+    return np.array(min(_gaps(orbit, scene), key=lambda gap: max(map(abs, gap))) if orbit.admissible else [inf, inf])
+
+
+def _gaps(orbit: PeriodicOrbit, scene: Scene) -> list[tuple[float, float]]:
+    """Return (dt, dx) from the printed start to each switching point, dt modulo the period."""
+    period, points = float(orbit.period), np.array([(float(point.t), float(point.x)) for point in orbit.points])
+    dt = (points[:, 0] - float(scene.t0) + period / 2) % period - period / 2
+    return list(zip(dt.tolist(), (points[:, 1] - float(scene.x0)).tolist(), strict=True))

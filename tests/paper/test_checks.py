@@ -1,0 +1,481 @@
+"""Each check can come to another verdict: for other motions, and for a paper that says something else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+from itertools import pairwise
+from math import pi
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from symosc import Parameters, Scene, find_orbit, load_scene, simulate
+from symosc.mappings.theorem7_cases import PLACES
+from symosc.paper.checks import exact, grazes, model, motions, orbits, sticks, theorem_7, theorems
+from symosc.paper.checks.motions import SceneContact, Stick, Stretch, fly_again, judge, stretches_of
+from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, read_claims
+from symosc.paper.pictures import PICTURES
+
+CLAIMS = read_claims(PICTURES)[0]
+# The searches for misprints take long, and the whole run judges all claims (test_report_in_browser.py).
+QUICK = [claim for claim in CLAIMS if not claim.id.endswith("0-start") and claim.id != "fig9-start"]
+FIG5, FIG6, FIG7, FIG9, FIG10 = (load_scene(f"fig{number}") for number in (5, 6, 7, 9, 10))
+
+
+@pytest.mark.full(10)
+@pytest.mark.quick(6)
+@pytest.mark.parametrize("claim", QUICK, ids=[claim.id for claim in QUICK])
+def test_the_verdict_is_the_committed_one(claim: Any) -> None:
+    evidence = judge(claim.check)
+    assert evidence.verdict == claim.verdict, evidence.finding
+    assert any(character.isdigit() for value in evidence.numbers.values() for character in value)
+
+
+# --- other motions ---
+
+
+def changed(scene: Scene, **numbers: Any) -> Scene:
+    """Return a scene with other numbers of its start, and others of its parameters."""
+    start: dict[str, Any] = {key: str(numbers.pop(key)) for key in ("t0", "x0", "v0", "t_end") if key in numbers}
+    return replace(scene, parameters=scene.parameters.replace(**numbers), **start)
+
+
+def sliding() -> Scene:
+    """Return a motion that leaves belt 1 downwards and comes to rest without another contact."""
+    p = Parameters(m=1, c=3, k=1, A0=0, B0=0, Omega=1, v1=1, v2=5, mu1=0.8, mu2=0.6, FN=9.81)
+    return Scene("sliding", p, Fraction(0), Fraction(0), Fraction(1), Fraction(30))
+
+
+def settled() -> Scene:
+    """Return Fig. 7, printed parameters, started on the periodic motion."""
+    later = simulate("fig7", t0=2.5, t_end=80)(2.5 + 2 * pi * 10)
+    return replace(FIG7, x0=Fraction(str(later[0])), v0=Fraction(str(later[1])))
+
+
+def graze7(printed: str) -> grazes.Graze:
+    return replace(grazes.FIG7, printed=load_scene(printed), scene=load_scene(printed))
+
+
+def graze8(start_error: Any = None, **start: str) -> grazes.Graze:
+    scene = replace(changed(grazes.FIG8.scene, **start), start_error=start_error)
+    return replace(grazes.FIG8, printed=scene, scene=scene)
+
+
+def exact8() -> grazes.Graze:
+    scene = load_scene("fig8-exact")
+    return graze8(scene.start_error, x0=str(scene.x0), v0=str(scene.v0))
+
+
+def rounded8() -> grazes.Graze:
+    return graze8(x0="5.8979", v0="2.2582")
+
+
+OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
+    "mu1 < mu2": (lambda: sticks.hypotheses((changed(FIG5, mu1="0.5"),)), NOT_AS_PRINTED),
+    "weights only": (lambda: sticks.weight((FIG5, load_scene("fig8"))), CONFIRMED),
+    "no weight": (lambda: sticks.weight((FIG9,)), NOT_AS_PRINTED),
+    "no stick": (lambda: sticks.force_products((FIG9,)), UNDECIDED),
+    "stick at once": (lambda: sticks.onset_later(FIG6, 2), NOT_AS_PRINTED),
+    "never on the belt": (lambda: sticks.onset_later(FIG7, 1), NOT_AS_PRINTED),
+    "never together": (lambda: sticks.together(FIG9, 1), NOT_AS_PRINTED),
+    "no forces of a stick": (lambda: sticks.forces_hold(FIG9, 1), NOT_AS_PRINTED),
+    "does not end below": (lambda: sticks.ends_below(FIG10, 2), NOT_AS_PRINTED),
+    "another domain": (lambda: sticks.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
+    "not followed": (lambda: sticks.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
+    "positive for ever": (lambda: sticks.product_after(sliding(), 1), CONFIRMED),
+    "passes at the start": (lambda: sticks.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
+    "sticks later": (lambda: sticks.sticks_at_start(FIG10, 2), CORRECTED),
+    "a stick appears later": (lambda: sticks.stick_appears(FIG10, 2), CONFIRMED),
+    "no stick appears": (lambda: sticks.stick_appears(FIG9, 1), NOT_AS_PRINTED),
+    "grazes as given": (lambda: grazes.reaches_belt(load_scene("fig7-exact"), 1), CONFIRMED),
+    "sticks as given": (lambda: grazes.reaches_belt(load_scene("fig7-corrected"), 1), NOT_AS_PRINTED),
+    # At resonance the velocity rises to the belt's for ever, and never is equal to it.
+    "swings up to the belt": (lambda: grazes.reaches_belt(changed(FIG7, k=1, x0=20), 1), UNDECIDED),
+    "exact start": (lambda: grazes.start_grazes(graze7("fig7-exact")), CONFIRMED),
+    "start rounded": (lambda: grazes.start_grazes(rounded8()), CONFIRMED),
+    "start off the curve": (lambda: grazes.start_grazes(graze8(x0="5.9")), NOT_AS_PRINTED),
+    "contact off the curve": (lambda: grazes.tangential(graze8(x0="5.9")), CORRECTED),
+    "grazes already": (lambda: grazes.contact_or_misprint(graze7("fig7-exact")), CONFIRMED),
+    "touches as given": (lambda: grazes.tangential(graze7("fig7-exact")), CONFIRMED),
+    "touches from above as given": (lambda: grazes.tangential(exact8()), CONFIRMED),
+    "touches once as given": (lambda: grazes.touches_once(graze7("fig7-exact")), CONFIRMED),
+    "of the mapping as given": (lambda: grazes.of_mapping(graze7("fig7-exact")), CONFIRMED),
+    "returns as given": (lambda: grazes.same_point(replace(grazes.FIG7, printed=settled())), CONFIRMED),
+    "at the belt": (lambda: grazes.not_at_belt(replace(grazes.FIG7, printed=FIG9)), NOT_AS_PRINTED),
+    "no graze before": (lambda: grazes.sticks_later(rounded8()), NOT_AS_PRINTED),
+    "meets as given": (lambda: grazes.curves_meet(exact8()), CONFIRMED),
+    "too much friction": (lambda: orbits.orbit_exists(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
+    "on the orbit": (lambda: orbits.start_on_orbit(changed(FIG9, t0="0.1817", x0="4.1549")), CONFIRMED),
+    "on the stick orbit": (lambda: orbits.start_on_orbit(changed(FIG10, t0="0.4436", x0="3.0737")), CONFIRMED),
+    "other order": (lambda: orbits.in_order(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
+    "products at sticks": (lambda: orbits.products_positive(FIG10, 2), NOT_AS_PRINTED),
+    "no passages": (lambda: orbits.passes(FIG10, 2), NOT_AS_PRINTED),
+    "it sticks": (lambda: orbits.never_sticks(FIG10), NOT_AS_PRINTED),
+    "three sticks": (lambda: orbits.stick_parts(FIG10, "P4", 3), NOT_AS_PRINTED),
+    "no onsets": (lambda: orbits.onsets(FIG9, 2), NOT_AS_PRINTED),
+    "no ends": (lambda: orbits.ends(FIG9, 2), NOT_AS_PRINTED),
+    "conditions without closing": (lambda: orbits.closing_conditions(FIG10), CORRECTED),
+    "conditions with closing": (lambda: orbits.closing_conditions(FIG9, True), CONFIRMED),
+}
+
+
+@pytest.mark.quick(9)
+@pytest.mark.parametrize("name", OTHER)
+def test_other_motions_have_other_verdicts(name: str) -> None:
+    check, expected = OTHER[name]
+    evidence = check()
+    assert evidence.verdict == expected, evidence.finding
+
+
+@pytest.mark.parametrize(
+    ("longer", "further", "expected"),
+    [(0, 0, CONFIRMED), (1e-12, 1e-12, NOT_AS_PRINTED), (0, -1e-15, NOT_AS_PRINTED)],
+)
+def test_a_stick_beyond_its_end_or_behind_its_belt_is_noticed(
+    longer: float, further: float, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stick = motions.sticks(FIG5)[0]
+    assert stick.end is not None
+    end = SceneContact(1, stick.end.t + longer, stick.end.x + further, stick.end.theta + longer)
+    monkeypatch.setattr(sticks, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
+    assert sticks.together(FIG5, 1).verdict == sticks.force_products((FIG5,)).verdict == expected
+
+
+def test_forces_are_looked_at_where_they_turn() -> None:
+    """A stick over which both forces turn twice: samples at its ends alone would not do."""
+    scene = changed(FIG5, A0=0, x0=8, v0="0.1", v1="0.1", B0=3, t_end=60)
+    stick = next(each for each in motions.sticks(scene) if each.end is not None)
+    along = motions.forces_along(scene.parameters, stick)
+    assert len(along) > 6
+    path, start = motions.motion(scene), float(stick.onset.t)
+    for i, (before, after) in enumerate(pairwise(along)):
+        times = [start + float(before.elapsed + (after.elapsed - before.elapsed) * j / 20) for j in range(21)]
+        values = [float(path.force(1, t)) for t in times[:-1]] + [float(after.below)]
+        rises = [b > a for a, b in pairwise(values)]
+        assert all(rises) or not any(rises), i
+
+
+# --- a paper that says something else ---
+
+
+def _added(p: Parameters, alpha: int) -> Fraction:
+    return {1: p.mu1 + p.mu2, 2: p.mu1 - p.mu2, 3: -(p.mu1 + p.mu2)}[alpha] * p.FN
+
+
+def _half_interval(p: Parameters, boundary: int, true: Any = model.friction_interval) -> tuple[Fraction, Fraction]:
+    low, high = true(p, boundary)
+    return low, (low + high) / 2
+
+
+def _repeated_field(p: Parameters, alpha: int, *state: Any, true: Any = model.vector_field) -> Fraction:
+    return true(p, min(alpha, 2), *state)
+
+
+def _both_exits(p: Parameters, boundary: int, x: Any, cosine: Any, true: Any = model.stick_exit) -> Any:
+    upper = true(p, boundary, x, cosine)
+    return min(upper, upper + 2 * (p.mu1 if boundary == 1 else p.mu2) * p.FN, key=abs)
+
+
+def _zero(*_: Any) -> Fraction:
+    return Fraction(0)
+
+
+WITHOUT_P8 = {label: planes for label, planes in model.PLANES.items() if label != "P8"}
+ON_ONE_SIDE = {label: ((start[0], 0), (end[0], 0)) for label, (start, end) in model.PLANES.items()}
+# What the paper says, what it says instead, the check, and its verdict then.
+STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
+    (model, "friction_force", lambda p, alpha: -_added(p, alpha), model.friction_levels, NOT_AS_PRINTED),
+    (model, "friction_interval", _half_interval, model.friction_at_the_jumps, NOT_AS_PRINTED),
+    (model, "friction_interval", _half_interval, model.friction_characteristics, NOT_AS_PRINTED),
+    (model, "added_force", _added, model.equations_of_motion, NOT_AS_PRINTED),
+    (model, "vector_field", _repeated_field, model.vector_fields, NOT_AS_PRINTED),
+    (model, "vector_field", _zero, model.forces_or_accelerations, NOT_AS_PRINTED),
+    (model, "stick_force", lambda p, b, x, c: p.A0 - p.k * x, model.stick_condition, NOT_AS_PRINTED),
+    (model, "domain_of", lambda p, v: [1] if v <= p.v1 else [], model.domains_and_boundaries, NOT_AS_PRINTED),
+    (model, "domain_of", lambda p, v: [1], model.motion_states, NOT_AS_PRINTED),
+    (model, "stick_exit", _both_exits, partial(model.stick_exits, 1), CONFIRMED),
+    (model, "stick_exit", _both_exits, partial(model.stick_exits, 2), CONFIRMED),
+    (model, "PLANES", WITHOUT_P8, model.basic_mappings, NOT_AS_PRINTED),
+    (model, "PLANES", WITHOUT_P8, model.trajectories_in_domains, NOT_AS_PRINTED),
+    (model, "PLANES", ON_ONE_SIDE, model.switching_planes, NOT_AS_PRINTED),
+    (model, "residual", lambda *_: (1e-6, 0.0), model.governing_equations, NOT_AS_PRINTED),
+    (model, "position_bound", lambda p: 1.0, model.bounded_motions, NOT_AS_PRINTED),
+    (model, "printed_planes", lambda v, d: (v - 1, v + 1), model.planes_as_limits, CONFIRMED),
+    (theorems, "stick_condition", lambda below, above: above < 0, partial(theorems.theorem, 4, 1), NOT_AS_PRINTED),
+    (theorems, "stick_condition", lambda below, above: below > 0, partial(theorems.theorem, 4, 2), NOT_AS_PRINTED),
+    (theorems, "passing_condition", lambda below, above: below > 0, partial(theorems.theorem, 5, 1), NOT_AS_PRINTED),
+    (theorems, "passing_condition", lambda below, above: above < 0, theorems.no_third_way, NOT_AS_PRINTED),
+    (theorems, "grazing_condition", lambda b, F, G: F == 0 and G < 0, partial(theorems.theorem, 6, 1), NOT_AS_PRINTED),
+    (theorems, "grazing_condition", lambda b, F, G: F == 0, partial(theorems.theorem, 6, 2), NOT_AS_PRINTED),
+    (theorems, "slope_of_field", _zero, theorems.both_sides_at_once, NOT_AS_PRINTED),
+    (theorems, "slope_of_field", _zero, theorems.g_functions_are_derivatives, NOT_AS_PRINTED),
+    (theorems, "BEFORE", "tₘ₋", theorems.time_labels, CONFIRMED),
+    (theorems, "sliding_condition", lambda towards, other: towards < 0, partial(theorems.lemma, 1), NOT_AS_PRINTED),
+    (theorems, "sliding_condition", lambda a, b: a < 0, theorems.necessary_and_sufficient, NOT_AS_PRINTED),
+    (theorems, "passing_either_way", lambda up, a, b: a > 0, partial(theorems.lemma, 2), NOT_AS_PRINTED),
+    (theorems, "tangency_condition", lambda away, v, slope: v == 0, partial(theorems.lemma, 3), NOT_AS_PRINTED),
+    (theorems, "g_functions", lambda n, y, t: (y[0], y[0]), theorems.general_g_functions, NOT_AS_PRINTED),
+    (theorems, "g_functions", lambda n, y, t: ((n.T * y)[0],) * 2, theorems.reduction, NOT_AS_PRINTED),
+    (theorems, "slope_along_boundary", theorems.slope_of_field, theorems.derivative_along_the_flow, CONFIRMED),
+    (theorems, "slope_along_boundary", _zero, theorems.derivative_along_the_flow, NOT_AS_PRINTED),
+    (theorem_7, "gamma_of", lambda p, a, v: p.c / p.m * v, theorem_7.grazing_inequality, NOT_AS_PRINTED),
+    (theorem_7, "gamma_of", lambda p, a, v: p.k / p.m * v + 1, theorem_7.gamma_is_fixed, NOT_AS_PRINTED),
+    (theorem_7, "printed_window", lambda *_: [], theorem_7.without_force, CONFIRMED),
+    (theorem_7, "TRACED", {"fig5": ("P2",)}, theorem_7.mappings_that_graze, UNDECIDED),
+    (theorem_7, "ENDS", dict.fromkeys(PLACES, ("P2",)), theorem_7.mappings_that_graze, NOT_AS_PRINTED),
+]
+
+
+@pytest.mark.quick(8)
+@pytest.mark.full(26)
+@pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
+def test_another_statement_gets_another_verdict(
+    module: Any, name: str, instead: Any, check: Any, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, name, instead)
+    assert check().verdict == verdict
+
+
+@pytest.fixture
+def print_windows(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Callable[..., Any]], None]]:
+    """Return a function that changes the cases of Theorem 7 which the paper prints."""
+    true = theorem_7.printed_window
+
+    def change_by(change: Callable[..., Any]) -> None:
+        monkeypatch.setattr(theorem_7, "printed_window", lambda *given: change(true(*given), *given))
+
+    theorem_7.rows_of.cache_clear()
+    yield change_by
+    theorem_7.rows_of.cache_clear()
+
+
+@pytest.mark.slow
+def test_a_window_with_a_wrong_end_is_refuted(print_windows: Any) -> None:
+    def wrong_end(cases: Any, mapping: str, gamma: Any, amplitude: Any) -> Any:
+        if not 0 < gamma < amplitude:
+            return cases
+        return [(number, [arcs[0]._replace(high=arcs[0].high + 1), *arcs[1:]]) for number, arcs in cases]
+
+    print_windows(wrong_end)
+    assert theorem_7.window("P6").verdict == NOT_AS_PRINTED
+
+
+@pytest.mark.slow
+def test_a_window_without_a_case_is_refuted(print_windows: Any) -> None:
+    print_windows(lambda cases, *_: [case for case in cases if case[0] != 3])
+    assert theorem_7.window("P5").verdict == NOT_AS_PRINTED
+    assert theorem_7.complete("P3", "P6").verdict == CORRECTED
+
+
+@pytest.mark.slow
+def test_the_missing_case_and_the_fourth_order_would_confirm(print_windows: Any) -> None:
+    def whole(cases: Any, mapping: str, gamma: Any, amplitude: Any) -> Any:
+        side, circle = PLACES[mapping].side, [theorem_7.Arc(Fraction(0), Fraction(4), True)]
+        return cases if abs(gamma) != amplitude else [(2 if side > 0 else 5, circle if gamma * side > 0 else [])]
+
+    print_windows(whole)
+    assert theorem_7.equality().verdict == CONFIRMED
+    assert theorem_7.complete("P2", "P5").verdict == CONFIRMED
+    print_windows(lambda cases, *_: cases * 2)
+    assert theorem_7.complete("P3", "P6").verdict == NOT_AS_PRINTED
+
+
+# --- the ground truth ---
+
+
+def test_the_power_series_is_the_flow() -> None:
+    p = FIG9.parameters
+    path = simulate(p, t0=0, x0="1/3", v0=-2, t_end="0.01")
+    constant = p.A0 + exact.friction_on_mass(p, 1)
+    series = exact.velocity_series(p, constant, Fraction(1, 3), Fraction(-2), Fraction(0), Fraction(1))
+    for t in (0.0002, 0.0005, 0.001):
+        assert path(t)[1] == pytest.approx(sum(float(a) * t**n for n, a in enumerate(series)), abs=1e-12)
+
+
+def test_contacts_are_of_every_kind() -> None:
+    contacts = exact.exact_contacts(2, 300, 5)
+    assert {contact.next_mode for contact in contacts} == {"Omega2", "Omega3", "belt2"}
+    for alpha in (2, 3):
+        assert sum(contact.force(alpha) == 0 for contact in contacts) > 50
+    assert sum(any(contact.derivatives(a)[:3] == (0, 0, 0) for a in (2, 3)) for contact in contacts) > 5
+
+
+def test_turn_grows_with_the_angle() -> None:
+    angles = np.linspace(0, 2 * pi, 400, endpoint=False)
+    turns = [theorem_7.turn(np.sin(angle), np.cos(angle)) for angle in angles]
+    assert np.all(np.diff(turns) > 0)
+    assert [theorem_7.turn(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [0, 1, 2, 3]
+    assert [theorem_7.angle(turn) for turn in turns] == pytest.approx(angles, abs=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_second_closed_form_is_the_flow(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    values = dict(zip(("m", "c", "k", "B0", "Omega", "FN"), rng.integers(5, 41, 6) / 10, strict=True))
+    values |= {"m": 1, "c": 2, "k": 1} if seed % 4 == 0 else {}  # critically damped
+    p = Parameters(A0=3, v1=-1, v2=5, mu1="0.3", mu2="0.2", **{name: str(value) for name, value in values.items()})
+    run = exact.dop853(p, p.A(2), (0.5, 6.0), (1.0, 2.0))
+    found = exact.flow(p, p.A(2), (0.5, 1.0, 2.0), run.t)
+    assert np.abs(np.array(found) - run.y).max() < 1e-7  # critical damping: 1e-8 of the roots apart
+
+
+# --- the second opinion on motions ---
+
+
+def stretches(name: str) -> tuple[Parameters, list[Stretch]]:
+    path = simulate(load_scene(name))
+    return path.parameters, stretches_of(path)
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig6", "fig7-exact", "fig8-exact", "fig9", "fig10"])
+def test_a_second_opinion_agrees_with_motions_and_orbits(name: str) -> None:
+    p, found = stretches(name)
+    opinion = fly_again(p, found)
+    assert opinion.agrees
+    assert opinion.stretches == len(found)
+    assert opinion.difference < 1e-11
+    if name in ("fig9", "fig10"):
+        assert fly_again(p, stretches_of(find_orbit(p, load_scene(name).structure))).agrees
+
+
+def test_a_second_opinion_finds_wrong_motions() -> None:
+    p, found = stretches("fig10")
+    t, x, v = found[2].end
+    found[2] = found[2]._replace(end=(t + 1e-7, x, v))
+    assert fly_again(p, found).difference > 1e-9
+    # A missed contact.
+    p, found = stretches("fig9")
+    long = found[0].start[0] + 2 * found[0].end[0]
+    x, v = map(float, exact.flow(p, p.A(found[0].where), found[0].start, long))
+    assert fly_again(p, [found[0]._replace(end=(long, x, v))]).outside == 1
+    # A wrong mode, and a stick that is too long.
+    p, found = stretches("fig5")
+    at = next(i for i, each in enumerate(found) if each.where == -1)
+    assert fly_again(p, found[: at + 1]).agrees
+    t, x, v = found[at].end
+    assert fly_again(p, [*found[:at], found[at]._replace(where=1)]).otherwise == 1
+    assert fly_again(p, [found[at]._replace(end=(t + 1, x + 1, v))]).outside == 1
+
+
+def test_a_claim_whose_motion_is_not_confirmed_is_not_decided() -> None:
+    orbit = find_orbit(FIG9.parameters, FIG9.structure)
+
+    def check(wrong: float) -> Evidence:
+        (t, x), last = orbit.points
+        parts = {name: getattr(orbit, name) for name in ("parameters", "labels", "period")}
+        motions.recorded(SimpleNamespace(**parts, points=[(t, float(x) + wrong), last]))
+        return Evidence(CONFIRMED, "It moves.", {"points": 2})
+
+    evidence = judge(partial(check, 0.0))
+    assert evidence.numbers["flown again in another closed form"].startswith("2 stretches, ")
+    assert evidence.verdict == CONFIRMED
+    evidence = judge(partial(check, 1e-3))
+    assert evidence.verdict == UNDECIDED
+    assert evidence.finding.startswith("Two ways do not agree (2 stretches, ")
+
+
+# --- starts of grazing and periodic motions, and misprints that were put in ---
+
+
+@pytest.mark.quick(1)
+@pytest.mark.full(6)
+@pytest.mark.parametrize("seed", range(12))
+def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None:
+    """Whatever the phase of the contact is, the rounded start is recognised; a start off the curve is not."""
+    from symosc import grazing_start, grazing_window
+
+    rng = np.random.default_rng(seed)
+    values = {name: str(value / 10) for name, value in zip("mck", rng.integers(5, 41, 3), strict=True)}
+    p = FIG9.parameters.replace(**values, A0=int(rng.integers(-9, 10)), v1=-1, v2=5)
+    for mapping in PLACES:
+        window = grazing_window(p, mapping)
+        for phase in [phase for phase in rng.uniform(0, 2 * pi, 40) if window.contains(phase)][:2]:
+            t_m = phase / float(p.Omega)
+            found = grazing_start(p, mapping, t_m=t_m, t0=Fraction(t_m).limit_denominator(100) - Fraction(1, 2))
+            if not found.found:
+                continue
+            x0, v0 = (round(Fraction(found.start[name]), 4) for name in ("x0", "v0"))
+            scene = Scene("printed", p, Fraction(found.start["t0"]), x0, v0, Fraction(99))
+            near = grazes.nearest_graze(scene, mapping, 5e-5)
+            assert near.rounds, (mapping, phase)
+            assert near.t_low - 1e-6 <= t_m <= near.t_high + 1e-6
+            assert max(abs(near.dx), abs(near.dv)) <= 5e-5
+            # Some step of a hundredth leads off the curve.
+            steps = [{key: value + Fraction(s, 100)} for key, value in (("x0", x0), ("v0", v0)) for s in (1, -1)]
+            assert not all(grazes.nearest_graze(replace(scene, **step), mapping, 5e-5).rounds for step in steps)
+
+
+def test_the_print_of_fig8_is_right() -> None:
+    near = grazes.nearest_graze(load_scene("fig8"), "P3", 5e-5)
+    assert near.rounds
+    # Known to 50 digits: exactly the contacts between these times have starts that round to (5.8980, 2.2580).
+    assert (near.t_low, near.t_high) == pytest.approx((3.1415787, 3.1415839), abs=1e-7)
+    found = grazes.starts_that_graze(load_scene("fig8"), "P3", np.array([3.14158]))
+    assert found[:, 0] == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)
+
+
+@pytest.mark.slow
+def test_both_explanations_of_fig7() -> None:
+    found = grazes.search(FIG7, "P2", 5e-5, ["A0", "mu1", "FN", "v1", "x0", "v0", "t0"])
+    short = {each.name: each for each in found if each.as_short_as_printed}
+    assert short["A0"].shortest == "10"
+    assert short["x0"].value == pytest.approx(-5.6049, abs=5e-5)
+    assert [short[name].t_m for name in ("A0", "x0")] == pytest.approx([pi, pi], abs=1e-5)
+    assert set(short) == {"A0", "x0", "v0"}  # no other number is as short as it is printed
+    expected = "A0 = 10 (at t = 3.14159) or x0 = -5.6049 (at t = 3.14159); also, "
+    assert grazes.misprints(FIG7, found).startswith(expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "printed", "true"), [("A0", "7", 10.0), ("k", "3", 2.0)])
+def test_a_misprint_that_was_put_into_a_graze_is_found(name: str, printed: str, true: float) -> None:
+    values = grazes.search(changed(load_scene("fig7-corrected"), **{name: printed}), "P2", 5e-5, [name])
+    assert any(abs(each.value - true) <= 2 * each.uncertainty for each in values)
+    assert any(float(each.shortest) == true and each.as_short_as_printed for each in values)
+
+
+def printed_orbit(scene: Scene) -> Scene:
+    """Return the scene with the start that a paper would print: the orbit's first switching to four decimals."""
+    t, x = find_orbit(scene.parameters, scene.structure).points[0]
+    return replace(scene, t0=f"{t:.4f}", x0=f"{x:.4f}")
+
+
+@pytest.mark.slow
+@pytest.mark.full(2)
+@pytest.mark.parametrize(
+    ("scene", "name", "true"),
+    [(FIG9, "Omega", "3.9"), (FIG9, "c", "0.3"), (FIG9, "mu1", "0.25"), (FIG10, "mu2", "0.33")],
+)
+def test_a_misprinted_parameter_of_an_orbit_is_found(scene: Scene, name: str, true: str) -> None:
+    right = printed_orbit(changed(scene, **{name: true}))
+    found, other = orbits.search_parameters(replace(right, parameters=scene.parameters), (name, "m"))
+    assert found.name == name
+    assert found.explains
+    assert found.value == pytest.approx(float(true), abs=2e-3)
+    assert found.searched[0] < float(true) < found.searched[1]
+    assert not other.explains
+
+
+@pytest.mark.parametrize("name", ["t0", "x0"])
+def test_a_misprinted_start_of_an_orbit_is_found(name: str) -> None:
+    right = printed_orbit(FIG9)
+    assert orbits.misprint(right).verdict == CONFIRMED
+    wrong = replace(right, **{name: getattr(right, name) + Fraction(1, 2)})
+    found = {each.name: each for each in orbits.search_start(wrong)}
+    assert found[name].explains
+    assert found[name].value == pytest.approx(float(getattr(right, name)), abs=1e-4)
+    assert not any(each.explains for other, each in found.items() if other != name)
+
+
+def test_the_start_of_fig10_ends_a_stick_only_without_damping(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orbits, "search_parameters", lambda scene: [])  # takes long
+    evidence = orbits.misprint(FIG10)
+    assert evidence.numbers["m F⁽²⁾ at the start"].startswith("-0.1995 ± 0.0007")
+    assert evidence.numbers["m F⁽²⁾ without the damping c v₂"].startswith("+0.0005 ± 0.0007")
+    assert "x0 = 3.0737 differs from the printed 3.0837 in one digit" in evidence.finding
+    assert "t0 =" not in evidence.finding

@@ -1,0 +1,268 @@
+"""symosc reproduce: a run, what its reports and the letter say, exit codes and bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import re
+from collections.abc import Callable
+from functools import partial
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.figure import Figure
+from stand_in_claims import CLAIM, bad_picture, good_picture
+
+from symosc.cli import reproduce
+from symosc.cli.app import main
+from symosc.derive.chapters import CHAPTERS
+from symosc.derive.errata import SEVERITIES, Erratum, read_errata
+from symosc.errors import OutputError, ParameterError
+from symosc.paper import report
+from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, VERDICTS, Claim, read_claims
+from symosc.paper.pictures import PICTURES, Picture
+from symosc.paper.run import ERROR, Judged, Plan, Results, run
+
+CLAIMS = read_claims(PICTURES)[0]
+ERRATA = tuple(erratum.in_unicode() for erratum in read_errata())
+
+
+def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
+    return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
+
+
+def test_a_part_of_a_plan() -> None:
+    plan = Plan(CLAIMS, PICTURES, tuple(CHAPTERS))
+    part = plan.only("fig7")
+    assert {claim.id.partition("-")[0] for claim in part.claims} == {"fig7"}
+    assert "fig7" in part.pictures
+    assert "fig6" not in part.pictures
+    assert part.chapters == ()  # a chapter takes longer than the claims
+    assert 0 < len(part) < len(plan)
+    for prefix in ("fig11", ""):
+        with pytest.raises(ParameterError, match="no claim's id begins so"):
+            plan.only(prefix)
+
+
+@pytest.mark.slow
+def test_what_goes_wrong_is_a_result(read: Any) -> None:
+    names = ("right", "wrong", "raises", "dies", "no_evidence")
+    claims = read("\n".join(CLAIM.format(id=name.replace("_", "-"), check=name) for name in names))
+    results = run(Plan(claims, pictures(bad_picture)), workers=2)
+    verdicts = {each.claim.id: each.verdict for each in results.judged}
+    assert verdicts == dict.fromkeys(verdicts, ERROR) | {"right": "confirmed", "wrong": "not as printed"}
+    findings = {each.claim.id: each.finding for each in results.judged}
+    assert re.fullmatch(r"ZeroDivisionError: by nothing \(stand_ins.py, line \d+\)", findings["raises"])
+    assert findings["dies"] == "the process ended with exit code 7"
+    assert "no_evidence returned bool, not Evidence" in findings["no-evidence"]
+    assert not results.ok
+    assert [each.claim.id for each in results.changed] == ["wrong", "raises", "dies", "no-evidence"]
+    assert "no such curve" in results.failures["fig1"]
+
+    texts = report.files(results)
+    content = json.loads(texts["report.json"])
+    assert content["ok"] is False
+    assert content["changed"] == ["wrong", "raises", "dies", "no-evidence"]
+    assert content["counts"] == dict.fromkeys(VERDICTS, 0) | {"confirmed": 1, "not as printed": 1, ERROR: 3}
+    assert content["claims"][0]["numbers"] == {"a|b": "1e-20", "F(1)": "-3"}
+    assert content["figures"][0]["file"] is None
+    for name in ("report.html", "report.md"):
+        for words in ("not as printed", "committed: confirmed", "by nothing", "no such curve"):
+            assert words in texts[name]
+    assert r"a\|b | 10<sup>−20</sup>" in texts["report.md"]
+    assert "It is 1 &lt;2&gt;." in texts["report.html"]
+
+
+@pytest.mark.slow
+def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.paper.run.TASK_LIMIT", 0.5)
+    (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
+    assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
+
+
+@pytest.mark.slow
+def test_tasks_share_the_processors(read: Any) -> None:
+    claims = read("".join(CLAIM.format(id=f"shared-{i}", check="shared") for i in range(4)))
+    processes = {each.numbers["process"] for each in run(Plan(claims, {}), workers=2).judged}
+    assert len(processes) == 2
+    assert str(os.getpid()) not in processes
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(
+    ("check", "build", "code", "said"),
+    [
+        ("right", good_picture, 0, "1 claim: 1 confirmed"),
+        ("wrong", good_picture, 1, "CHANGED one: It is 3."),
+        ("raises", good_picture, 1, "CHANGED one: ZeroDivisionError"),
+        ("right", bad_picture, 1, "FAILED fig1: ValueError: no such curve"),
+    ],
+)
+def test_exit_codes(
+    read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], check: str, build: Any, code: int, said: str
+) -> None:
+    plan = Plan(read(CLAIM.format(id="one", check=check)), pictures(build))
+    folder = tmp_path / "deep" / "report"
+    assert reproduce.carry_out(plan, folder, workers=0) == code
+    assert said in capsys.readouterr().out
+    files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert files == {*report.REPORTS} | ({"figures/fig1.svg"} if build is good_picture else set())
+
+
+@pytest.mark.slow
+def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = CLAIM.format(id="one", check="right") + 'see = ["fig1", "events"]\n'
+    plan = Plan(read(text), pictures(good_picture), ("events",))
+    assert reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    (claim,), (figure,), (derivation,) = (content[key] for key in ("claims", "figures", "derivations"))
+    assert claim["verdict"] == claim["committed"] == "confirmed"
+    assert (tmp_path / figure["file"]).read_text(encoding="utf-8").count("<svg") == 1
+    assert figure["claims"] == derivation["claims"] == ["one"]
+    assert derivation["steps"] > 0
+    assert {"date", "processor", "python", "symosc", "seconds"} <= set(content["made"])
+    markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
+    for link in (derivation["file"].partition("#")[0], *re.findall(r"\]\(([^#)]+)\)", markdown)):
+        assert (tmp_path / link).is_file(), link
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "From 0 to v<sub>1</sub>." in html
+    assert "<math" in html
+    assert html.count("<source ") == 1  # the picture in the form for phones
+    assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_an_interrupt_leaves_the_folder_as_it_was(read: Any, tmp_path: Path, there: bool) -> None:
+    folder = tmp_path / "deep" / "out"
+    if there:
+        folder.mkdir(parents=True)
+        (folder / "report.html").write_text("old")
+    with pytest.raises(KeyboardInterrupt):
+        reproduce.carry_out(Plan(read(CLAIM.format(id="one", check="interrupts")), {}), folder, workers=0)
+    if there:
+        assert [(path.name, path.read_text()) for path in folder.iterdir()] == [("report.html", "old")]
+    else:
+        assert not (tmp_path / "deep").exists()
+
+
+def test_nothing_is_written_unless_all_of_it_can_be(tmp_path: Path) -> None:
+    (tmp_path / "figures").touch()
+    with report.Folder(tmp_path) as folder, pytest.raises(OutputError, match="cannot write"):
+        folder.write({"figures/fig1.svg": "x", "report.html": "x"})
+    with report.Folder(tmp_path) as folder, pytest.raises(ValueError, match="null byte"):
+        folder.write({"report.html": "new", "x\0": "not a name"})
+    assert [path.name for path in tmp_path.iterdir()] == ["figures"]
+
+
+def test_bad_input_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    out = str(tmp_path / "out")
+    for words in (["-o", str(tmp_path / "file" / "sub")], ["-o", "-"], ["-o", ""], ["--only", "fig11", "-o", out]):
+        result = CliRunner().invoke(main, ["reproduce", *words])
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert result.stderr.startswith("symosc: error: ")
+        assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+# --- the letter ---
+
+
+def judged(claim: Claim, verdict: str | None = None) -> Judged:
+    return Judged(claim, verdict or claim.verdict, "Found.", {}, 0.0)
+
+
+def letter(*entries: Judged, errata: tuple[Erratum, ...] = ERRATA) -> dict[str, str]:
+    return report.letter(Results(entries, {}, {}, {}, errata=errata))
+
+
+def listed(letter: dict[str, str]) -> list[str]:
+    """Return the ids of the errata in the HTML; in both letters each has the number that it has in the list."""
+    found = re.findall(r'<li id="([^"]*)" value="(\d+)">', letter["letter.html"])
+    assert re.findall(r"^(\d+)\. ", letter["letter.txt"], re.MULTILINE) == [number for _, number in found]
+    numbers = {erratum.id: str(erratum.number) for erratum in ERRATA}
+    assert all(numbers.get(key, number) == number for key, number in found)
+    return [key for key, _ in found]
+
+
+def counts(text: str) -> list[int]:
+    """Return the numbers of the first paragraph: statements, those that hold, points, and these by their severity."""
+    words = " ".join(re.sub(r"<[^>]*>", "", text).split())
+    pattern = (
+        r"Of (\d+) statements (\d+) hold as they stand; the others come down to the (\d+) points below: (\d+) that do"
+        r" not hold, (\d+) in which something is left out, and (\d+) slips"
+    )
+    found = re.search(pattern, words)
+    assert found, words[:400]
+    return [int(number) for number in found.groups()]
+
+
+def test_all_claims_as_committed_show_all_errata() -> None:
+    both = letter(*map(judged, CLAIMS))
+    assert listed(both) == [erratum.id for erratum in ERRATA]
+    by_severity = [sum(each.severity == severity for each in ERRATA) for severity in SEVERITIES]
+    held = sum(not claim.errata for claim in CLAIMS)
+    for text in both.values():
+        assert counts(text) == [len(CLAIMS), held, len(ERRATA), *by_severity]
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("i", range(0, len(ERRATA), 2))
+def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(i: int) -> None:
+    """Not if its claims were not run, hold after all, or failed; and once if several show it."""
+    erratum = ERRATA[i]
+    showing = [claim for claim in CLAIMS if erratum.id in claim.errata]
+    assert erratum.id not in listed(letter(*(judged(claim) for claim in CLAIMS if erratum.id not in claim.errata)))
+    for verdict, there in ((None, 1), (CONFIRMED, 0), (ERROR, 0)):
+        both = letter(*(judged(claim, verdict) for claim in showing))
+        assert listed(both).count(erratum.id) == there
+        assert sum(counts(both["letter.txt"])[3:]) == counts(both["letter.html"])[2] == len(listed(both))
+        assert " ".join(both["letter.txt"].split()).count(" ".join(f"Proof: {erratum.proof}".split())) == there
+
+
+# --- templates and formulas ---
+
+
+def test_a_text_with_signs_is_the_same_in_both_letters() -> None:
+    texts = {"where": "Eq. (1)", "printed": "a < b & c", "holds": "a <= {b}", "proof": 'say "d", not <d>'}
+    claim = CLAIMS[0]._replace(errata=("one",), verdict=NOT_AS_PRINTED)
+    both = letter(judged(claim), errata=(Erratum(1, "one", "typo", **texts),))
+    for text in texts.values():
+        assert text in both["letter.txt"]
+        assert text.replace("<=", "≤") in unescape(re.sub(r"<[^>]*>", "", both["letter.html"]))
+
+
+def test_markdown_shows_a_text_as_it_is() -> None:
+    """Each character that means something in Markdown has one backslash, so a table keeps its cells."""
+    rng = random.Random(2)
+    for _ in range(200):
+        text = "w" + "".join(rng.choice("\\`*|[]~\"' ab") for _ in range(rng.randrange(30)))
+        found = report._markdown(text).replace("\u2060", "")  # typeset keeps |x| in one line by it
+        assert not re.search(r"[`*_|\[\]~]", re.sub(r"\\.", "", found))
+        assert re.sub(r"\\(.)", r"\1", found) == " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("F(1) F(2) >= -mu1 FN", "F<sup>(1)</sup> F<sup>(2)</sup> ≥ −μ<sub>1</sub> F<sub>N</sub>"),
+        ("F⁽¹⁾ at x₀", "F<sup>(1)</sup> at x<sub>0</sub>"),
+        ("x_{i+1}, v_lambda and Omega^2", "x<sub>i+1</sub>, v<sub>λ</sub> and Ω<sup>2</sup>"),
+        ("1.2e-05, 1e+3 and -7", "1.2·10<sup>−5</sup>, 10<sup>3</sup> and −7"),
+        ("P4645 of v1.", "P<sub>4645</sub> of v<sub>1</sub>."),
+        ("x'' + x' = 0 <b>", "ẍ + ẋ\u00a0=\u00a00 &lt;b&gt;"),
+        ("F⁽ˡᵒ⁾ at ∂Ωᵢⱼ, μ FN", "F<sup>(lo)</sup> at ∂Ω<sub>ij</sub>, μ F<sub>N</sub>"),
+        ("x0 = −3.1049009630…, −(c/m)", "x<sub>0</sub>\u00a0=\u00a0−3.1049009630…, −\u2060(c/m)"),
+        ("fig7-corrected and fig10: belt2", "Fig.\u00a07 (corrected) and Fig.\u00a010: belt\u00a02"),
+        ("|γ| = a where |F(1)| > 0", "|\u2060γ\u2060|\u00a0=\u00a0a where |\u2060F<sup>(1)</sup>\u2060| &gt; 0"),
+        ("DOP853, version v0.1, the mass's", "DOP853, version v0.1, the mass's"),
+    ],
+)
+def test_formulas_in_text(text: str, html: str) -> None:
+    assert report.typeset(text) == html
