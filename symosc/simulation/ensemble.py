@@ -184,22 +184,9 @@ class Task(NamedTuple):
 class Chunk:
     """Some of many motions, followed to their ends; here they are numbered from 0.
 
-    Parameters
-    ----------
-    room : EventRows
-        A buffer, used while the motions are followed.
-    keep : callable, optional
-        Returns the tally of motions, given their numbers and their rows at the start: then no events are recorded.
-
-    Attributes
-    ----------
-    batch : Batch
-        The last states of the motions, their counts of events, and what each ended with.
-    rows : list of EventRows
-        Events in order of motion and time.
-    alone : dict of int to Trajectory
-        Motions that were followed alone.
-    status : list of str
+    `room` is a buffer for events. `keep`, if given, returns the tally of motions from their numbers and their rows at
+    the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
+    events in order of motion and time, `alone` the trajectories of motions that were followed alone.
     """
 
     def __init__(

@@ -104,14 +104,9 @@ def loaded_search() -> Any:
 class Motion:
     """The states and events of one initial value problem so far, in doubles or with many digits.
 
-    Attributes
-    ----------
-    code, decided : int, bool
-        What the last step ended with, and whether the numbers at hand decide that (`symosc.engine.state.NextEvent`).
-    first_at : int
-        The belt on which the start is, or 0.
-    searched : list of (State, NextEvent)
-        In doubles: states since digits took over, and what was found from there. With digits: what doubles found ahead.
+    `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
+    belt on which the start is, or 0. `searched` are states in doubles with what was found from there: since digits took
+    over, or, with digits, what doubles found ahead.
     """
 
     rounds = False  # whether events are recorded in doubles, whatever the digits

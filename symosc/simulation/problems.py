@@ -122,11 +122,6 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
     """Return columns that have names in the order of `wanted`: of a mapping, a table, a row of one, or a record array.
 
     Without names, as pandas' tables have where only positions were given, it is returned as it is.
-
-    Raises
-    ------
-    ParameterError
-        If the names are others.
     """
     names = getattr(getattr(given, "dtype", None), "names", None)
     if isinstance(given, Mapping):
@@ -309,8 +304,7 @@ class Problems:
         )
         unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
-        theta_rows, x, v = (np.broadcast_to(column.hi, size) for column in (theta, x0, v0))
-        states, small_force = start_rows(at, theta_rows, x, v, times, table.view(np.recarray))
+        states, small_force = start_rows(at, theta.hi, x0.hi, v0.hi, times, table.view(np.recarray))
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
