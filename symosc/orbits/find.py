@@ -18,7 +18,7 @@ from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
-from symosc.mappings.arguments import text_or_booleans
+from symosc.mappings.numbers import text_or_booleans
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve

@@ -15,7 +15,7 @@ from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, unmasked
-from symosc.mappings.arguments import real_array
+from symosc.mappings.numbers import real_array
 from symosc.model import Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations
