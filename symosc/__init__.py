@@ -3,7 +3,7 @@
 What calls what, from a scene to its events:
 
     simulate            simulation.simulate     reads the problem, follows it, asks for more digits where it must
-      Path.step         simulation.run          one event after the other, recorded
+      Motion.step       simulation.motion       one event after the other, recorded
         advance         engine.next_event       the next event: its kind, the state after it, their errors
           first_exit    engine.first_exit       where a flight meets a belt (in the bounds: gap_bound)
           belt_exit     engine.first_exit       where a stick ends

@@ -26,10 +26,10 @@ NEED = {
         "cli/test_score.py",
         "reference/test_folder.py",
         "reference/test_score.py",
-        "reference/test_sets.py",
+        "reference/test_cases.py",
     ),
     "pyarrow": ("crosschecks/test_objects.py",),
-    "h5netcdf": ("sweeps/test_output.py", "sweeps/test_page.py", "sweeps/test_sweep.py"),
+    "h5netcdf": ("sweeps/test_output.py", "sweeps/test_plan.py", "sweeps/test_sweep.py"),
 }
 NEED_CASES = {
     "flint": (
@@ -37,21 +37,18 @@ NEED_CASES = {
         "cli/test_score.py::test_a_table_of_a_group",
         "plot/test_score.py::test_each_case_is_where_it_belongs",
         "plot/test_score.py::test_sixteen_solvers_look_different",
-        "reference/test_case.py::test_a_graze_has_no_condition",
-        "reference/test_case.py::test_conditions_are_those_of_the_scene",
-        "reference/test_case.py::test_words_and_what_is_shown",
         "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
         "[certify]",
     ),
     "pyarrow": (
-        "crosschecks/test_formats.py::*.parquet]",
-        "crosschecks/test_formats.py::*.pq]",
-        "crosschecks/test_formats.py::*.feather]",
-        "crosschecks/test_formats.py::*.arrow]",
-        "crosschecks/test_formats.py::test_wrong_columns_and_no_numbers_are_named",
+        "crosschecks/test_files.py::*.parquet]",
+        "crosschecks/test_files.py::*.pq]",
+        "crosschecks/test_files.py::*.feather]",
+        "crosschecks/test_files.py::*.arrow]",
+        "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
     ),
     "h5netcdf": (
-        "crosschecks/test_formats.py::*[xarray.nc]",
+        "crosschecks/test_files.py::*[xarray.nc]",
         "cli/test_commands.py::test_it_tells*",
         "cli/test_commands.py::test_status",
         "cli/test_commands.py::test_settings_and_restart",
@@ -171,4 +168,4 @@ def report() -> Path:
 @pytest.fixture
 def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let CPython follow single motions, whose functions a test replaces, whatever this process has compiled."""
-    monkeypatch.setattr("symosc.simulation.search.loaded", lambda: None)
+    monkeypatch.setattr("symosc.simulation.motion.loaded_search", lambda: None)

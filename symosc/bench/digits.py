@@ -13,7 +13,7 @@ from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.start import Start
 from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 from symosc.simulation.simulate import simulate
 
 MOTIONS, QUICK_MOTIONS = 2_000, 300
@@ -87,11 +87,11 @@ def _one(repeats: int) -> dict[str, Any]:
     }
 
 
-def _followed(start: Start, arithmetic: MpArithmetic) -> Path:
-    path = Path(start, arithmetic)
-    while not path.ended:
-        path.step()
-    return path
+def _followed(start: Start, arithmetic: MpArithmetic) -> Motion:
+    motion = Motion(start, arithmetic)
+    while not motion.ended:
+        motion.step()
+    return motion
 
 
 def table(result: dict[str, Any]) -> str:

@@ -19,7 +19,7 @@ from symosc.engine.start import Start, first_state
 from symosc.engine.summary import no_tally
 from symosc.kernels import elementary
 from symosc.scenes import load_scene
-from symosc.simulation.run import last_time
+from symosc.simulation.motion import last_time
 
 SEARCHED_SCENES = ("fig5", "fig9", "fig10")
 SEARCHED_EVENTS, QUICK_SEARCHED_EVENTS = 1_000, 300
@@ -65,7 +65,7 @@ def _search(name: str, way: str, events: int) -> Record:
     def follow(functions: dict[str, Any]) -> float:
         motions = batch.batch_of(np.array([batch.row_of(first_state(start, arithmetic), *end)]))
         begin = time.process_time()
-        functions["follow_all"](0, motions, events, inf, batch.room_for(events), no_tally(), [K])
+        functions["follow_all"](0, motions, events, inf, batch.event_buffer(events), no_tally(), [K])
         return (time.process_time() - begin) / events
 
     end = last_time(start, arithmetic)

@@ -17,11 +17,11 @@ import numpy as np
 from symosc.aliases import Record
 from symosc.bench.event_logic import CHATTER, Motion, PeerError
 from symosc.bench.solvers import Late
+from symosc.engine.events import KIND_NAMES
 from symosc.engine.next_event import CROSS, GRAZE, SLIP, STICK, TWO_PI
 from symosc.model import MODE_NAMES
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
-from symosc.simulation.run import EVENT_KINDS
 
 UNSOLVED = 2
 CHATTERS, GAVE_UP = 1, 2
@@ -190,7 +190,7 @@ def runner(
         def events() -> list[FoundEvents]:
             times, positions, kinds, boundaries = rows[:count].T.tolist()
             times = [t0 + t for t in times]
-            return list(map(FoundEvents, times, positions, map(EVENT_KINDS.__getitem__, kinds), map(int, boundaries)))
+            return list(map(FoundEvents, times, positions, map(KIND_NAMES.__getitem__, kinds), map(int, boundaries)))
 
         found = Late(events)
         if outcome == 0:

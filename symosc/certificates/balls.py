@@ -1,15 +1,17 @@
-"""Ball arithmetic: python-flint's arb, exact input, signs that are certain, decimals rounded outward.
+"""Ball arithmetic: python-flint's arb, exact input, signs that are certain, decimals rounded outward; sets of states.
 
-The working precision of arb is global to the process. It is set with `working_bits`, which gives it back; nothing
-here may run in threads.
+The working precision of arb is global to the process. It is set with `working_bits`, which restores it; nothing here
+may run in threads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal, localcontext
+from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
 from fractions import Fraction
+from math import ceil, floor
 from typing import Any, TypeAlias
 
 from symosc.errors import MissingExtraError
@@ -27,35 +29,39 @@ if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < OLDEST_FLINT:
 
 #: A ball: an enclosure of a real number.
 Ball: TypeAlias = Any
+Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """A sign or a bracket that these balls leave open; more bits, or a better known start, may decide it.
+    """A sign that these balls cannot decide; more bits, or a better known start, may.
 
-    Attributes
-    ----------
-    what : str
-        What is open, in words.
-    near : ball or None
-        The time near which it is.
-    touch : tuple or None
-        The wall that may be touched, the time after the start of the flight where it may be, if that is what is open.
+    `what` says it in words, `near` is the time near which it is. If a graze is possible, `graze` has the belt and the
+    time after the start of the flight.
     """
 
-    def __init__(self, what: str, near: Ball | None = None, touch: tuple[int, Ball] | None = None) -> None:
-        self.what, self.near, self.touch = what, near, touch
+    def __init__(self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None) -> None:
+        self.what, self.near, self.graze = what, near, graze
         super().__init__(what)
+
+    def place(self) -> str:
+        """Return " near t = ...", or nothing."""
+        return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
 
 
 @contextmanager
 def working_bits(bits: int) -> Iterator[None]:
-    """Work with that many bits, and give back the precision that was set before."""
+    """Work with that many bits, and restore the previous precision."""
     before = ctx.prec
     ctx.prec = bits
     try:
         yield
     finally:
         ctx.prec = before
+
+
+def made_by(bits: int) -> dict[str, Any]:
+    """Return the entry of a file that says what made it."""
+    return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
 def ball(number: Fraction | int) -> Ball:
@@ -68,18 +74,18 @@ def around(middle: Ball, radius: Ball) -> Ball:
     return middle + arb(0, abs(radius).upper())
 
 
-def hull(low: Ball, high: Ball) -> Ball:
-    """Return a ball that contains both balls and all between them."""
-    return low.union(high)
+def known_to(value: Fraction, error: Fraction) -> Ball:
+    """Return the ball of a number that is known to an error."""
+    return ball(value) + arb(0, ball(error).upper())
 
 
 def sure_sign(value: Ball) -> int:
-    """Return the sign of all numbers in a ball, 0 if they have not all the same one."""
+    """Return the sign of all numbers in a ball, 0 if they do not all have the same one."""
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign of all numbers in a ball; Undecided if they have not all the same one."""
+    """Return the sign of all numbers in a ball; Undecided if they do not all have the same one."""
     sign = sure_sign(value)
     if sign == 0:
         raise Undecided(what, near)
@@ -87,7 +93,7 @@ def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
 
 
 def size(value: Ball) -> float:
-    """Return a float near the largest size in a ball; it proves nothing."""
+    """Return a float near the largest absolute value in a ball; it proves nothing."""
     return float(abs(value).upper())
 
 
@@ -105,21 +111,82 @@ def _exact(point: Ball) -> Fraction:
 def outward(value: Ball, digits: int) -> tuple[str, str]:
     """Return the ends of a ball as decimals, the lower one rounded down and the higher one up.
 
-    They are one unit of the last digit further apart than they must be, so that somebody who knows the number only a
+    They are one unit of the last digit further apart than necessary, so that a checker that knows the number only a
     little better can prove them.
     """
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     unit = Fraction(10) ** (len(str(int(scale))) - digits)
-    return _decimal(low - unit, unit, ROUND_FLOOR), _decimal(high + unit, unit, ROUND_CEILING)
+    return _decimal(floor(low / unit - 1) * unit), _decimal(ceil(high / unit + 1) * unit)
 
 
-def _decimal(value: Fraction, unit: Fraction, rounding: str) -> str:
-    steps = value / unit
-    count = (
-        -(-steps.numerator // steps.denominator) if rounding == ROUND_CEILING else steps.numerator // steps.denominator
-    )
-    exact = count * unit
+def _decimal(exact: Fraction) -> str:
+    """Return all digits of a finite decimal."""
     with localcontext() as context:
         context.prec = len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5
         return format(Decimal(exact.numerator) / Decimal(exact.denominator), "f")
+
+
+@dataclass(frozen=True)
+class StateSet:
+    """A set of states ``centre + matrix y`` with an exact centre and matrix, and y in a box of balls around 0.
+
+    The image of a map with the value f at the centre and the Jacobian J over the whole set lies in ``f + (J matrix) y``
+    (mean value theorem). It is turned into an orthogonal frame along its longest side (Lohner's QR), in which the box
+    stays small where the map contracts: sets do not grow by being put into boxes. `slopes` are the derivatives by the
+    coordinates of the box with which the set began, over the whole set.
+    """
+
+    centre: Sequence[Ball]
+    matrix: Matrix
+    box: Sequence[Ball]
+    slopes: Matrix = field(default=(), compare=False)
+
+    @classmethod
+    def of(cls, values: Sequence[Ball]) -> StateSet:
+        """Return the box of the given balls."""
+        count = len(values)
+        unit = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
+        return cls([value.mid() for value in values], unit, [value - value.mid() for value in values], unit)
+
+    @property
+    def thin(self) -> bool:
+        """Whether it is a point."""
+        return all(y.is_zero() for y in self.box)
+
+    def hull(self) -> list[Ball]:
+        """Return the smallest box around the set, up to rounding."""
+        return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
+
+    def mapped(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
+        """Return a set in the plane that contains the image; `value` is that of the centre."""
+        carried, slopes = (
+            [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
+            for each in (self.matrix, self.slopes)
+        )
+        centre = [each.mid() for each in value]
+        rest = [each - c for each, c in zip(value, centre, strict=True)]
+        p, q = _direction(carried, self.box)
+        box = []
+        for row in ([p, q], [-q, p]):  # the inverse of the frame, times the square of its length
+            turned = [_dot(row, column) for column in zip(*carried, strict=True)]
+            box.append((_dot(turned, self.box) + _dot(row, rest)) / (p * p + q * q))
+        return StateSet(centre, [[p, -q], [q, p]], box, slopes)
+
+
+def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
+    total = row[0] * column[0]
+    for a, b in zip(row[1:], column[1:], strict=True):
+        total += a * b
+    return total
+
+
+def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
+    """Return the direction of the longest side, as two exact numbers."""
+    sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
+    a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
+    length = (abs(a) + abs(b)).mid()
+    if length.is_zero():
+        return arb(1), arb(0)
+    p, q = (arb(float((each / length).mid())) for each in (a, b))
+    return p, q

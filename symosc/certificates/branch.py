@@ -1,22 +1,37 @@
-"""A branch of orbits, proven for every value of a parameter between two, and up to the ends of the branch."""
+"""A branch of orbits, proven for every value of a parameter between two, and up to the ends of the branch.
+
+Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter from the middle of an
+interval, in D = [-h, h], and c(delta) a polynomial near the curve of roots (Newton's method for power series gives it;
+nothing rests on it). By Taylor's theorem
+
+    f(c(delta), delta)  lies in  f_0 + f_1 delta + ... + f_(N-1) delta^(N-1) + f_N(D) delta^N
+
+with the coefficients f_j of its power series at 0, and those of order N at all delta in D. Both come from arithmetic
+with power series whose coefficients are balls. Let F be an enclosure of this, of order h^N, R a box about 0, J the
+Jacobian over all c(delta) + R, and Y any matrix. If - Y F + (1 - Y J) R lies inside R, then for every delta there is
+exactly one root in c(delta) + R. Then 1 - Y J has a norm below 1, so f is one-to-one where J is: the root is the only
+one there too.
+
+A branch ends where an inequality that holds inside it becomes an equality. The roots of the closing equations go on
+beyond the end. One root is proven for every value of the parameter between one just inside and one just outside. Inside
+all inequalities are proven. Outside one of them is proven to fail. Both of its sides depend continuously on the root,
+so it becomes an equality between the two values.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import floor, log10
+from math import comb, floor, log10
 from typing import NamedTuple
 
+from flint import arb, arb_series, ctx
+
 from symosc.aliases import Record
-from symosc.certificates.balls import FLINT_VERSION, Undecided, ball, outward, working_bits
+from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign, working_bits
 from symosc.certificates.certificate import Certificate, confirmed
-from symosc.certificates.closing import ClosingBalls, Values
-from symosc.certificates.course import prove_course
-from symosc.certificates.ends import violated
-from symosc.certificates.family import Family
 from symosc.certificates.flow import Oscillator
-from symosc.certificates.multipliers import stability
-from symosc.certificates.orbit import switchings
+from symosc.certificates.orbit import ClosingBalls, Margin, Values, column, switchings, unit_matrix
 from symosc.display.progress import reporting
 from symosc.exact import show
 from symosc.model import Parameters
@@ -27,43 +42,190 @@ from symosc.words import Word
 BRANCH_BITS = 128
 #: Digits of the enclosures in a file.
 BRANCH_DIGITS = 16
+#: Coefficients of the curve.
+ORDER = 3
+MOST_INFLATIONS, INFLATION = 8, 1.2
+#: How much wider the balls are in which a root is the only one: those that are stated; those that are proven, so that
+#: a checker whose balls are a little wider proves the others.
+STATED_WIDTH, PROVEN_WIDTH = 1.2, 1.5
 #: Half-width of the enclosure of an end, as a part of its value or of the range.
 END_WIDTH = Fraction(1, 10**11)
 #: The first interval, as a part of the range; by how much the next one is wider.
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
 END_OF_RANGE = "end of the range"
+#: Times of a piece at which a margin is sampled, and Newton steps from the lowest of them.
+LOW_SAMPLES, MOST_LOW_STEPS = 96, 12
+#: Nearest times to the start or the end of a piece, as negative powers of 2.
+MOST_NEAR = 60
 
-Progress = Callable[[float], None]
-
-
-class BranchToProve(NamedTuple):
-    """What is to be proven: parameters, the one that varies, labels, periods, and what is known near each end.
-
-    Attributes
-    ----------
-    ends : two tuples (kind, value, points)
-        At the lowest and the highest value; the points are (t, x) near the orbit there.
-    """
-
-    p: Parameters
-    name: str
-    labels: tuple[str, ...]
-    periods: int
-    ends: tuple[tuple[str, Fraction, Values], tuple[str, Fraction, Values]]
+#: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, nearly.
+GivenEnd = tuple[str, Fraction, Values]
 
 
-class Box(NamedTuple):
-    """An interval of the parameter, and enclosures of the points of the orbit for all values in it."""
+class Family:
+    """The closing equations of one word over an interval of one parameter, and their roots there."""
 
-    family: Family
-    points: Values
+    def __init__(
+        self, p: Parameters, name: str, low: Fraction, high: Fraction, pieces: tuple[OrbitPiece, ...], periods: int
+    ) -> None:
+        self.p, self.name, self.pieces, self.periods = p.replace(**{name: (low + high) / 2}), name, pieces, periods
+        self.low, self.high, self.middle = low, high, ball((low + high) / 2)
+        self.range = ball(low).union(ball(high))
+        self.change = self.range - self.middle
+        self.thin = ClosingBalls(Oscillator(self.p), pieces, periods)
+        self.wide = ClosingBalls(Oscillator(self.p, {name: self.range}), pieces, periods)
+        #: Set by `prove`: the curve, the tube around it, balls in which the root is the only one for every value of the
+        #: parameter, enclosures of all roots.
+        self.curve: list[Values] = []
+        self.tube: Values = []
+        self.stated: Values = []
+        self.points: Values = []
+
+    def prove(self, near: Values) -> None:
+        """Prove that there is one root for every value of the parameter; else Undecided."""
+        start = self.thin.polished(near)
+        try:
+            Y = self.thin.jacobian(start).mid().inv().mid()
+        except ZeroDivisionError:
+            raise Undecided("singular closing equations") from None
+        curve = [start]
+        for order in range(2, ORDER + 1):
+            rest = self._coefficients(self.middle, [*curve, [arb(0)] * len(start)], order)[-1]
+            curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
+        enclosed = _horner([*self._coefficients(self.middle, curve, ORDER), self._remainder(curve)], self.change)
+        pushed = [-each for each in (Y * column(enclosed)).entries()]
+        along = _horner(curve, self.change)
+        box = pushed
+        for _ in range(MOST_INFLATIONS):
+            box = [_inflated(each) for each in box]
+            whole = [c + r for c, r in zip(along, box, strict=True)]
+            J = self.wide.jacobian([_scaled(each, PROVEN_WIDTH) for each in whole])
+            turned = ((unit_matrix(len(start)) - Y * J) * column(box)).entries()
+            image = [a + b for a, b in zip(pushed, turned, strict=True)]
+            if all(r.contains_interior(each) for r, each in zip(box, image, strict=True)):
+                self.curve, self.tube, self.stated = curve, box, [_scaled(each, STATED_WIDTH) for each in whole]
+                self.points = [c + each for c, each in zip(along, image, strict=True)]
+                return
+            if not all(each.is_finite() for each in image):
+                break
+            box = image
+        raise Undecided("one root for every value of the parameter")
+
+    def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
+        """Return the first coefficients of f about a value of the parameter, along a curve given there."""
+        if ctx.cap < order:
+            ctx.cap = order
+        series = Oscillator(self.p, {self.name: arb_series([value, 1], prec=order)})
+        values = [arb_series(list(each), prec=order) for each in zip(*curve, strict=True)]
+        found = ClosingBalls(series, self.pieces, self.periods).residuals(values)
+        return [[each[j] for each in found] for j in range(order)]
+
+    def _remainder(self, curve: list[Values]) -> Values:
+        """Return the coefficients of order ORDER about every value of the parameter."""
+        shifted = [
+            _horner([[comb(k, j) * each for each in curve[k]] for k in range(j, ORDER)], self.change)
+            for j in range(ORDER)
+        ]
+        return self._coefficients(self.range, shifted, ORDER + 1)[-1]
+
+    def near(self, value: Fraction) -> Values:
+        """Return the curve at a value of the parameter; it may be outside the interval."""
+        return _horner(self.curve, ball(value) - self.middle)
+
+    def holds(self, value: Fraction, points: Values) -> bool:
+        """Return whether points at a value of the parameter are all in the tube in which it has one root."""
+        return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
+
+    def at(self, value: Fraction) -> ClosingBalls:
+        """Return the closing equations at one value of the parameter."""
+        return ClosingBalls(Oscillator(self.p.replace(**{self.name: value})), self.pieces, self.periods)
+
+    def root(self, thin: ClosingBalls, value: Fraction) -> Values:
+        """Return a narrow enclosure of the root at one value of the parameter, for which `thin` is."""
+        for root in thin.roots(thin.polished([each.mid() for each in self.near(value)])):
+            if self.holds(value, root.points):
+                return root.points
+        raise Undecided("whether the roots of two intervals of the parameter are one")
+
+
+def _horner(coefficients: list[Values], at: Ball) -> Values:
+    total = coefficients[-1]
+    for row in reversed(coefficients[:-1]):
+        total = [a + at * b for a, b in zip(row, total, strict=True)]
+    return total
+
+
+def _scaled(value: Ball, factor: float) -> Ball:
+    """Return a ball with the same middle and a radius that is larger by a factor."""
+    return value.mid() + arb(0, (factor * value.rad()).mid())
+
+
+def _inflated(value: Ball) -> Ball:
+    """Return a ball about 0 that contains a ball with something to spare."""
+    return arb(0, (INFLATION * abs(value).upper()).mid()) + arb(0, arb(2) ** (8 - ctx.prec))
+
+
+# -- the end of a branch -----------------------------------------------------------------------------------------------
+
+
+class Violation(NamedTuple):
+    """An inequality that surely does not hold, in words, a time at which it does not, and the kind of the end."""
+
+    text: str
+    t: Ball
+    kind: str
+
+
+def violated(closing: ClosingBalls, values: Values) -> Violation | None:
+    """Return an inequality that surely does not hold for the root in `values`; None if none is found."""
+    ends, pieces = closing.ends(values), closing.pieces
+    spans = [ends[2 * i] - values[2 * i] for i in range(len(pieces))]
+    for i, (piece, span) in enumerate(zip(pieces, spans, strict=True)):
+        if span < 0:
+            kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
+            return Violation(f"{piece.label} lasts", values[2 * i], f"vanishing of a {kind}")
+    for i, piece in enumerate(pieces):
+        for domain, text, force, wanted in closing.forces_at(i, values):
+            if sure_sign(force) == -wanted:
+                far = domain != pieces[i - 1].mode and not closing.oscillator.jump[piece.start].is_zero()
+                kind = "grazing" if not far else "birth of a slip" if piece.sticks else "birth of a stick"
+                return Violation(text, values[2 * i], kind)
+        for margin in closing.margins(i, values):
+            tau = _below(margin, spans[i]) if spans[i] > 0 else None
+            if tau is not None:
+                leaves = _first_sign(margin)
+                kind = "birth of a slip" if piece.sticks else "grazing" if leaves > 0 else "vanishing of a slip"
+                return Violation(margin.what, values[2 * i] + tau, kind)
+    return None
+
+
+def _first_sign(margin: Margin) -> int:
+    """Return the sign with which a margin begins: of g, g' or g'', by how many are 0 at its start; 0 if undecided."""
+    return sure_sign(margin.curve(arb(0))[1 + margin.at_start])
+
+
+def _below(margin: Margin, span: Ball) -> Ball | None:
+    """Return a time between 0 and `span` at which a margin is surely negative; None if none is found."""
+    last, curve = span.lower().mid(), margin.curve
+    tau = min(((last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)), key=lambda t: float(curve(t).g))
+    for _ in range(MOST_LOW_STEPS):
+        there = curve(tau)
+        if there.g < 0:
+            return tau
+        following = (tau - there.dg / there.ddg).mid()
+        if not (following.is_finite() and 0 < following < last):
+            break
+        tau = following
+    near = [last * arb(2) ** -power for power in range(8, MOST_NEAR)]  # right after the start, right before the end
+    near = near if _first_sign(margin) < 0 else [last - each for each in near]
+    return next((each for each in near if curve(each).g < 0), None)
 
 
 class ProvenEnd(NamedTuple):
     """An end: its kind, a value inside at which all inequalities hold, one outside at which one of them fails.
 
-    And that inequality, the time at which it fails, and enclosures of the points for all values between the two.
+    And that inequality, the time at which it fails, and the family of the roots between the two values.
     """
 
     kind: str
@@ -71,149 +233,127 @@ class ProvenEnd(NamedTuple):
     outside: Fraction
     inequality: str = ""
     at: str = ""
-    box: Box | None = None
+    family: Family | None = None
 
 
-def prove_branch(branch: Branch, progress: Progress | bool | None = None) -> Certificate:
+# -- the branch --------------------------------------------------------------------------------------------------------
+
+
+def prove_branch(branch: Branch, progress: Callable[[float], None] | bool | None = None) -> Certificate:
     """Prove a branch; see `symosc.certify`."""
     ends = []
     for i in (0, -1):
         points = [ball(Fraction(float(each))) for t, x in branch.points[i] for each in (t, x)]
         ends.append((branch.ends[i].kind, Fraction(str(float(branch.values[i]))), points))
     first, last = sorted(ends, key=lambda end: end[1])
-    task = BranchToProve(branch.parameters(0), branch.parameter, branch.labels, branch.periods, (first, last))
+    prover = BranchProver(branch.parameters(0), branch.parameter, branch.labels, branch.periods, (first, last))
     if not isinstance(progress, bool):
-        return certify_branch(task, progress)
+        return prover.certificate(progress)
     with reporting(progress, 0, 1, "proven", "") as report:
-        return certify_branch(task, lambda part: report(part, 1))
+        return prover.certificate(lambda part: report(part, 1))
 
 
-def certify_branch(task: BranchToProve, progress: Progress | None = None) -> Certificate:
-    """Prove every orbit between the ends of a branch, and the ends."""
-    with working_bits(BRANCH_BITS):
-        pieces, boxes, ends = pieces_of(Word(task.labels)), [], []
-        try:
-            for side, (kind, value, points) in zip((-1, 1), task.ends, strict=True):
-                ends.append(_end(task, pieces, kind, value, side, points))
-            low, high = (end.inside for end in ends)
-            boxes = _cover(task, pieces, low, high, progress or (lambda part: None))
-        except Undecided as undecided:
-            near = "" if not boxes else f" near {task.name} = {float(boxes[-1].family.high):.12g}"
-            message = f"the branch of {Word(task.labels)} in {task.name}: not decided: {undecided.what}{near}"
-            return Certificate("branch", False, message)
-        return _certificate(task, ends, boxes)
+class BranchProver:
+    """Proves the orbits of a word for all values of a parameter between two ends, the lower one first."""
+
+    def __init__(
+        self, p: Parameters, name: str, labels: tuple[str, ...], periods: int, ends: tuple[GivenEnd, GivenEnd]
+    ) -> None:
+        self.p, self.name, self.word, self.periods, self.ends = p, name, Word(labels), periods, ends
+        self.pieces, self.families = pieces_of(self.word), list[Family]()
+
+    def certificate(self, progress: Callable[[float], None] | None = None) -> Certificate:
+        """Prove every orbit between the ends, and the ends."""
+        with working_bits(BRANCH_BITS):
+            try:
+                low, high = (self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True))
+                self._cover(low.inside, high.inside, progress)
+            except Undecided as undecided:
+                near = "" if not self.families else f" near {self.name} = {float(self.families[-1].high):.12g}"
+                message = f"the branch of {self.word} in {self.name}: not decided: {undecided.what}{near}"
+                return Certificate("branch", False, message)
+            return self._certificate((low, high))
+
+    def _family(self, low: Fraction, high: Fraction, near: Values) -> Family:
+        family = Family(self.p, self.name, low, high, self.pieces, self.periods)
+        family.prove(near)
+        return family
+
+    def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
+        """Prove an end: one root for all values around it, and an inequality that fails beyond it.
+
+        That all inequalities hold on its inner side is proven with the branch.
+        """
+        if kind == END_OF_RANGE:
+            return ProvenEnd(kind, value, value)
+        width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
+        value = round(value / width) * width
+        inside, outside = value - side * width, value + side * width
+        family = self._family(min(inside, outside), max(inside, outside), near)
+        within = family.at(inside)
+        within.prove_course(family.root(within, inside))
+        thin = family.at(outside)
+        broken = violated(thin, family.root(thin, outside))
+        if broken is None:
+            raise Undecided(f"which inequality fails beyond the {kind} at {self.name} = {float(value):.12g}")
+        at = broken.t.mid().str(BRANCH_DIGITS, radius=False)
+        return ProvenEnd(broken.kind, inside, outside, broken.text, at, family)
+
+    def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
+        """Prove the orbits for all values from low to high, by intervals of adapted widths.
+
+        Where two intervals meet both have the same root there.
+        """
+        whole, (kind, value, near) = high - low, self.ends[0]
+        width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
+        at = low
+        while at < high:
+            end = min(high, at + Fraction(f"{float(width):.1e}"))  # few digits, so that the values stay short
+            try:
+                family = self._family(at, end, near)
+                family.wide.prove_course(family.points)
+            except Undecided:
+                width = (end - at) / 2
+                if width < LEAST_WIDTH * whole:
+                    raise
+                continue
+            if self.families and not self.families[-1].holds(at, family.root(family.at(at), at)):
+                raise Undecided("whether the orbits of two intervals of the parameter are one")
+            self.families.append(family)
+            if len(self.families) > MOST_BOXES:
+                raise Undecided(f"what comes after {MOST_BOXES} intervals")
+            at, width = end, (end - at) * GROWTH
+            near = [each.mid() for each in family.near(end)]
+            if progress:
+                progress(float((at - low) / whole))
+
+    def _certificate(self, ends: tuple[ProvenEnd, ProvenEnd]) -> Certificate:
+        first = self.families[0]
+        events = [
+            {"kind": kind, "boundary": boundary, "source": source, "target": target}
+            for kind, boundary, source, target, _, _ in switchings(first.wide, first.points, 0)
+        ]
+        stable = all(family.wide.stability(family.points).stable for family in self.families) or None
+        statement = made_by(BRANCH_BITS) | {
+            "parameters": self.p.as_dict(),
+            "parameter": self.name,
+            "range": [show(end.inside) for end in ends],
+            "word": str(self.word),
+            "periods": self.periods,
+            "stable": stable,
+            "ends": [
+                {"kind": end.kind, "inside": show(end.inside), "outside": show(end.outside)}
+                | ({} if end.family is None else {"inequality": end.inequality, "at": end.at} | _points(end.family))
+                for end in ends
+            ],
+            "events": events,
+            "boxes": [{"value": [show(each.low), show(each.high)]} | _points(each) for each in self.families],
+        }
+        changes = tuple((row["kind"], row["source"], row["target"]) for row in events)
+        return confirmed(Certificate("branch", True, "", changes, stable=stable, statement=statement))
 
 
-def _closing(task: BranchToProve, pieces: tuple[OrbitPiece, ...], value: Fraction) -> ClosingBalls:
-    return ClosingBalls(Oscillator(task.p.replace(**{task.name: value})), pieces, task.periods)
-
-
-def _end(
-    task: BranchToProve, pieces: tuple[OrbitPiece, ...], kind: str, value: Fraction, side: int, near: Values
-) -> ProvenEnd:
-    """Prove an end: one root for all values around it, and an inequality that fails beyond it.
-
-    That all inequalities hold on its inner side is proven with the branch.
-    """
-    if kind == END_OF_RANGE:
-        return ProvenEnd(kind, value, value)
-    width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), task.ends[1][1] - task.ends[0][1])))
-    value = round(value / width) * width
-    inside, outside = value - side * width, value + side * width
-    family = Family(task.p, task.name, min(inside, outside), max(inside, outside), pieces, task.periods)
-    box = Box(family, family.prove(near))
-    within = _closing(task, pieces, inside)
-    prove_course(within, _narrow(within, family, inside))
-    thin = _closing(task, pieces, outside)
-    points = _narrow(thin, family, outside)
-    broken = violated(thin, points)
-    if broken is None:
-        raise Undecided(f"which inequality fails beyond the {kind} at {task.name} = {float(value):.12g}")
-    return ProvenEnd(broken.kind, inside, outside, broken.text, broken.t.mid().str(BRANCH_DIGITS, radius=False), box)
-
-
-def _narrow(thin: ClosingBalls, family: Family, value: Fraction) -> Values:
-    """Return a narrow enclosure of the family's root at one value of the parameter."""
-    for root in thin.boxes(thin.polished([each.mid() for each in family.near(value)])):
-        if family.holds(value, root.points):
-            return root.points
-    raise Undecided("whether the roots of two intervals of the parameter are one")
-
-
-def _cover(
-    task: BranchToProve, pieces: tuple[OrbitPiece, ...], low: Fraction, high: Fraction, progress: Progress
-) -> list[Box]:
-    """Prove the orbits for all values from low to high, by intervals that fit themselves.
-
-    Where two intervals meet both have the same root there.
-    """
-    whole, boxes = high - low, list[Box]()
-    kind, value, near = task.ends[0]
-    width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
-    at = low
-    while at < high:
-        end = min(high, at + _round(width))
-        try:
-            box = _box(task, pieces, at, end, near)
-        except Undecided:
-            width = (end - at) / 2
-            if width < LEAST_WIDTH * whole:
-                raise
-            continue
-        if boxes and not boxes[-1].family.holds(at, _narrow(_closing(task, pieces, at), box.family, at)):
-            raise Undecided("whether the orbits of two intervals of the parameter are one")
-        boxes.append(box)
-        if len(boxes) > MOST_BOXES:
-            raise Undecided(f"what comes after {MOST_BOXES} intervals")
-        at, width = end, (end - at) * GROWTH
-        near = [each.mid() for each in box.family.near(end)]
-        progress(float((at - low) / whole))
-    return boxes
-
-
-def _round(width: Fraction) -> Fraction:
-    """Return a width with few digits, so that the values of the parameter stay short."""
-    return Fraction(f"{float(width):.1e}")
-
-
-def _box(task: BranchToProve, pieces: tuple[OrbitPiece, ...], low: Fraction, high: Fraction, near: Values) -> Box:
-    family = Family(task.p, task.name, low, high, pieces, task.periods)
-    points = family.prove(near)
-    prove_course(family.wide, points)
-    return Box(family, points)
-
-
-# -- what is said about it ---------------------------------------------------------------------------------------------
-
-
-def _certificate(task: BranchToProve, ends: list[ProvenEnd], boxes: list[Box]) -> Certificate:
-    rows = [{"value": [show(box.family.low), show(box.family.high)]} | _points(box) for box in boxes]
-    course = [
-        {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        for kind, boundary, source, target, _, _ in switchings(boxes[0].family.wide, boxes[0].points, 0)
-    ]
-    stable = all(stability(family.wide, points).stable for family, points in boxes)
-    statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {BRANCH_BITS} bits",
-        "parameters": task.p.as_dict(),
-        "parameter": task.name,
-        "range": [show(ends[0].inside), show(ends[1].inside)],
-        "word": str(Word(task.labels)),
-        "periods": task.periods,
-        "stable": True if stable else None,
-        "ends": [
-            {"kind": end.kind, "inside": show(end.inside), "outside": show(end.outside)}
-            | ({} if end.box is None else {"inequality": end.inequality, "at": end.at} | _points(end.box))
-            for end in ends
-        ],
-        "events": course,
-        "boxes": rows,
-    }
-    changes = tuple((row["kind"], row["source"], row["target"]) for row in course)
-    return confirmed(Certificate("branch", True, "", changes, stable=True if stable else None, statement=statement))
-
-
-def _points(box: Box) -> Record:
+def _points(family: Family) -> Record:
     """Return the enclosures of the points as a file has them."""
-    events = switchings(box.family.wide, box.family.stated, 0)
+    events = switchings(family.wide, family.stated, 0)
     return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}

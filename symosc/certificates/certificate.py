@@ -1,8 +1,9 @@
-"""What a proof is handed over as: an object with a short repr, and a JSON file that `symosc verify` proves again."""
+"""The result of a proof: an object with a short repr, and a JSON file that `symosc verify` proves again."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
@@ -36,7 +37,7 @@ class Certificate(Drawable):
     points, multipliers : tuple
         Of an orbit: enclosures of the switching points, and of the multipliers.
     stable : bool or None
-        Of an orbit: whether it is stable; None if that is open.
+        Of an orbit: whether it is stable; None if that is undecided.
     statement : dict
         What the file says: exact input as rational numbers, enclosures as decimals.
 
@@ -75,10 +76,7 @@ class Certificate(Drawable):
 
 
 def confirmed(certificate: Certificate) -> Certificate:
-    """Return a certificate whose file the checker has proven once more, or one that is not proven.
-
-    Its message is the checker's.
-    """
+    """Return a certificate with the message of the checker that has proven it again, or one that is not proven."""
     from symosc.certificates.verify_orbits import judge
 
     about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
@@ -88,8 +86,13 @@ def confirmed(certificate: Certificate) -> Certificate:
     return replace(certificate, message=answer.splitlines()[0].removeprefix("proven: "))
 
 
+def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
+    """Return rows of a file as `Certificate.events`."""
+    return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
+
+
 def proven_rows(certificate: Certificate) -> list[Record]:
-    """Return the events that a proven trajectory states, as its file has them; of a settled one the last ones."""
+    """Return the events of a proven trajectory as its file has them; of a settled one the last ones."""
     rows: list[Record] = certificate.statement["last" if certificate.kind == "settled" else "events"]
     return rows
 

@@ -1,4 +1,4 @@
-"""`certify`: hand over a scene, get a proof. The provers are loaded when there is something to prove.
+"""`certify`: from a scene, an orbit, a branch or a window to a proof. The provers are loaded when they are needed.
 
 So the name is there without python-flint too: `from symosc import *` and completion need no extra.
 """
@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from symosc.aliases import NumberLike, SceneName, StartError
+from symosc.aliases import Number, NumberLike, SceneName, StartError
 from symosc.arguments import public
-from symosc.certificates.certificate import Certificate
-from symosc.errors import ParameterError
+from symosc.certificates.certificate import Certificate, proven_rows
+from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
@@ -57,12 +58,12 @@ def certify(
     digits : int, optional
         Digits of a scene's enclosures; default 25, and more where events are closer to each other.
     progress : bool or callable, optional
-        For a branch. True: a bar on stderr, on a terminal. Or what is called with the part of it that is proven.
+        For a branch. True: a bar on stderr, on a terminal. Or a function of the part of it that is proven.
 
     Returns
     -------
     Certificate
-        With ``proven`` False where something stays open; ``message`` says what and where.
+        With ``proven`` False where something stays undecided; ``message`` says what and where.
 
     Raises
     ------
@@ -83,18 +84,13 @@ def certify(
     """
     if isinstance(what, str | Path):
         what = load_scene(what)
-    if isinstance(what, Scene):
-        return _motion(what, t_end, start_error, digits)
     for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits)):
         if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
-    return _of_an_answer(what, progress)
-
-
-def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) -> Certificate:
-    """Prove what is no scene."""
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 
+    if isinstance(what, Scene):
+        return _motion(what, t_end, start_error, digits)
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import prove_orbit
 
@@ -111,7 +107,6 @@ def _of_an_answer(what: Any, progress: Callable[[float], None] | bool | None) ->
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
-    import symosc.certificates.balls  # noqa: F401  as above
     from symosc.certificates.settled import prove_settled
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 
@@ -130,3 +125,38 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certific
         if settled.proven:
             return settled
     return prove_trajectory(task)
+
+
+class ProvenMiddle(NamedTuple):
+    """A proven event: the middles of its enclosures, which have at least 24 digits, and what it is."""
+
+    t: Number
+    x: Number
+    kind: str
+    boundary: int
+
+
+class Known(NamedTuple):
+    """The proven events of a scene; or none, and why they are not proven."""
+
+    events: tuple[ProvenMiddle, ...]
+    reason: str = ""
+
+
+def known_events(scene: Scene) -> Known:
+    """Return the events of a scene from its certificate as a reference to compare with, or why it has none.
+
+    Of a motion that settles on an orbit they are those of its last periods.
+    """
+    try:
+        certificate = certify(scene)
+    except MissingExtraError as error:
+        return Known((), str(error))
+    if not certificate.proven:
+        return Known((), certificate.message)
+
+    def middle(ends: list[str]) -> Fraction:
+        return sum(map(Fraction, ends), Fraction(0)) / 2
+
+    rows = proven_rows(certificate)
+    return Known(tuple(ProvenMiddle(middle(r["t"]), middle(r["x"]), r["kind"], r["boundary"]) for r in rows))

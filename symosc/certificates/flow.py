@@ -1,14 +1,20 @@
-"""The motion in one domain, enclosed: velocity, acceleration and position at a time after the start of a flight.
+"""The motion in one mode, enclosed: velocity, acceleration and position at a time after its start.
 
 With L = D^2 + (c/m) D + k/m the velocity solves L v = -(B0 Omega/m) sin(Omega t) in every domain. It is a steady
 motion, of rational amplitudes, and a free one, which E (L E = 0, E(0) = 0, E'(0) = 1) and phi = E' + (c/m) E
 (phi(0) = 1, phi'(0) = 0) carry. Friction enters only through the acceleration at the start. Damping regime and
 resonance are decided in rational numbers.
+
+The gap g = v - v_belt has L g = drift/m in every domain, with the drift -(k v_belt + B0 Omega sin(Omega t)), which is
+also m dF/dt of both forces on the belt. It turns at the phases Theta_cr of Theorem 7; between the turns its sign is
+known from their order and needs no evaluation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 from flint import arb, arb_series
@@ -16,12 +22,11 @@ from flint import arb, arb_series
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
 
-Entire = tuple[Ball, Ball, Ball]
 #: A family is treated as nearly critical where the frequency is not known to this part.
 ROUGH = 32
 
 
-def level(value: Ball) -> Ball:
+def first_coefficient(value: Ball) -> Ball:
     """Return a ball as it is, and the first coefficient of a power series."""
     return value[0] if isinstance(value, arb_series) else value
 
@@ -44,17 +49,8 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
 class Oscillator:
     """The constants of an oscillator as balls of the working precision, and what is exact about them.
 
-    Parameters
-    ----------
-    p : Parameters
-    ranges : mapping, optional
-        Parameters that are not those of `p`, by name: all numbers of a ball, or a power series in a change of one
-        parameter (arb_series), whose first coefficient may be a ball. That makes a family of oscillators.
-
-    Raises
-    ------
-    Undecided
-        If a family may be at resonance without damping.
+    `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series), whose
+    first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without damping.
     """
 
     def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
@@ -63,14 +59,15 @@ class Oscillator:
         self.B0, self.c, self.k, self.m, self.Omega = (b[name] for name in ("B0", "c", "k", "m", "Omega"))
         self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
         self.drive = self.B0 * self.Omega / self.m
-        #: The sign of (c/2m)^2 - k/m, 0 if it is open, and the root of its size: the damped frequency or its twin.
+        #: The sign of (c/2m)^2 - k/m, 0 if undecided, and the root of its size: the damped frequency or its twin.
         square = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
         self.damping, self.kappa = (square > 0) - (square < 0), ball(square)
         if ranges.keys() & {"m", "c", "k"}:
             self.kappa = self.h * self.h - self.km
-            self.damping = sure_sign(level(self.kappa))
+            self.damping = sure_sign(first_coefficient(self.kappa))
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
-        if not level(self.omega_d) > ROUGH * level(self.omega_d).rad():  # it is critical, or nearly so in the family
+        frequency = first_coefficient(self.omega_d)
+        if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
             self.damping = 0
         if self.damping > 0:
             self.fast = -(self.h + self.omega_d)
@@ -91,12 +88,13 @@ class Oscillator:
             self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
-            if not level(pull * pull + drag * drag) > 0:
+            if not first_coefficient(pull * pull + drag * drag) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = gain * drag, -gain * pull
+        self.turns = cache(lambda boundary: Turns(p, boundary))
 
-    def entire(self, tau: Ball) -> Entire:
+    def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
         """Return E, E' and phi at tau."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
@@ -126,12 +124,16 @@ class Oscillator:
         return (self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v) / self.m
 
 
-class FlightStart(NamedTuple):
-    """The start of a flight: time, position, velocity, as balls."""
+class Jet(NamedTuple):
+    """A time after a start, and a function of time with its first two derivatives there."""
 
-    t: Ball
-    x: Ball
-    v: Ball
+    tau: Ball
+    g: Ball
+    dg: Ball
+    ddg: Ball
+
+
+Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
@@ -148,19 +150,19 @@ class FlightPoint(NamedTuple):
 
 
 class Flight:
-    """The motion in one domain, from every start in the balls of a `FlightStart`."""
+    """The motion in one domain, from every start in the balls t, x, v."""
 
-    def __init__(self, oscillator: Oscillator, domain: int, start: FlightStart) -> None:
-        self.oscillator, self.domain, self.start = oscillator, domain, start
-        self.s0, self.c0 = (oscillator.Omega * start.t).sin_cos()
-        self.a0 = oscillator.force(domain, start.t, start.x, start.v)
+    def __init__(self, oscillator: Oscillator, domain: int, t: Ball, x: Ball, v: Ball) -> None:
+        self.oscillator, self.domain, self.t0, self.x0, self.v0 = oscillator, domain, t, x, v
+        self.s0, self.c0 = (oscillator.Omega * t).sin_cos()
+        self.a0 = oscillator.force(domain, t, x, v)
         steady_v, steady_a = oscillator.steady(arb(0), self.s0, self.c0)
-        self.free_v, self.free_a = start.v - steady_v, self.a0 - steady_a
+        self.free_v, self.free_a = v - steady_v, self.a0 - steady_a
 
     def at(self, tau: Ball) -> FlightPoint:
         """Return the point `tau` after the start."""
         o = self.oscillator
-        s, c = (o.Omega * (self.start.t + tau)).sin_cos()
+        s, c = (o.Omega * (self.t0 + tau)).sin_cos()
         E, E1, phi = o.entire(tau)
         v, a = o.steady(tau, s, c)
         v, a = v + self.free_v * phi + self.free_a * E, a - o.km * E * self.free_v + self.free_a * E1
@@ -173,16 +175,16 @@ class Flight:
 
     def x(self, there: FlightPoint) -> Ball:
         """Return the position, from the balance of forces, or of momentum where there is no spring."""
-        o, p, start = self.oscillator, self.oscillator.p, self.start
+        o, p = self.oscillator, self.oscillator.p
         if p.k > 0:
-            change = o.B0 * (there.c - self.c0) - o.c * (there.v - start.v) - o.m * (there.a - self.a0)
-            return start.x + change / o.k
+            change = o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
+            return self.x0 + change / o.k
         push = o.A[self.domain] * there.tau + o.B0 / o.Omega * (there.s - self.s0)
         if p.c > 0:
-            return start.x + (push - o.m * (there.v - start.v)) / o.c
+            return self.x0 + (push - o.m * (there.v - self.v0)) / o.c
         swing = (there.c - self.c0) / o.Omega + self.s0 * there.tau
         way = o.A[self.domain] * there.tau * there.tau / 2 - o.B0 / o.Omega * swing
-        return start.x + start.v * there.tau + way / o.m
+        return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
         """Return the derivatives of x and v at a fixed time, from those of t, x (and v) at the start.
@@ -190,7 +192,7 @@ class Flight:
         A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         """
         dt, dx, *rest = start
-        x, v = dx - self.start.v * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
+        x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
@@ -205,3 +207,66 @@ class Flight:
         free_v, free_a = there.v - v, there.a - a
         free = (free_v * free_v + free_a * free_a / o.km).nonnegative_part().sqrt()
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
+
+    def side(self, boundary: int) -> int:
+        """Return the side of a belt that the flight is on."""
+        return 1 if self.domain > boundary else -1
+
+    def gap(self, boundary: int) -> Curve:
+        """Return the gap between the flight and a belt, positive on the side of the flight."""
+        speed, side = self.oscillator.speed[boundary], self.side(boundary)
+
+        def gap(tau: Ball) -> Jet:
+            there = self.at(tau)
+            return Jet(tau, side * (there.v - speed), side * there.a, side * self.jerk(there))
+
+        return gap
+
+
+def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -> Curve:
+    """Return the force in a domain beside a belt along a stick from (t, x), positive while it holds."""
+    speed, side = o.speed[boundary], 1 if domain == boundary else -1
+
+    def force(tau: Ball) -> Jet:
+        s, c = (o.Omega * (t + tau)).sin_cos()
+        value = (o.A[domain] + o.B0 * c - o.k * (x + speed * tau) - o.c * speed) / o.m
+        return Jet(tau, side * value, -side * (o.km * speed + o.drive * s), -side * o.drive * o.Omega * c)
+
+    return force
+
+
+class Turns:
+    """The turns of the drift of one belt; `constant` is its sign if it never changes, else None."""
+
+    def __init__(self, p: Parameters, boundary: int) -> None:
+        bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega
+        self.Omega, self.constant, self.rising = ball(p.Omega), None, (p.B0 > 0) - (p.B0 < 0)
+        #: Whether the forces on the belt repeat with the drive.
+        self.repeats = bias == 0
+        if abs(bias) >= abs(amplitude):
+            self.constant = (bias < 0) - (bias > 0)
+        else:
+            ratio: Fraction = -bias / amplitude
+            self.angle = ball(ratio).asin()
+
+    def time(self, index: int) -> Ball:
+        """Return the time of a turn; from those of even index on sin(Omega t) is above its turning value."""
+        turn, odd = divmod(index, 2)
+        angle = arb.pi() - self.angle if odd else self.angle
+        return (angle + 2 * turn * arb.pi()) / self.Omega
+
+    def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
+        """Yield the turns after t (None: never) and the sign of the drift before each; one exactly at t is past."""
+        if self.constant is not None:
+            yield None, self.constant
+            return
+        phase = (self.Omega * t).mid()
+        index = 2 * int((phase / (2 * arb.pi())).mid().floor().unique_fmpz()) - 2
+        while not (time := self.time(index)) > t:
+            if not time <= t:
+                raise Undecided("a start near a turn of the forces", t)
+            index += 1
+        while True:
+            turn_before_is_even = index % 2 == 1
+            yield self.time(index), (-self.rising if turn_before_is_even else self.rising)
+            index += 1

@@ -1,73 +1,392 @@
-"""A periodic orbit, proven: it exists, it is alone in a box, it has its word, and its multipliers are enclosed."""
+"""A periodic orbit, proven: it exists, is alone in a box, has its word, and its multipliers are enclosed.
+
+The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations those of `symosc.orbits`: each flight
+ends on its belt, at the next point; each stick ends where the force on its side vanishes; the last piece ends where the
+first begins, `periods` periods of the drive later.
+
+Let f be these 2n functions, c the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If
+
+    K(X) = c - Y f(c) + (1 - Y J) (X - c)
+
+lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). With constants that are balls this
+holds for every value in them.
+
+A root says that a piece ends on its belt, not that it comes there first. So for each belt around a flight the gap g has
+to be positive between its start and its end, and for each stick both forces that hold it. This is proven from the left
+to the right, in steps of adapted lengths. On a step from time a to time b, with balls for all times between them, one
+of these is enough, g > 0 being known at a, or g = 0 at a start on the belt:
+
+- g > 0 on the whole step;
+- g' > 0 on the whole step;
+- the step begins with the flight, g = g' = 0 there (it leaves a stick), and g'' > 0 on the whole step;
+- the step ends with the flight, g = 0 there, and g' < 0 on the whole step.
+
+No turning points of the forces enter: the steps may begin and end anywhere.
+
+The monodromy matrix is the product of the pieces (`symosc.orbits.floquet`). The multipliers are the roots of
+z^2 - T z + D, with its trace T and determinant D. Both lie inside the unit circle if and only if |D| < 1 and
+|T| < 1 + D (Schur and Cohn).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import floor, log10
 from typing import NamedTuple
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Number, Record
-from symosc.certificates.balls import FLINT_VERSION, Ball, Undecided, exact_ends, outward, working_bits
-from symosc.certificates.certificate import Certificate, confirmed
-from symosc.certificates.closing import ClosingBalls, Root, Values
-from symosc.certificates.course import prove_course
-from symosc.certificates.flow import Oscillator
-from symosc.certificates.multipliers import Stability, stability
+from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign, working_bits
+from symosc.certificates.certificate import Certificate, confirmed, events_of
+from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
+MOST_POLISHINGS = 12
+#: Boxes to try, as parts of the period and of the largest position: the first one that works is stated.
+BOXES = (1e-7, 1e-9, 1e-12, 1e-16, 1e-20, 1e-26, 1e-34)
+MOST_CONTRACTIONS = 4
+MOST_COURSE_STEPS = 4000
+#: First step, as a part of the piece; shortest step.
+FIRST_COURSE_STEP, SHORTEST_COURSE_STEP = 1 / 8, 2.0**-60
+#: Multipliers whose difference squared is less than this are enclosed together.
+NEARLY_DOUBLE = arb(2) ** -90
 LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
 #: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
 POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
-#: A singular system is called so if a multiplier is 1 to this part.
+#: A system is called singular if a multiplier is 1 to this part.
 NEARLY_ONE = 1e-12
-#: What part of the box in which an orbit is proven to be alone is stated: a way of proof with wider balls needs less.
+#: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
 STATED = arb(2) ** -24
 #: By how much a hint is more than the first-order value; the least radius in a hint.
 SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
-
-class OrbitToProve(NamedTuple):
-    """What is to be proven: parameters, labels in order of time, periods, points (t, x) near it."""
-
-    p: Parameters
-    labels: tuple[str, ...]
-    periods: int
-    near: tuple[tuple[Number, Number], ...]
+Values = list[Ball]
 
 
-class OrbitProof(NamedTuple):
-    """What is proven: the equations, the root, trace and determinant."""
+def unit_matrix(count: int) -> arb_mat:
+    """Return the unit matrix."""
+    return arb_mat([[int(i == j) for j in range(count)] for i in range(count)])
 
-    closing: ClosingBalls
-    root: Root
-    stability: Stability
+
+def column(values: Sequence[Ball]) -> arb_mat:
+    """Return a matrix of one column."""
+    return arb_mat([[value] for value in values])
+
+
+class Root(NamedTuple):
+    """A proven root: the box in which it is the only one, and a narrow enclosure; t_0, x_0, t_1, x_1, ..."""
+
+    box: Values
+    points: Values
+
+
+class Margin(NamedTuple):
+    """One function that must stay positive: in words, the function, and whether it is 0 at its start and its end.
+
+    `at_start` is how many of g, g' are 0 at the start, `at_end` whether g is 0 at the end.
+    """
+
+    what: str
+    curve: Curve
+    at_start: int
+    at_end: bool
+
+
+class ClosingBalls:
+    """The closing equations of one word, for one set of constants or a family of them."""
+
+    def __init__(self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int) -> None:
+        self.oscillator, self.pieces = oscillator, pieces
+        self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
+
+    def ends(self, values: Values) -> Values:
+        """Return the points at the ends of the pieces: the next ones, and the first one a period later."""
+        return [*values[2:], values[0] + self.turn, values[1]]
+
+    def flight(self, i: int, values: Values) -> Flight:
+        """Return the flight of piece i from its point."""
+        piece, o = self.pieces[i], self.oscillator
+        return Flight(o, piece.mode, values[2 * i], values[2 * i + 1], o.speed[piece.start])
+
+    def slips_into(self, i: int) -> int:
+        """Return the domain that stick i ends into."""
+        return self.pieces[i].start + (self.pieces[i].side > 0)
+
+    def residuals(self, values: Values) -> Values:
+        """Return f: two residuals of each piece; balls or power series."""
+        o, end, found = self.oscillator, self.ends(values), list[Ball]()
+        for i, piece in enumerate(self.pieces):
+            (t0, x0), (t1, x1) = values[2 * i : 2 * i + 2], end[2 * i : 2 * i + 2]
+            if piece.sticks:
+                speed = o.speed[piece.start]
+                found += [x0 + speed * (t1 - t0) - x1, o.force(self.slips_into(i), t1, x1, speed)]
+            else:
+                flight = self.flight(i, values)
+                there = flight.at(t1 - t0)
+                found += [flight.x(there) - x1, there.v - o.speed[piece.end]]
+        return found
+
+    def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
+        """Return the derivatives of the two residuals of piece i by t and x at its start and t and x at its end."""
+        o, piece = self.oscillator, self.pieces[i]
+        t0, t1, v0, one, zero = values[2 * i], self.ends(values)[2 * i], o.speed[piece.start], arb(1), arb(0)
+        if piece.sticks:
+            return (-v0, one, v0, -one), (zero, zero, -o.drive * (o.Omega * t1).sin(), -o.km)
+        flight = self.flight(i, values)
+        there = flight.at(t1 - t0)
+        phi, E, E1, a0 = there.phi, there.E, there.E1, flight.a0
+        return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, zero)
+
+    def jacobian(self, values: Values) -> arb_mat:
+        """Return the derivatives of f."""
+        n = len(self.pieces)
+        rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
+        for i in range(n):
+            for row, entries in zip(rows[2 * i : 2 * i + 2], self._slopes(i, values), strict=True):
+                for j, entry in enumerate(entries, 2 * i):
+                    row[j % (2 * n)] += entry
+        return arb_mat(rows)
+
+    def end_by_start(self, i: int, values: Values) -> arb_mat:
+        """Return the derivatives of the end of piece i by its start, nearly."""
+        rows = self._slopes(i, values)
+        return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
+
+    # -- roots ---------------------------------------------------------------------------------------------------------
+
+    def polished(self, values: Values) -> Values:
+        """Return exact numbers near a root, by Newton's method; they prove nothing. Undecided if it does not settle."""
+        values = [value.mid() for value in values]
+        for _ in range(MOST_POLISHINGS):
+            try:
+                step = self.jacobian(values).mid().solve(column(self.residuals(values)).mid())
+            except ZeroDivisionError:
+                break
+            sizes = [abs(each.mid()) for each in step.entries()]
+            values = [(value - each).mid() for value, each in zip(values, step.entries(), strict=True)]
+            if not all(each.is_finite() for each in values):
+                break
+            scale = max((abs(value) for value in values), key=float)
+            if all(each <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in sizes):
+                return values
+        raise Undecided("a root of the closing equations, which are singular or nearly so")
+
+    def krawczyk(self, box: Values, about: Values | None = None) -> Values | None:
+        """Return K(box) if it lies inside the box, else None; `about`: exact numbers to develop around."""
+        middle = about or [each.mid() for each in box]
+        J = self.jacobian(box)
+        try:
+            Y = J.mid().inv().mid()
+        except ZeroDivisionError:
+            return None
+        rest = column([value - c for value, c in zip(box, middle, strict=True)])
+        moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(self.residuals(middle))
+        image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
+        inside = all(value.contains_interior(each) for value, each in zip(box, image, strict=True))
+        return image if inside else None
+
+    def roots(self, middle: Values) -> Iterator[Root]:
+        """Yield proven roots about exact numbers, the one that is alone in the widest box first."""
+        sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
+        for part in BOXES:
+            box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
+            image = self.krawczyk(box, middle)
+            if image is not None:
+                yield Root(box, self._narrowed(image))
+
+    def _narrowed(self, box: Values) -> Values:
+        """Return a narrower enclosure of the root in a box that is known to have exactly one."""
+        for _ in range(MOST_CONTRACTIONS):
+            image = self.krawczyk(box)
+            if image is None:
+                break
+            done = all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(image, box, strict=True))
+            box = image
+            if done:
+                break
+        return box
+
+    # -- the course of the word ----------------------------------------------------------------------------------------
+
+    def margins(self, i: int, values: Values) -> list[Margin]:
+        """Return what must stay positive on piece i."""
+        o, piece = self.oscillator, self.pieces[i]
+        if piece.sticks:
+            found = []
+            for domain in (piece.start, piece.start + 1):
+                curve = holding_force(o, piece.start, domain, values[2 * i], values[2 * i + 1])
+                what = f"F^({domain}) {'>' if domain == piece.start else '<'} 0 during {piece.label}"
+                found.append(Margin(what, curve, 0, domain == self.slips_into(i)))
+            return found
+        flight, found = self.flight(i, values), []
+        for boundary in (piece.mode - 1, piece.mode):
+            if boundary in (1, 2):
+                roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+                what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
+                found.append(Margin(what, flight.gap(boundary), roots, boundary == piece.end))
+        return found
+
+    def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
+        """Return domain, condition in words, force and its sign where piece i begins, by Theorems 4 and 5.
+
+        None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
+        """
+        o, piece, before = self.oscillator, self.pieces[i], self.pieces[i - 1]
+        if before.sticks:
+            return []
+        boundary, (t, x) = piece.start, values[2 * i : 2 * i + 2]
+        low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
+        if o.jump[boundary].is_zero():
+            high = low
+        signs = (1, -1) if piece.sticks else (1, 1) if before.mode == boundary else (-1, -1)
+        return [
+            (domain, f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {before.label} ends", force, sign)
+            for domain, force, sign in zip((boundary, boundary + 1), (low, high), signs, strict=True)
+        ]
+
+    def prove_course(self, values: Values) -> None:
+        """Prove that the root in `values` takes the course of its word; else Undecided."""
+        ends = self.ends(values)
+        for i, piece in enumerate(self.pieces):
+            span = ends[2 * i] - values[2 * i]
+            if not span > 0:
+                raise Undecided(f"the duration of {piece.label}", values[2 * i])
+            for _, what, force, sign in self.forces_at(i, values):
+                if sure_sign(force) != sign:
+                    raise Undecided(what, values[2 * i])
+            for margin in self.margins(i, values):
+                prove_positive(margin, span)
+
+    # -- multipliers ---------------------------------------------------------------------------------------------------
+
+    def stability(self, values: Values) -> Stability:
+        """Return trace and determinant of the monodromy matrix of the root in `values`."""
+        o, ends = self.oscillator, self.ends(values)
+        (xx, xv), (vx, vv) = (arb(1), arb(0)), (arb(0), arb(1))
+        determinant = (-o.cm * self.turn).exp()
+        for i, piece in enumerate(self.pieces):
+            if piece.sticks:
+                continue
+            there = self.flight(i, values).at(ends[2 * i] - values[2 * i])
+            ratio, following = arb(0), self.pieces[(i + 1) % len(self.pieces)]
+            if not following.sticks:
+                force = o.force(following.mode, ends[2 * i], ends[2 * i + 1], o.speed[piece.end])
+                ratio = force / there.a
+            down, E, E1, phi = -o.km * there.E, there.E, there.E1, there.phi
+            xx, xv, vx, vv = (
+                phi * xx + E * vx,
+                phi * xv + E * vv,
+                ratio * (down * xx + E1 * vx),
+                ratio * (down * xv + E1 * vv),
+            )
+            determinant = determinant * ratio
+        return Stability(xx + vv, determinant)
+
+
+def prove_positive(margin: Margin, span: Ball) -> None:
+    """Prove that a margin stays positive between 0 and a time that lies in `span`; else Undecided."""
+    last, begin, first = span.upper().mid(), arb(0), True
+    if margin.at_start == 0 and not margin.curve(begin).g > 0:
+        raise Undecided(f"{margin.what} at its start")
+    step = (last * FIRST_COURSE_STEP).mid()
+    for _ in range(MOST_COURSE_STEPS):
+        end = (begin + step).mid()
+        final = bool(end >= last)
+        if final:
+            end = last
+        if _positive_on_step(margin, begin, end, first, final):
+            if final:
+                return
+            begin, first, step = end, False, (step * 1.5).mid()
+        else:
+            step = ((end - begin) / 2).mid()
+            if step <= last * SHORTEST_COURSE_STEP:
+                break
+    raise Undecided(margin.what, begin)
+
+
+def _positive_on_step(margin: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
+    """Return whether the margin is surely positive on a step, its end included unless the margin is 0 there."""
+    over = begin.union(end)
+    whole, middle = margin.curve(over), over.mid()
+    there, off = margin.curve(middle), over - middle
+    square = (off * off).nonnegative_part()
+    slope = there.dg + whole.ddg * off
+    if final and margin.at_end:
+        return not (first and margin.at_start) and bool(slope < 0)
+    if there.g + there.dg * off + whole.ddg * square / 2 > 0 or whole.g > 0 or slope > 0:
+        return True
+    return bool(first and margin.at_start == 2 and whole.ddg > 0)
+
+
+class Stability(NamedTuple):
+    """Trace and determinant of the monodromy matrix, as balls."""
+
+    trace: Ball
+    determinant: Ball
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether both multipliers are surely inside the unit circle; False: one is outside; None: undecided."""
+        T, D = self.trace, self.determinant
+        if abs(D) < 1 and abs(T) < 1 + D:
+            return True
+        return False if abs(D) > 1 or abs(T) > 1 + D else None
+
+    def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
+        """Return real and imaginary parts of both, the larger one first if they are real."""
+        half, zero = self.trace / 2, arb(0)
+        square = half * half - self.determinant
+        if self.determinant.is_zero():
+            return (self.trace, zero), (zero, zero)
+        if abs(square) < NEARLY_DOUBLE:  # real or complex: a checker may not be able to tell
+            square = (-NEARLY_DOUBLE).union(NEARLY_DOUBLE)
+        if square < 0:
+            turn = (-square).sqrt()
+            return (half, turn), (half, -turn)
+        if square > 0 and not half.contains(0):
+            root = square.sqrt()
+            large = half + root if half > 0 else half - root
+            return (large, zero), (self.determinant / large, zero)
+        if square > 0:
+            root = square.sqrt()
+            return (half + root, zero), (half - root, zero)
+        reach = abs(square).upper().sqrt()
+        around = (-reach).union(reach)
+        return (half + around, around), (half + around, around)
+
+
+# -- the proof ---------------------------------------------------------------------------------------------------------
 
 
 def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
     """Prove a periodic orbit; see `symosc.certify`."""
-    near = tuple((t, x) for t, x in orbit.points)
-    return certify_orbit(OrbitToProve(orbit.parameters, orbit.labels, orbit.periods, near))
+    return certify_orbit(orbit.parameters, orbit.labels, orbit.periods, orbit.points)
 
 
-def certify_orbit(task: OrbitToProve) -> Certificate:
-    """Prove an orbit near the given points, with as many bits as it takes."""
-    pieces, bits = pieces_of(Word(task.labels)), LEAST_ORBIT_BITS
+def certify_orbit(
+    p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
+) -> Certificate:
+    """Prove an orbit near the given points (t, x), with as many bits as it takes; labels are in order of time."""
+    word, bits = Word(labels), LEAST_ORBIT_BITS
+    near = [_exact(each) for point in points for each in point]
     while True:
         with working_bits(bits):
             try:
-                closing = ClosingBalls(Oscillator(task.p), pieces, task.periods)
-                proof = prove_with_word(closing, [_exact(each) for point in task.near for each in point])
-                if proof.stability.stable is not None or bits >= MOST_ORBIT_BITS:
-                    return _certificate(task, proof, bits)
+                closing = ClosingBalls(Oscillator(p), pieces_of(word), periods)
+                root, stability = _prove_with_word(closing, near)
+                if stability.stable is not None or bits >= MOST_ORBIT_BITS:
+                    return _certificate(p, word, closing, root, stability, bits)
             except Undecided as undecided:
                 if bits >= MOST_ORBIT_BITS:
-                    return Certificate("orbit", False, _open(task, undecided, bits))
+                    message = f"the orbit {word}, with {bits} bits: not decided: {undecided.what}{undecided.place()}"
+                    return Certificate("orbit", False, message + _marginal(closing, near))
             bits *= 2
 
 
@@ -79,33 +398,34 @@ def _exact(number: Number) -> Ball:
     return arb((mantissa, exponent))
 
 
-def prove_with_word(closing: ClosingBalls, near: Values) -> OrbitProof:
-    """Prove a root near these points, its word, and enclose its multipliers.
-
-    Raises
-    ------
-    Undecided
-    """
+def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Root, Stability]:
+    """Prove a root near these points and its word, and enclose its multipliers; else Undecided."""
     middle = closing.polished(near)
     reason = Undecided("the closing equations: no box in which their root is the only one")
-    for root in closing.boxes(middle):
+    for root in closing.roots(middle):
         try:
-            prove_course(closing, root.box)
+            closing.prove_course(root.box)
         except Undecided as undecided:
             reason = undecided
             continue
         if any(float(value.rad()) > ACCURATE * max(1.0, abs(float(value))) for value in root.points):
             raise Undecided("the digits of the switching points")
-        return OrbitProof(closing, root, stability(closing, root.points))
+        return root, closing.stability(root.points)
     raise reason
 
 
-# -- what is said about it ---------------------------------------------------------------------------------------------
+def _marginal(closing: ClosingBalls, near: Values) -> str:
+    """Return that an orbit is marginal, if the given points have a multiplier of 1 to many digits."""
+    try:
+        T, D = closing.stability(near)
+    except Undecided:
+        return ""
+    if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
+        return ""
+    return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
 
 
-def first_arrival(pieces: tuple[OrbitPiece, ...]) -> int:
-    """Return the first switching point at the end of a flight: there the forces say how the motion goes on."""
-    return next(i for i in range(len(pieces)) if not pieces[i - 1].sticks)
+# -- the certificate ---------------------------------------------------------------------------------------------------
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
@@ -120,38 +440,18 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
     return rows
 
 
-def reaches(closing: ClosingBalls, root: Root) -> list[Ball]:
+def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
     """Return how far in time the motions from the box of the first arrival may be off at the events; a hint, no proof.
 
-    It is many times the first-order value: whoever proves it uses balls that are wider than the set.
+    It is many times the first-order value: the checker uses balls that are wider than the set.
     """
-    n, begin = len(closing.pieces), first_arrival(closing.pieces)
-    values = [value.mid() for value in root.points]
+    n, values = len(closing.pieces), [value.mid() for value in root.points]
     wide_t, wide_x = (STATED * value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
     moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]
     for i in range(begin, begin + n):
-        at_start, at_end = closing.blocks(i % n, values)
-        moved = (-(at_end.solve(at_start)) * moved).mid()
+        moved = (closing.end_by_start(i % n, values) * moved).mid()
         found.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     return found
-
-
-def statement_of(closing: ClosingBalls, root: Root) -> Record:
-    """Return the switching points as a file has them, and how far around the first one the orbit is alone."""
-    begin = first_arrival(closing.pieces)
-    rows = [
-        {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
-        for (kind, boundary, source, target, t, x), reach in zip(
-            switchings(closing, root.points, begin), reaches(closing, root), strict=True
-        )
-    ]
-    alone = [one_digit(STATED * value.rad()) for value in root.box[2 * begin : 2 * begin + 2]]
-    return {"periods": closing.periods, "events": rows, "alone_within": alone}
-
-
-def _decimals(value: Ball) -> tuple[str, str]:
-    return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_PLACES)
 
 
 def one_digit(radius: Ball) -> str:
@@ -161,49 +461,43 @@ def one_digit(radius: Ball) -> str:
     return f"{most // Fraction(10) ** power}e{power}"
 
 
-def _certificate(task: OrbitToProve, proof: OrbitProof, bits: int) -> Certificate:
-    closing, root = proof.closing, proof.root
-    pairs = [(_decimals(re), _decimals(im)) for re, im in proof.stability.multipliers()]
-    stable = proof.stability.stable
-    statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits",
-        "parameters": task.p.as_dict(),
-        "word": str(Word(task.labels)),
-        **statement_of(closing, root),
+def _certificate(
+    p: Parameters, word: Word, closing: ClosingBalls, root: Root, stability: Stability, bits: int
+) -> Certificate:
+    pieces, points = closing.pieces, root.points
+    # It begins at the end of a flight: there the forces say how the motion goes on.
+    begin = next(i for i in range(len(pieces)) if not pieces[i - 1].sticks)
+    rows: list[Record] = [
+        {"kind": kind, "boundary": boundary, "source": source, "target": target}
+        | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
+        for (kind, boundary, source, target, t, x), reach in zip(
+            switchings(closing, points, begin), _reaches(closing, root, begin), strict=True
+        )
+    ]
+
+    def decimals(value: Ball) -> tuple[str, str]:
+        return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_PLACES)
+
+    pairs = tuple((decimals(re), decimals(im)) for re, im in stability.multipliers())
+    statement = made_by(bits) | {
+        "parameters": p.as_dict(),
+        "word": str(word),
+        "periods": closing.periods,
+        "events": rows,
+        "alone_within": [one_digit(STATED * value.rad()) for value in root.box[2 * begin : 2 * begin + 2]],
         "multipliers": [{"re": list(re), "im": list(im)} for re, im in pairs],
-        "stable": stable,
+        "stable": stability.stable,
     }
-    rows = statement["events"]
-    certificate = Certificate(
-        "orbit",
-        True,
-        "",
-        events=tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows),
-        points=tuple(
-            (outward(root.points[2 * i], POINT_DIGITS), outward(root.points[2 * i + 1], POINT_DIGITS))
-            for i in range(len(closing.pieces))
-        ),
-        multipliers=tuple(pairs),
-        stable=stable,
-        statement=statement,
+    enclosures = [outward(value, POINT_DIGITS) for value in points]
+    return confirmed(
+        Certificate(
+            "orbit",
+            True,
+            "",
+            events=events_of(rows),
+            points=tuple(zip(enclosures[::2], enclosures[1::2], strict=True)),
+            multipliers=pairs,
+            stable=stability.stable,
+            statement=statement,
+        )
     )
-    return confirmed(certificate)
-
-
-def _open(task: OrbitToProve, undecided: Undecided, bits: int) -> str:
-    near = "" if undecided.near is None else f" near t = {undecided.near.mid().str(15, radius=False)}"
-    text = f"the orbit {Word(task.labels)}, with {bits} bits: not decided: {undecided.what}{near}"
-    return text + _singular(task)
-
-
-def _singular(task: OrbitToProve) -> str:
-    """Return that an orbit is marginal, if the given points have a multiplier of 1 to many digits."""
-    try:
-        closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(task.labels)), task.periods)
-        values = [_exact(each) for point in task.near for each in point]
-        T, D = stability(closing, values)
-    except Undecided:
-        return ""
-    if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
-        return ""
-    return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"

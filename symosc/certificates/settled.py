@@ -20,13 +20,12 @@ from typing import NamedTuple
 
 from flint import arb, arb_mat
 
-from symosc.certificates.balls import Ball, Undecided, around, ball, exact_ends, working_bits
-from symosc.certificates.certificate import Certificate, confirmed
-from symosc.certificates.closing import ClosingBalls, Values
-from symosc.certificates.motion import ON_A_BELT, Moving, Problem, ProvenEvent, begin, next_event
-from symosc.certificates.orbit import one_digit, switchings
-from symosc.certificates.sets import StateSet
-from symosc.certificates.trajectory import DIGITS, ToProve, event_row, events_of, question
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, known_to, working_bits
+from symosc.certificates.certificate import Certificate, confirmed, events_of
+from symosc.certificates.flow import Oscillator
+from symosc.certificates.motion import ON_A_BELT, Moving, ProvenEvent, begin, next_event
+from symosc.certificates.orbit import ClosingBalls, Values, one_digit, switchings, unit_matrix
+from symosc.certificates.trajectory import DIGITS, ToProve, event_row, question
 from symosc.exact import show
 from symosc.model import MODE_NAMES
 from symosc.orbits.closing_equations import pieces_of
@@ -37,18 +36,13 @@ SETTLED_BITS = 320
 #: How many events a motion may take to come near the orbit, and how near that is (of t, and of x).
 MOST_EVENTS_BEFORE, NEAR_ARRIVAL = 2000, 1e-6
 #: A box is this many times larger than the set that comes into it; the least one; the largest factor q.
-BOX_ROOM, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
+BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 
 
 class Cycle(NamedTuple):
-    """A box that is proven to be mapped into itself, and the events of the motions from it.
+    """A box (middle and half-widths of t and x) that is mapped into itself after `turns` times round the orbit.
 
-    Attributes
-    ----------
-    middle, widths : fractions, of t and x
-    turns : how many times the orbit is gone round.
-    events : list of ProvenEvent
-    states : list of StateSet
+    And the events of the motions from it, with the sets of states after each.
     """
 
     middle: tuple[Fraction, Fraction]
@@ -59,74 +53,64 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events of a motion until t_end, that come again and again from some event on.
-
-    Parameters
-    ----------
-    task : ToProve
-    orbit : PeriodicOrbit
-        On which the motion settles.
-    """
+    """Prove all events of a motion until t_end, which come again and again from some event on, as it nears an orbit."""
     with working_bits(SETTLED_BITS):
-        problem = Problem(task.p)
-        closing = ClosingBalls(problem.oscillator, pieces_of(Word(orbit.labels)), orbit.periods)
+        closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
         try:
             points = closing.polished([arb(float(each)) for point in orbit.points for each in point])
-            root = next(closing.boxes(points), None)
+            root = next(closing.roots(points), None)
             if root is None:
                 raise Undecided("the orbit on which the motion is to settle")
-            start, until = start_of(problem, task)
-            for event, state in _followed(problem, start, ball(task.t_end), MOST_EVENTS_BEFORE):
+            start, until = _start(closing.oscillator, task)
+            for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
                 before.append(event)
-                i = arrival_at(closing, root.points, event)
-                if i is not None:
-                    cycle = invariant_box(problem, closing, root.points, i, state)
-                    if cycle is not None:
-                        return _certificate(task, (closing, root.points, i), before, cycle, (start.mode, until))
+                i = _arrival(closing, root.points, event)
+                cycle = None if i is None else _invariant_box(closing, root.points, i, state)
+                if i is not None and cycle is not None:
+                    return _certificate(task, closing, root.points, i, before, cycle, MODE_NAMES[start.mode], until)
             raise Undecided(f"whether the motion settles on the orbit within {len(before)} events")
         except Undecided as undecided:
             return Certificate("settled", False, f"not decided: {undecided.what}")
 
 
-def start_of(problem: Problem, task: ToProve) -> tuple[Moving, Fraction | None]:
+def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
     """Return the states at the start; and until when some may stick, where the start is at the end of a stick."""
     try:
-        return begin(problem, task.start, task.errors), None
+        return begin(o, task.start, task.errors), None
     except Undecided:
-        p, o, (t0, x0, v0) = task.p, problem.oscillator, task.start
+        p, (t0, x0, v0) = task.p, task.start
         if v0 not in (p.v1, p.v2) or task.errors[2]:
             raise
     boundary = 1 if v0 == p.v1 else 2
-    t, x = (ball(c) + arb(0, ball(e).upper()) for c, e in zip((t0, x0), task.errors, strict=False))
+    t, x = (known_to(c, e) for c, e in zip((t0, x0), task.errors, strict=False))
     low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
     slope = -(o.km * o.speed[boundary] + o.drive * (o.Omega * t).sin())
     domain = boundary if slope < 0 else boundary + 1
     if not ((slope < 0 and high < 0) or (slope > 0 and low > 0)):
         raise Undecided("a force on the belt at the start", t)
     force = low if slope < 0 else high
-    until = t0 + task.errors[0] + ceiling(2 * abs(force).upper() / abs(slope).lower())
-    lasted = until - t0
-    values = [ball(t0) + arb(0, ball(lasted).upper()), x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasted)).upper())]
-    return Moving(domain, boundary, StateSet.of(values)), until
+    lasts = task.errors[0] + _decimal_above(2 * abs(force).upper() / abs(slope).lower())
+    reached = x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasts)).upper())
+    return Moving(domain, boundary, StateSet.of([known_to(t0, lasts), reached])), t0 + lasts
 
 
-def ceiling(value: Ball) -> Fraction:
+def _decimal_above(value: Ball) -> Fraction:
     """Return a decimal of few digits that is above a small positive ball."""
     unit = Fraction(1, 10**60)
     return (floor(exact_ends(value)[1] / unit) + 2) * unit
 
 
-def _followed(problem: Problem, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
+def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
     for _ in range(most):
-        following = next_event(problem, state, t_end)
+        following = next_event(o, state, t_end)
         if following is None:
             return
         yield following
         state = following[1]
 
 
-def arrival_at(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
+def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
     """Return the switching point of the orbit, an arrival, that an event is near, or None."""
     for i, piece in enumerate(closing.pieces):
         names = (closing.pieces[i - 1].mode, piece.mode, piece.start)
@@ -138,7 +122,7 @@ def arrival_at(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int
     return None
 
 
-def invariant_box(problem: Problem, closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
+def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
     """Return a box that contains the states and is mapped into itself, and how; None if these are not near enough."""
     n, turns = len(closing.pieces), 1
     D = once = _derivative(closing, points, i)
@@ -150,14 +134,14 @@ def invariant_box(problem: Problem, closing: ClosingBalls, points: Values, i: in
     gone = round(float((t - points[2 * i]) / closing.turn))
     middle = [_rounded(points[2 * i] + gone * closing.turn), _rounded(points[2 * i + 1])]
     off = [abs(value - ball(c)).upper() for value, c in zip((t, x), middle, strict=True)]
-    size = max(LEAST_BOX, *(BOX_ROOM * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)))
+    size = max(LEAST_BOX, *(BOX_MARGIN * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)))
     widths = [Fraction(one_digit(ball(size * w))) for w in shape]
     if max(widths) > NEAR_ARRIVAL:
         return None
-    box = StateSet.of([ball(c) + arb(0, ball(w).upper()) for c, w in zip(middle, widths, strict=True)])
+    box = StateSet.of([known_to(c, w) for c, w in zip(middle, widths, strict=True)])
     states, events = [box], []
     late = box.hull()[0] + (turns + 1) * closing.turn
-    for event, after in _followed(problem, Moving(state.mode, state.boundary, box), late, n * turns):
+    for event, after in _followed(closing.oscillator, Moving(state.mode, state.boundary, box), late, n * turns):
         events.append(event)
         states.append(after.states)
     t, x = states[-1].hull()
@@ -165,9 +149,9 @@ def invariant_box(problem: Problem, closing: ClosingBalls, points: Values, i: in
     inside = [ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True)]
     wanted = switchings(closing, points, i)[1:] * turns
     same = [event[:4] for event in events] == [row[:4] for row in wanted]
-    return (
-        Cycle((middle[0], middle[1]), (widths[0], widths[1]), turns, events, states) if all(inside) and same else None
-    )
+    if not (all(inside) and same):
+        return None
+    return Cycle((middle[0], middle[1]), (widths[0], widths[1]), turns, events, states)
 
 
 def _rounded(value: Ball) -> Fraction:
@@ -176,10 +160,9 @@ def _rounded(value: Ball) -> Fraction:
 
 def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
     """Return the derivative of the map from switching point i to itself, nearly."""
-    moved = arb_mat([[1, 0], [0, 1]])
+    moved = unit_matrix(2)
     for j in range(i, i + len(closing.pieces)):
-        at_start, at_end = closing.blocks(j % len(closing.pieces), points)
-        moved = (-(at_end.solve(at_start)) * moved).mid()
+        moved = (closing.end_by_start(j % len(closing.pieces), points) * moved).mid()
     return moved
 
 
@@ -194,7 +177,7 @@ def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
     return (Fraction(f"{e[0]:.2g}"), Fraction(f"{e[1]:.2g}")) if q < MOST_Q else None
 
 
-def contraction(cycle: Cycle) -> Ball:
+def _contraction(cycle: Cycle) -> Ball:
     """Return the factor q of a cycle, proven."""
     sums = [
         sum((abs(d) * ball(w) for d, w in zip(row, cycle.widths, strict=True)), arb(0)) / ball(width)
@@ -205,16 +188,17 @@ def contraction(cycle: Cycle) -> Ball:
 
 def _certificate(
     task: ToProve,
-    orbit: tuple[ClosingBalls, Values, int],
+    closing: ClosingBalls,
+    points: Values,
+    i: int,
     before: Sequence[ProvenEvent],
     cycle: Cycle,
-    begun: tuple[int, Fraction | None],
+    first_mode: str,
+    until: Fraction | None,
 ) -> Certificate:
-    closing, points, i = orbit
     n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
-    first = before[-1]
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
-    rows = [event_row(first, DIGITS) | {"t": box[0], "x": box[1]}]
+    rows = [event_row(before[-1], DIGITS) | {"t": box[0], "x": box[1]}]
     for event in cycle.events:
         wide = event._replace(t=around(event.t, 2 * event.t.rad()), x=around(event.x, 2 * event.x.rad()))
         rows.append(event_row(wide, 60))
@@ -223,7 +207,7 @@ def _certificate(
     left = sum(bool(each + cycles * turn < t_end) for each in times[:-1]) - 1
     if left < 0 or not times[left] + cycles * turn < t_end < times[left + 1] + cycles * turn:
         raise Undecided("how many events there are until t_end")
-    q, last = contraction(cycle), []
+    q, last = _contraction(cycle), []
     if not q < 1:
         raise Undecided("a norm in which the orbit attracts")
     total = cycles * n + left
@@ -242,8 +226,8 @@ def _certificate(
         last.append(event_row(about._replace(t=t, x=around(points[2 * place + 1], spare[1])), task.digits))
     count = len(before) + total
     statement = question(task, SETTLED_BITS) | {
-        "mode": MODE_NAMES[begun[0]],
-        "may_stick_until": None if begun[1] is None else show(begun[1]),
+        "mode": first_mode,
+        "may_stick_until": None if until is None else show(until),
         "events": [event_row(event, DIGITS) for event in before],
         "periods": cycle.turns * closing.periods,
         "cycle": rows,

@@ -17,8 +17,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from symosc.aliases import Record
-from symosc.certificates.balls import FLINT_VERSION, Ball, ball, decided_sign, outward, working_bits
+from symosc.certificates.balls import Ball, ball, decided_sign, made_by, outward, working_bits
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
@@ -37,8 +36,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
-    statement: Record = {
-        "made_by": f"symosc, python-flint {FLINT_VERSION}, {WINDOW_BITS} bits",
+    statement = made_by(WINDOW_BITS) | {
         "parameters": p.as_dict(),
         "map": window.mapping,
         "order": window.order,

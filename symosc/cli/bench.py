@@ -168,7 +168,7 @@ def warm(as_json: bool) -> None:
     Examples:
       symosc warm
     """
-    from symosc.simulation.warm import warm as compile_all
+    from symosc.simulation.batch import warm as compile_all
 
     rows = compile_all()
     if as_json:

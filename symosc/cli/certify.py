@@ -123,7 +123,7 @@ def _proof(
     found = _orbit(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
-    from symosc.orbits.continuation import continue_orbit
+    from symosc.orbits.branch import continue_orbit
 
     name, limits = read_span(span, "--branch")
     branch = continue_orbit(found.parameters, found.word, name, limits, found)
@@ -169,9 +169,9 @@ def _prove_list() -> int:
         done = prove_list(progress=report)
     regimes = ", ".join(f"{number} {name}" for name, number in done.regimes.items())
     write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
-    for message in done.open:
+    for message in done.undecided:
         complain(f"not proven: {message}")
-    return FAILED if done.open else 0
+    return FAILED if done.undecided else 0
 
 
 @click.command()

@@ -1,7 +1,6 @@
-"""The constants of many parameter sets at once: a row of a table each, with the bits that one set alone would get.
+"""The constants of many parameter sets at once, a row of a table each.
 
-The formulas are those of `symosc.engine.flow.constants`, on columns of exact numbers (`symosc.kernels.pair_columns`).
-Fractions are left to the rows in which a decision needs them: critical damping, resonance, a force that is exactly 0.
+The formulas are those of `symosc.engine.flow.constants`, on columns of pairs (`symosc.kernels.pair_columns`).
 A row of the table has the fields of `Constants`: compiled functions take either.
 """
 
@@ -55,7 +54,7 @@ class ConstantRows(Sequence[Constants]):
 
 
 class ParameterColumns:
-    """Parameters as columns of exact numbers; the forces are those of `Parameters`."""
+    """Parameters as columns of pairs; the forces are those of `Parameters`."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -71,20 +70,9 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets.
-
-    Parameters
-    ----------
-    columns : dict
-        The parameters by name, of shape (count,) or (1,).
-    count : int
-    alone : callable
-        Returns the constants of one set from fractions: of those that columns leave open.
-    march_rows : callable
-        `symosc.engine.first_rows.march_rows`, or it compiled.
-    """
+    """Return the constants of `count` parameter sets; `alone` returns those of one set by exact arithmetic."""
     doubts = np.zeros(count, dtype=bool)
-    given = {name: PairColumn(c.hi, c.lo, c.off, doubts) for name, c in columns.items()}
+    given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
         size = abs(column.hi)
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
@@ -92,8 +80,8 @@ def constant_table(
     with np.errstate(all="ignore"):
         K = constants(ParameterColumns(given), as_double, np.sqrt, each(atan2), pi)  # type: ignore[arg-type]
     _fill(table, K)
-    open_ones = np.flatnonzero(doubts)
-    table[open_ones] = table_of(map(alone, open_ones.tolist())) if len(open_ones) else table[open_ones]
+    for i in np.flatnonzero(doubts).tolist():
+        table[i] = tuple(alone(i))
     marches = np.zeros((count, 2, len(MarchConstants._fields)))
     march_rows(table, marches)
     for which, name in enumerate(("march", "stride")):

@@ -76,7 +76,7 @@ SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
 FIRM = 1e-2
 # A root behind which the gap gets deeper than this part of its size is no touch.
-CLEAR_DEPTH = 1e-9
+DEEP = 1e-9
 MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
 WIDE_GAP = 6e6
@@ -175,7 +175,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return (near, close, clear): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
+    """Return (near, close, deep): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     up to there and over what makes up for `missing` (Kantorovich).
@@ -196,7 +196,7 @@ def is_near(root, P, degree, M4, size, K):
     depth = slope * slope
     for _ in range(4 - degree):  # back from the divided polynomial to the gap
         depth = depth * root
-    return near, missing * K.rate < NEAR * slope, depth > 2.0 * CLEAR_DEPTH * size * bend
+    return near, missing * K.rate < NEAR * slope, depth > 2.0 * DEEP * size * bend
 
 
 def local_root(over, F, G1, G2, G3, resolution):
@@ -283,7 +283,7 @@ def march(tau_max, v0, now, walls, margin, K):
         if free_below and free_above:
             now, v_free, F_free = there, v_next, F_next
             long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)  # a guess, no proof
-            if not K.patient:
+            if not K.slow_drive:
                 continue
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
             now = whole(now, v0, K)
@@ -297,7 +297,7 @@ def march(tau_max, v0, now, walls, margin, K):
             now, since = whole(now, v0, K), now.tau
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
-        if K.patient and gaps_exceed(wide * M4, now.dv, walls):
+        if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
 
 
@@ -404,21 +404,21 @@ def parts_again(tau, side, start, walls, S, K):
     return False
 
 
-def hidden(tau, side, start, walls, S, K):
+def stays_closed(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error, and was or will be so for a while around `tau`."""
     now = state_at(tau, start, K)
     allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
-def hidden_side(now, thin, start, walls, S, K):
+def closed_side(now, thin, start, walls, S, K):
     """Return the side of a wall whose gap is 0 within its error, and stays so for a while; else 0."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
-    if thin_below and hidden(now.tau, -1, start, walls, S, K):
+    if thin_below and stays_closed(now.tau, -1, start, walls, S, K):
         return -1
-    if thin_above and hidden(now.tau, 1, start, walls, S, K):
+    if thin_above and stays_closed(now.tau, 1, start, walls, S, K):
         return 1
     return 0
 
@@ -479,7 +479,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
-        side = hidden_side(now, thin, start, walls, S, K)
+        side = closed_side(now, thin, start, walls, S, K)
         if side != 0 or now.tau >= tau_max:
             code = STALLED if side != 0 else NOTHING
             break
@@ -488,19 +488,19 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             cap = 1.0 / K.Om
         side, step, root, P, degree = nearest_root(cap, now, M4, margin, walls)
         start_gap = walls.below if side < 0 else walls.above
-        known, near, close, clear = crossing == side, False, False, True
+        known, near, close, deep = crossing == side, False, False, True
         if root < cap:
-            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / CLEAR_DEPTH)
-            near, close, clear = is_near(root, P, degree, M4, size, K)
-        if near and (clear or known):
+            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
+            near, close, deep = is_near(root, P, degree, M4, size, K)
+        if near and (deep or known):
             low, high = now.tau, tau_deep if known else now.tau + 2.0 * (root + ISOLATED * K.moment)
             code, tau = HIT, now.tau + (root if close else sharpened(root, side, now, walls, K))
             break
         short = step < cap and step * K.rate < SHORT_STEP
         # a gap that shrinks and is hardly larger than what the error of the start can do to it
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
-        if (short or not clear or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
-            verdict, tau = touch_ahead(now, side, step, M4, start, walls, S, K)
+        if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
+            verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
             if verdict in (TANGENCY, LOST):
                 code = TANGENCY if verdict == TANGENCY else STALLED
                 break
@@ -545,7 +545,7 @@ def nearest_root(cap, now, M4, margin, walls):
     return side, step, root, P, degree
 
 
-def touch_ahead(now, side, step, M4, start, walls, S, K):
+def graze_ahead(now, side, step, M4, start, walls, S, K):
     """Return the result of `closest_approach`; STALLED where the other wall may come before."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
@@ -579,7 +579,8 @@ def sharpened(root, side, now, walls, K):
     """
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
-    over = over_wall(side, now, walls)
+    gap = gap_to(side, now, walls)
+    over = gap if side < 0 else -gap
     square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
     value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
     slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
@@ -587,11 +588,6 @@ def sharpened(root, side, now, walls, K):
     below = slope * slope - value * half_bend
     shift = value * slope / below if below > 0.0 else 0.0 * value
     return root - shift if abs(shift) < 0.5 * abs(root) else root
-
-
-def over_wall(side, now, walls):
-    """Return the velocity minus that of the wall on a side."""
-    return walls.below + now.dv if side < 0 else now.dv - walls.above
 
 
 def polish(tau, low, high, side, start, walls, K):
@@ -602,12 +598,12 @@ def polish(tau, low, high, side, start, walls, K):
     """
     now, slack = state_at(tau, start, K), 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
-        over = over_wall(side, now, walls)
-        if side * over < 0.0:  # before the contact
+        gap = gap_to(side, now, walls)
+        if gap > 0.0:  # before the contact
             low = tau if tau > low else low
         else:
             high = tau if tau < high else high
-        shift = local_root(over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
             shift = 0.5 * (low + high) - tau
@@ -662,18 +658,18 @@ def ahead(angle):
     return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
 
 
-def belt_exit(tau_max, hold, S11, belt, K):
+def belt_exit(tau_max, held, belt, K):
     """Return the end of a stick within `tau_max` <= one forcing period, a `StickEnd`.
 
-    `hold` is a Hold with F^(below) >= 0 >= F^(above), S11 the variance of the position. NOTHING: the stick lasts (Delta
-    at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`.
-    TANGENCY: a force is 0 within its error at tau.
+    `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at tau_max).
+    HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`. TANGENCY: a
+    force is 0 within its error at tau.
     """
     zero = 0.0 * tau_max
-    tau, Delta, s, c, c_end = zero, zero, hold.s, hold.c, hold.c
+    tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
     first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
     if belt.turns:
-        first, second = ahead(belt.angle - hold.theta) / K.Om, ahead(PI - belt.angle - hold.theta) / K.Om
+        first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
         if second < first:
             first, second, c_first = second, first, -belt.c_cr
     turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
@@ -685,22 +681,22 @@ def belt_exit(tau_max, hold, S11, belt, K):
             continue
         if belt.turns and end < tau_max:
             c_end = c_first if piece == 0 else -c_first
-            Delta_end = stick_acceleration(zero, belt.v, end, c_end - hold.c, K.w0sq, K.f0)
+            Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
         elif end == K.period:
             Delta_end = belt.drift * end
         else:
-            Delta_end, _, _ = gain(end, hold.s, hold.c, belt, K)
+            Delta_end, _, _ = gain(end, held.s, held.c, belt, K)
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
         rising = Delta_end > Delta
-        force, side = (hold.Fa, 1) if rising else (hold.Fb, -1)
+        force, side = (held.Fa, 1) if rising else (held.Fb, -1)
         over = force + Delta_end if rising else -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
-        if turning and abs(over) <= force_noise(hold.Fb, end, S11, belt, K):
+        if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
             return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
         if over >= 0.0:
-            return exit_root(force, side, tau, end, Delta, s, c, hold, belt, K)
+            return exit_root(force, side, tau, end, Delta, s, c, held, belt, K)
         tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
     return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero, zero, zero)
 
@@ -711,7 +707,7 @@ def force_noise(F_below, tau, S11, belt, K):
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
-def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
+def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
     """Return the only root of force + Delta from `low` to `high`, where Delta is monotone, as `belt_exit` does.
 
     Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
@@ -721,9 +717,9 @@ def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
     tau, over = low, force + Delta
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
     sine = 1.0 if side * K.fB < 0.0 else -1.0
-    inflection = wrapped(0.5 * sine * PI - hold.theta) / K.Om
+    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
     if low < inflection < high:
-        there = stick_acceleration(force, belt.v, inflection, -hold.c, K.w0sq, K.f0)
+        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
         if abs(there) < abs(over):
             tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
         if side * there > 0.0:
@@ -754,7 +750,7 @@ def exit_root(force, side, low, high, Delta, s, c, hold, belt, K):
         if tau + step == tau:  # the bracket is as narrow as it gets
             return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
         tau, exact = tau + step, True
-        Delta, s, c = gain(tau, hold.s, hold.c, belt, K)
+        Delta, s, c = gain(tau, held.s, held.c, belt, K)
         slope, bend = slopes(s, c, belt, K)
         over = force + Delta
         if side * over > 0.0:

@@ -19,7 +19,7 @@ from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters
 
-# Steady state and transient are told apart (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
+# Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
@@ -92,7 +92,7 @@ class Constants(NamedTuple):
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
     lasting: bool  # no spring, or so little damping that errors of many flights add up
-    patient: bool  # the drive is much slower than the free motion
+    slow_drive: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Number  # A_alpha/m
@@ -102,7 +102,6 @@ class Constants(NamedTuple):
     Ss: Number  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Number
     period: Number  # 2 pi/Omega
-    Om_inverse: Number
     Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
     period_low: Number  # what the rounding of 2 pi/Om took from `period`
     chunk: Number  # longest time that is evaluated from one starting point
@@ -128,97 +127,68 @@ def constants(
     """
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
-    period, omega = 2 * pi / number(Om), number(Om)
-    free = _free_motion(h, w0sq, Om, number, root)
-    under, rate, rate0, w0 = free["under"], free["rate"], free["rate0"], free["w0"]
-    steady = _steady_motion(f0 * Om, w0sq - Om * Om, 2 * h * Om, APART * larger(w0sq, Om * Om), number, root)
-    over, doubles = under ^ True, isinstance(pi, float)
+    omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
+    period = 2 * pi / omega
+    # The free motion: its roots, frequencies and rates.
+    square = w0sq - h * h
+    under, omega_d, w0 = square > 0, root(number(abs(square))), root(number(w0sq))
+    over, fast = under ^ True, -(number(h) + omega_d)
+    slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
+    rate0 = either(under, w0, -fast)
+    rate = larger(rate0, omega)
+    # The steady motion, which is of use if p^2 + q^2 is large enough.
+    drive, p, q = f0 * Om, w0sq - Om * Om, 2 * h * Om
+    size = p * p + q * q
+    steady = size >= (APART * larger(w0sq, Om * Om)) ** 2
+    response = number(either(steady, size, Fraction(1)))
+    # The longest time to evaluate from one starting point: a forcing period, with two exceptions. The phase of a free
+    # oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation is over long
+    # before. Without a drive its period means nothing.
+    is_over, moves = (w0 < HEAVY * number(h)) & (number(h) * period > LONGEST_PHASE), rate0 > 0
+    longest = LONGEST_PHASE / either(moves, rate0, 1)
+    swinging = either(is_over, period, either(longest < period, longest, period))
+    chunk = either(under, swinging, either((parameters.B0 == 0) & moves, larger(period, longest), period))
     return Constants(
-        **free,
-        **steady,
         cm=number(2 * h),
         w0sq=number(w0sq),
         f0=number(f0),
         Om=omega,
-        fB=number(f0 * Om),
+        fB=number(drive),
         h=number(h),
+        omega_d=omega_d,
+        w0=w0,
+        p=number(p),
+        q=number(q),
+        detuning=either(under, number(square - Om * Om) / (omega_d + omega), -omega),
+        l1=slow,
+        l2=fast,
+        rate0=rate0,
+        rate=rate,
         moment=1 / rate,
         swing=either(w0sq != 0, 1 / either(w0 > 0, w0, 1), LONGEST_SWING / rate),
-        apart=under & steady["steady"],
+        under=under,
+        apart=under & steady,
         creeps=over & (parameters.B0 == 0),
         lasting=either(under, w0sq > LASTING * h * h, w0sq == 0),
-        patient=rate0 > SLOW_DRIVE * omega,
-        stiff=steady["steady"] & over & (-free["l2"] > STIFF * larger(-free["l1"], omega)),
+        slow_drive=rate0 > SLOW_DRIVE * omega,
+        stiff=steady & over & (-fast > STIFF * larger(-slow, omega)),
+        steady=steady,
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
         A3=number(parameters.A(3) / m),
+        V0=either(steady, abs(number(drive)) / root(response), zero),
+        Ss=number(-drive * p) / response,
+        Sc=number(drive * q) / response,
         period=period,
-        Om_inverse=1 / omega,
-        Om_gain=number(exactly(omega) - Om) / omega if doubles else number(Fraction(0)),
-        period_low=number(_period_rest(period, omega)) if doubles else number(Fraction(0)),
-        chunk=_chunk(parameters.B0 == 0, period, number(h), free),
+        Om_gain=number(exactly(omega) - Om) / omega if doubles else zero,
+        period_low=number(_period_rest(period, omega)) if doubles else zero,
+        chunk=chunk,
         sigmas=number(SIGMAS),
         belt1=_belt_constants(parameters, 1, number, root, angle),
         belt2=_belt_constants(parameters, 2, number, root, angle),
-        march=MarchConstants(*[number(Fraction(0))] * 7),
-        stride=MarchConstants(*[number(Fraction(0))] * 7),
+        march=MarchConstants(*[zero] * 7),
+        stride=MarchConstants(*[zero] * 7),
     )
-
-
-def _free_motion(
-    h: Fraction, w0sq: Fraction, Om: Fraction, number: Callable[[Any], Number], root: Callable[[Number], Number]
-) -> dict[str, Any]:
-    """Return the constants of the free motion: its roots, frequencies and rates."""
-    square = w0sq - h * h
-    under, omega_d, w0 = square > 0, root(number(abs(square))), root(number(w0sq))
-    fast = -(number(h) + omega_d)
-    slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
-    rate0 = either(under, w0, -fast)
-    return {
-        "omega_d": omega_d,
-        "w0": w0,
-        "detuning": either(under, number(square - Om * Om) / (omega_d + number(Om)), -number(Om)),
-        "l1": slow,
-        "l2": fast,
-        "rate0": rate0,
-        "rate": larger(rate0, number(Om)),
-        "under": under,
-    }
-
-
-def _steady_motion(
-    drive: Fraction,
-    p: Fraction,
-    q: Fraction,
-    apart: Fraction,
-    number: Callable[[Any], Number],
-    root: Callable[[Number], Number],
-) -> dict[str, Any]:
-    """Return the constants of the steady motion, which is of use if p^2 + q^2 >= `apart`^2."""
-    square = p * p + q * q
-    steady, zero = square >= apart**2, number(Fraction(0))
-    response = number(either(steady, square, Fraction(1)))
-    return {
-        "p": number(p),
-        "q": number(q),
-        "steady": steady,
-        "V0": either(steady, abs(number(drive)) / root(response), zero),
-        "Ss": number(-drive * p) / response,
-        "Sc": number(drive * q) / response,
-    }
-
-
-def _chunk(still: bool, period: Number, h: Number, free: dict[str, Any]) -> Number:
-    """Return the longest time to evaluate from one starting point: a forcing period, with two exceptions.
-
-    The phase of a free oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation
-    is over long before. Without a drive (`still`) its period means nothing.
-    """
-    over = (free["w0"] < HEAVY * h) & (h * period > LONGEST_PHASE)
-    moves = free["rate0"] > 0
-    longest = LONGEST_PHASE / either(moves, free["rate0"], 1)
-    swinging = either(over, period, either(longest < period, longest, period))
-    return either(free["under"], swinging, either(still & moves, larger(period, longest), period))
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
@@ -230,6 +200,17 @@ def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, 
 def march_steps(K):
     """Return a step of the march and a stride."""
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
+
+
+def march_rows(table, out):
+    """Write the constants for marching of each row of a table into `out`, (rows, 2, fields): steps and strides."""
+    for i in range(out.shape[0]):
+        K = table[i]
+        for which in range(2):
+            step = march_steps(K)[which]
+            entries = march_constants(step, basis(step, K), K)
+            for n in range(7):
+                out[i, which, n] = entries[n]
 
 
 def march_constants(step, functions, K):
@@ -244,13 +225,8 @@ def _period_rest(period: float, Om: float) -> Fraction:
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
 
-def _belt_constants(
-    parameters: Parameters,
-    boundary: int,
-    number: Callable[..., Number],
-    root: Callable[..., Number],
-    angle: Callable[..., Number],
-) -> BeltConstants:
+def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
+    """Return the constants of a stick on one belt."""
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
     limits = [number((parameters.A(domain) - parameters.c * v) / parameters.m) for domain in (boundary, boundary + 1)]
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega

@@ -6,12 +6,10 @@ crosschecks.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
-from math import ceil, log10
-from typing import NamedTuple, TypeAlias
+from math import ceil, cos, log10, sin
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,11 +17,11 @@ from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.batch import rounded_covariance
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.first_rows import CLEAR_FORCE, terms_of_forces
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
+from symosc.kernels.pair_columns import each
 from symosc.model import PARAMETER_NAMES, Parameters
 
 #: Sine and cosine of a phase.
@@ -31,17 +29,14 @@ Phase: TypeAlias = tuple[Number, Number]
 
 # Digits beyond those of the numbers of a problem, for a force that is 0 or not.
 SPARE_DIGITS = 40
+# A force on a belt at the start that is smaller than this part of its terms is decided with more digits.
+CLEAR_FORCE = 1e-9
+SIN, COS = each(sin), each(cos)
 
 
 @dataclass(frozen=True)
 class Start:
-    """An exact initial value problem: parameters, start and end as Fractions.
-
-    Attributes
-    ----------
-    start_error : (3,) tuple of Fraction, optional
-        Half-widths to which t0, x0 and v0 are known; None: they are exact.
-    """
+    """An exact initial value problem; `start_error` are half-widths to which t0, x0 and v0 are known, None: exact."""
 
     parameters: Parameters
     t0: Fraction
@@ -63,19 +58,11 @@ class Start:
 
 
 class BeltStart(NamedTuple):
-    """What a motion does from a point of a belt (Theorems 4 and 5).
-
-    Attributes
-    ----------
-    boundary, mode : int
-        The belt, and the mode that it goes on in.
-    below, above : number
-        The accelerations F^(below) and F^(above) there.
-    """
+    """What a motion does from a point of a belt (Theorems 4 and 5)."""
 
     boundary: int
-    mode: int
-    below: Number
+    mode: int  # that it goes on in
+    below: Number  # the accelerations F^(below) and F^(above)
     above: Number
 
     @property
@@ -88,15 +75,9 @@ class BeltStart(NamedTuple):
 
 
 def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Return what a motion does from a point of a belt, in the given arithmetic: the one rule for all who ask.
+    """Return what a motion does from a point of a belt, in the given arithmetic.
 
-    Parameters
-    ----------
-    boundary, x : the belt and the position.
-    phase : sine and cosine of the phase.
-    arithmetic : Arithmetic
-    allowed : number
-        A force that is not larger than this is 0: then its first G-function that does not vanish decides.
+    A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     """
     K = arithmetic.K
     v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
@@ -117,31 +98,40 @@ def belt_state(
     return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
 
-def belt_rows(
-    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, left: np.ndarray, K: Constants
-) -> np.ndarray:
-    """Return rows of the compiled loop from time 0 on for many starts, some of them on a belt (`at` > 0).
+def start_rows(
+    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: np.ndarray, K: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows of the compiled loop for many starts, some of them on a belt (`at` > 0): `belt_start` in columns.
 
-    The rule is that of `belt_start`. A force that is exactly 0 is left to the loop: a stick that is to end at once
-    ends with an event.
+    Parameters
+    ----------
+    times : (5, n) array or five numbers: t, t_low, t_end, t_end_low and t0.
+    K : Constants, or columns of them by name.
+
+    Returns
+    -------
+    rows, unclear
+        The second is True where a force on the belt is so small that doubles do not decide.
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
-    A = np.array([K.A1, K.A2, K.A3, K.A3])
-    c = np.cos(theta)
-    Fb, Fa = (acceleration(x, v, c, A[mode - 1 + up], K.cm, K.w0sq, K.f0) for up in (0, 1))
-    above, below = (at > 0) & (Fa > 0.0), (at > 0) & (Fb < 0.0)
-    held = (at > 0) & ~above & ~below
-    mode = np.where(held, ON_BELT + at, mode + above)
-    Fb, Fa = np.where(above, Fa, Fb), np.where(above | held, Fa, Fb)
-    zero = np.zeros(len(x))
-    S11, S22 = (EPS * x) ** 2, np.where(at > 0, 0.0, EPS * v) ** 2
-    state = [mode, at, zero, theta, x, v, Fb, Fa, S11, zero, S22, zero, zero]
-    return np.column_stack([*state, left, zero, zero, np.sin(theta), c, zero])
+    s, c = SIN(theta), COS(theta)
+    A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
+    below, above = (acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for A in (A_below, A_above))
+    terms = np.maximum(abs(A_below), abs(A_above)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
+    unclear = (at > 0) & (np.minimum(abs(below), abs(above)) <= CLEAR_FORCE * terms)
+    up, down = (at > 0) & (above > 0.0), (at > 0) & (below < 0.0)
+    held = (at > 0) & ~up & ~down
+    below, above = np.where(up, above, below), np.where(up | held, above, below)
+    zero, S22 = np.zeros(len(x)), np.where(at > 0, 0.0, EPS * v) ** 2
+    t, t_low, *ends = times
+    columns = [np.where(held, ON_BELT + at, mode + up), at, zero, theta, x, v, below, above, (EPS * x) ** 2, zero, S22]
+    return np.stack(np.broadcast_arrays(*columns, t, t_low, *ends, s, c, zero), axis=1), unclear
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
     """Return the size of the terms of the forces on a belt: what their rounding errors are measured by."""
-    return terms_of_forces(boundary, x, (K.belt1 if boundary == 1 else K.belt2).v, K)
+    v, A = (K.belt1 if boundary == 1 else K.belt2).v, (constant_force(n, K) for n in (boundary, boundary + 1))
+    return max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
@@ -178,13 +168,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
     """Return sine and cosine of a phase."""
-    return _both(theta, arithmetic.namespace["sin"], arithmetic.namespace["cos"])
-
-
-@lru_cache(maxsize=256)
-def _both(theta: Number, sin: Callable[[Number], Number], cos: Callable[[Number], Number]) -> Phase:
-    """Return sine and cosine; many starts have the same phase."""
-    return sin(theta), cos(theta)
+    return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
@@ -222,15 +206,17 @@ def is_steady(start: Start) -> bool:
 def settles(start: Start) -> bool:
     """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
 
-    The conditions are those of `symosc.engine.next_event`. Here u = g' + (h + w) g >= 0 is decided by the squares
-    of its two parts.
+    The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
+    follows from the squares of its two parts.
     """
     p = start.parameters
+    if p.B0 != 0 or start.start_error or start.v0 in (p.v1, p.v2):
+        return False
     h = p.c / (2 * p.m)
     square = h * h - p.k / p.m
-    domain = 1 + (start.v0 > p.v1) + (start.v0 > p.v2)
-    if p.B0 != 0 or square < 0 or start.v0 in (p.v1, p.v2) or start.start_error:
+    if square < 0:
         return False
+    domain = 1 + (start.v0 > p.v1) + (start.v0 > p.v2)
     a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
     for boundary, side in ((domain - 1, 1), (domain, -1)):
         if boundary in (1, 2):

@@ -1,8 +1,6 @@
-"""Columns of exact numbers: pairs of doubles that know how far they may be off.
+"""Columns of numbers in pairs of doubles, about 32 digits: rational formulas for thousands of numbers at once.
 
-A rational formula on such columns gives the same doubles as on fractions, for thousands of numbers at once: each
-operation keeps a bound of what it lost, and a number is rounded to a double, or compared, only where that bound leaves
-no doubt. The rows in doubt are noted. They are left to fractions: a difference that is exactly 0, for instance.
+A difference that cancels almost all digits, but not all, may be 0 in truth: such rows are noted for exact arithmetic.
 """
 
 from __future__ import annotations
@@ -15,55 +13,45 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.kernels.double_double import two_product, two_sum
-from symosc.kernels.entire import EPS
 
-# Bounds are computed in doubles, too.
-BOUND_SLACK = 1.0 + 2.0**-40
+# A sum that is smaller than this part of its terms, and not 0, has lost its digits.
+CANCELLED = 2.0**-90
 
 
 class PairColumn:
-    """Numbers hi + lo, each known to within `off`.
+    """Numbers hi + lo in arrays that broadcast; `doubts` is True in rows that need exact arithmetic."""
 
-    Parameters
-    ----------
-    hi, lo, off : arrays that broadcast
-    doubts : bool array, optional
-        One per row, shared by all columns of a computation: True where a decision was open.
-    """
+    __slots__ = ("doubts", "hi", "lo")
 
-    __slots__ = ("doubts", "hi", "lo", "off")
-
-    def __init__(self, hi: Any, lo: Any = 0.0, off: Any = 0.0, doubts: np.ndarray | None = None) -> None:
-        self.hi, self.lo, self.off, self.doubts = np.asarray(hi), lo, off, doubts
+    def __init__(self, hi: Any, lo: Any = 0.0, doubts: np.ndarray | None = None) -> None:
+        self.hi, self.lo, self.doubts = np.asarray(hi), lo, doubts
 
     def _with(self, other: Any) -> PairColumn:
         if isinstance(other, PairColumn):
             return other
         if isinstance(other, Fraction):
-            hi = float(other)
-            lo = float(other - Fraction(hi))
-            return PairColumn(hi, lo, EPS * EPS * abs(hi) * (Fraction(hi) + Fraction(lo) != other))
+            return PairColumn(float(other), float(other - Fraction(float(other))))
         return PairColumn(np.asarray(other, dtype=float))
 
-    def _made(self, other: PairColumn, hi: Any, lo: Any, off: Any) -> PairColumn:
-        return PairColumn(hi, lo, off * BOUND_SLACK, self.doubts if other.doubts is None else other.doubts)
+    def _made(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
+        return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:
-        return PairColumn(-self.hi, -self.lo, self.off, self.doubts)
+        return PairColumn(-self.hi, -self.lo, self.doubts)
 
     def __abs__(self) -> PairColumn:
         sign = np.where(self.hi < 0.0, -1.0, 1.0)
-        return PairColumn(sign * self.hi, sign * self.lo, self.off, self.doubts)
+        return PairColumn(sign * self.hi, sign * self.lo, self.doubts)
 
     def __add__(self, other: Any) -> PairColumn:
         b = self._with(other)
         s, e = two_sum(self.hi, b.hi)
         t, f = two_sum(self.lo, b.lo)
-        e, lost = two_sum(e, t)
-        s, e = two_sum(s, e)
-        e, more = two_sum(e, f)
-        hi, lo = two_sum(s, e)
-        return self._made(b, hi, lo, self.off + b.off + (abs(lost) + abs(more)))
+        s, e = two_sum(s, e + t)
+        made = self._made(b, *two_sum(s, e + f))
+        if made.doubts is not None:
+            made.doubts |= (made.hi != 0.0) & (abs(made.hi) < CANCELLED * abs(self.hi))
+        return made
 
     __radd__ = __add__
 
@@ -76,11 +64,7 @@ class PairColumn:
     def __mul__(self, other: Any) -> PairColumn:
         b = self._with(other)
         p, e = two_product(self.hi, b.hi)
-        cross = abs(self.hi * b.lo) + abs(self.lo * b.hi)
-        tail = e + (self.hi * b.lo + self.lo * b.hi)
-        hi, lo = two_sum(p, tail)
-        lost = np.where(cross == 0.0, 0.0, EPS * (3.0 * cross + abs(tail)) + abs(self.lo * b.lo))
-        return self._made(b, hi, lo, lost + abs(self.hi) * b.off + (abs(b.hi) + b.off) * self.off)
+        return self._made(b, *two_sum(p, e + (self.hi * b.lo + self.lo * b.hi)))
 
     __rmul__ = __mul__
 
@@ -90,61 +74,38 @@ class PairColumn:
     def __truediv__(self, other: Any) -> PairColumn:
         b = self._with(other)
         first = self.hi / b.hi
-        rest = self - b * PairColumn(first)
-        second = rest.hi / b.hi
-        rest = rest - b * PairColumn(second)
-        third = rest.hi / b.hi
-        hi, lo = two_sum(first, second)
-        lo, lost = two_sum(lo, third)
-        hi, lo = two_sum(hi, lo)
-        return self._made(b, hi, lo, 1.01 * rest.off / abs(b.hi) + 4.0 * EPS * abs(third) + abs(lost))
+        p, e = two_product(first, b.hi)
+        rest = ((self.hi - p) - e) + self.lo - first * b.lo
+        return self._made(b, *two_sum(first, rest / b.hi))
 
     def __rtruediv__(self, other: Any) -> PairColumn:
         return self._with(other) / self
 
-    def _sign(self, other: Any) -> Any:
-        """Return the sign of the difference."""
-        gap = self - other
-        self._doubt(gap, (gap.off != 0.0) & ~(abs(gap.hi) > 1.01 * gap.off))
-        return np.sign(gap.hi)
-
-    def _doubt(self, of: PairColumn, open_ones: Any) -> None:
-        doubts = self.doubts if of.doubts is None else of.doubts
-        if doubts is not None:
-            doubts |= open_ones
-
     def __gt__(self, other: Any) -> Any:
-        return self._sign(other) > 0.0
+        return (self - other).hi > 0.0
 
     def __ge__(self, other: Any) -> Any:
-        return self._sign(other) >= 0.0
+        return (self - other).hi >= 0.0
 
     def __lt__(self, other: Any) -> Any:
-        return self._sign(other) < 0.0
+        return (self - other).hi < 0.0
 
     def __eq__(self, other: object) -> Any:
-        return self._sign(other) == 0.0
+        return (self - other).hi == 0.0
 
     def __ne__(self, other: object) -> Any:
-        return self._sign(other) != 0.0
+        return (self - other).hi != 0.0
 
     __hash__ = None  # type: ignore[assignment]
 
-    def rounded(self) -> Any:
-        """Return the nearest doubles; rows where two come into question are noted as doubts."""
-        off = np.where(self.off > 0.0, self.off + EPS * abs(self.lo) * (self.lo != 0.0), 0.0)
-        sure = (self.hi + (self.lo + off) == self.hi) & (self.hi + (self.lo - off) == self.hi)
-        self._doubt(self, ~sure)
-        return self.hi
-
 
 def as_double(value: Any) -> Any:
-    """Return a fraction, or a column, as the nearest doubles."""
-    return value.rounded() if isinstance(value, PairColumn) else float(value)
+    """Return a fraction, or a column, as doubles."""
+    return value.hi if isinstance(value, PairColumn) else float(value)
 
 
 def exactly(value: Any) -> Any:
-    """Return a double, or an array of them, as an exact number to compute with."""
+    """Return a double, or an array of them, as a number to compute with."""
     return PairColumn(value) if isinstance(value, np.ndarray) else Fraction(value)
 
 
@@ -156,8 +117,7 @@ def either(condition: Any, one: Any, other: Any) -> Any:
         return np.where(condition, one, other)
     some = one if isinstance(one, PairColumn) else other
     a, b = some._with(one), some._with(other)
-    hi, lo, off = (np.where(condition, getattr(a, name), getattr(b, name)) for name in ("hi", "lo", "off"))
-    return PairColumn(hi, lo, off, some.doubts)
+    return some._made(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 
 def larger(a: Any, b: Any) -> Any:

@@ -62,7 +62,6 @@ class Chapter(NamedTuple):
     number: int
     steps: int
     html: str
-    markdown: str
 
 
 @dataclass(frozen=True)
@@ -255,5 +254,5 @@ def derive(subject: str) -> Chapter:
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
-    forms = document.as_html(chapter, scope, level=4), document.as_markdown(chapter, scope)
-    return Chapter(chapter.key, chapter.number, len(chapter.steps()), *forms)
+    html = document.as_html(chapter, scope, level=4)
+    return Chapter(chapter.key, chapter.number, len(chapter.steps()), html)

@@ -27,16 +27,16 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 #: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for it.
 DRAWN_BY = {
     "symosc.simulation.trajectory.Trajectory": "figure",
-    "symosc.simulation.event_table.EventTable": "events_figure",
-    "symosc.simulation.summary.Summary": "summary_figure",
+    "symosc.simulation.tables.EventTable": "events_figure",
+    "symosc.simulation.tables.Summary": "summary_figure",
     "symosc.orbits.periodic_orbit.PeriodicOrbit": "orbit_figure",
     "symosc.orbits.branch.Branch": "branch_figure",
     "symosc.grazing.window.GrazingWindow": "window_figure",
     "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
-    "symosc.symbolic.grazing_answers.ParameterRegion": "region_figure",
+    "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
-    "symosc.sweeps.dataset.SweptDataset": "swept_figure",
+    "symosc.sweeps.output.SweptDataset": "swept_figure",
 }
 
 

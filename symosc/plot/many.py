@@ -8,13 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from symosc.arguments import public
+from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
 from symosc.plot.bifurcation import COMPONENT_LABELS
 from symosc.plot.columns import label, typeset
 from symosc.plot.drawing import one_axes, style_for
 from symosc.plot.panels import EVENT_MARKS, SHAPES
-from symosc.simulation.event_table import KIND_NAMES, EventTable
-from symosc.simulation.summary import Summary
+from symosc.simulation.tables import EventTable, Summary
 
 #: Marks shrink where there are more than this; values of a column that have a bar of their own, and room for how many.
 ROOMY_MARKS, MOST_BARS, LEAST_BARS = 200, 12, 4

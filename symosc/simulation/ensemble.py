@@ -1,27 +1,103 @@
-"""Many trajectories at once: columns in, columns of events or summaries out, on all cores."""
+"""`simulate_many`: columns of motions in, columns of events or summaries out, on all cores.
+
+Motions are followed in chunks, each in doubles first. One that doubles leave open, or do not know accurately enough, is
+followed again from its exact start in pairs of doubles, where numba is installed, and doubles go on from there; what
+pairs leave open too is followed alone, as `symosc.simulation.simulate` does. So which arithmetic follows a motion
+depends on the motion alone.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
+from math import cos, isinf, sin
+from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Progress, StartError
+from symosc.aliases import DataFrame, NumberLike, Progress, Record, StartError
 from symosc.arguments import public
 from symosc.display.progress import reporting
+from symosc.engine import summary as kept
+from symosc.engine.arithmetic import (
+    ROUNDED_FROM,
+    PairLimits,
+    PairLoops,
+    as_complex,
+    compiled_pairs,
+    interpreted_pairs,
+    many_digits,
+    pair_constants,
+    pair_phase,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
+from symosc.engine.constant_table import ConstantRows
+from symosc.engine.events import KIND_NAMES
+from symosc.engine.flow import SIGMAS
+from symosc.engine.start import Start, first_state, settles
+from symosc.engine.state import (
+    END,
+    FULL,
+    MOVED,
+    NEEDS_DIGITS,
+    ON_BELT,
+    REST,
+    RUNNING,
+    UNDECIDED,
+    Covariance,
+    NextEvent,
+    State,
+)
+from symosc.engine.summary import (
+    LEAST_RING,
+    LONGEST_REPEAT,
+    Kept,
+    Tally,
+    finish_tally,
+    no_tally,
+    select_tallies,
+    store_tallies,
+    tally_step,
+)
+from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
-from symosc.model import Parameters
-from symosc.simulation.batch_loop import ROOMS, chosen_loops
-from symosc.simulation.chunks import BatchTask, is_events, read_record, table_of_parts
-from symosc.simulation.event_table import EventTable
-from symosc.simulation.ladder import Limits
-from symosc.simulation.problems import Problems
-from symosc.simulation.simulate import MOST_EVENTS, read_accuracy
-from symosc.simulation.summary import Summary, summary_from
-from symosc.simulation.workers import MOST_WORKERS, in_chunks, read_workers
+from symosc.model import MODE_NAMES, Parameters
+from symosc.simulation.batch import (
+    MOST_WORKERS,
+    PAIRS,
+    CancelToken,
+    Loops,
+    chosen_loops,
+    follow_batch,
+    in_chunks,
+    joined,
+    read_workers,
+)
+from symosc.simulation.motion import MOST_PERIODS, check_reached, last_time
+from symosc.simulation.problems import NumberColumn, Problems
+from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
+from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
+from symosc.simulation.trajectory import Trajectory
 
 __all__ = ["EventTable", "Summary", "simulate_many"]
+
+# Digits between a start and a belt, or of its error, that pairs have to spare; and a gap of fewer.
+PAIR_SPARE, FAR_OFF = 8, 2e-8
+# Events that a motion is followed farther in pairs, at most, if doubles would leave it open again.
+MOST_MORE = 64
+# Motions that are followed in interpreted pairs until it is asked again whether to compile.
+TOGETHER = 8
+# A force on a belt that is this small beside others is computed from the exact start.
+SMALL_FORCE = 1e-6
+# Mappings of a period for which there is room at first, and sections that are kept of a motion, 64 bytes each.
+USUAL_WORD, MOST_SECTIONS = 48, 100_000
+EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
+#: Columns of a summary that a tally has as they are.
+KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
+MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 
 @public
@@ -50,7 +126,7 @@ def simulate_many(
     max_events, accuracy, start_error : optional
         As in `simulate`, for all motions.
     use_numba : bool, optional
-        None: if it is installed. Without it all is slower; the last digits of summaries may be others.
+        None: if it is installed. Without it all is slower; the last digits may be others.
     record : str or sequence of str
         "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
     skip, sections : optional
@@ -64,7 +140,7 @@ def simulate_many(
     Returns
     -------
     EventTable or Summary
-        Events, errors and statuses are those of `simulate` for each motion, to the last bit.
+        Events and statuses are those of `simulate` for each motion, and their numbers within the estimated errors.
 
     Raises
     ------
@@ -79,12 +155,319 @@ def simulate_many(
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = MOST_EVENTS if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
-    task = BatchTask(problems, chosen_loops(use_numba), Limits(most, read_accuracy(accuracy)))
-    part = read_record(record, skip, sections, task)
+    task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
+    of_events = isinstance(record, str) and record == "events"
+    if of_events:
+        for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
+            if value is not usual and not (isinstance(value, int) and value == usual):
+                raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
+    work = partial(events_of, task) if of_events else partial(summary_of, task, Asked(record, skip, sections, problems))
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
-    with (
-        reporting(progress or False, 0, len(problems), "simulate_many") as report,
-        ROOMS.lent() as room,
-    ):
-        parts = in_chunks(len(problems), part, room, threads, report)
-    return table_of_parts(parts) if is_events(record) else summary_from(parts)
+    with reporting(progress or False, 0, len(problems), "simulate_many") as report:
+        parts: list[Any] = in_chunks(len(problems), work, threads, report)
+    if of_events:
+        return table_from(
+            [rows for part, _ in parts for rows in part], [each for _, status in parts for each in status]
+        )
+    return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+class Task(NamedTuple):
+    """What all chunks share: `most` events per motion are followed, with that `accuracy`."""
+
+    problems: Problems
+    loops: Loops
+    most: int
+    accuracy: float
+
+
+class Chunk:
+    """Some of many motions, followed to their ends; here they are numbered from 0.
+
+    Parameters
+    ----------
+    room : EventRows
+        A buffer, used while the motions are followed.
+    keep : callable, optional
+        Returns the tally of motions, given their numbers and their rows at the start: then no events are recorded.
+
+    Attributes
+    ----------
+    batch : Batch
+        The last states of the motions, their counts of events, and what each ended with.
+    rows : list of EventRows
+        Events in order of motion and time.
+    alone : dict of int to Trajectory
+        Motions that were followed alone.
+    status : list of str
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        rows: slice,
+        room: EventRows,
+        cancel: CancelToken,
+        keep: Callable[[Any, np.ndarray], Tally] | None = None,
+    ) -> None:
+        self.task, self._first, self._room, self._cancel = task, rows.start, room, cancel
+        self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
+        if isinf(task.accuracy):
+            self.table["sigmas"] = 0.0
+        self._keep, self._starts = keep, self.batch.states.copy()
+        self._needed = attainable(task.accuracy, task.problems.start_error)
+        self.tally = keep(rows, self._starts) if keep else no_tally()
+        self.rows, self.alone = list(self._in_doubles(self.batch, self.tally)), dict[int, Trajectory]()
+        again = self._in_pairs(self._doubtful()) if task.loops.in_threads else {}
+        for i in self._doubtful():
+            cancel.check()
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
+        again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
+        self.rows = spliced(self.rows, again) if again else self.rows
+        self.status = self._statuses()
+
+    def problem(self, i: int) -> Start:
+        """Return a motion's problem by its number here."""
+        return self.task.problems[self._first + i]
+
+    def _doubtful(self) -> list[int]:
+        """Return the motions that ended in doubt, and take back what was counted of them."""
+        members: list[int] = np.flatnonzero(np.isin(self.batch.codes, NEEDS_DIGITS)).tolist()
+        if self._keep and members:
+            store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
+        return members
+
+    def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
+        task = self.task
+        for rows in follow_batch(task.loops.follow, batch, task.most, self._needed, self.table, self._room, tally):
+            self._cancel.check()
+            yield rows
+
+    def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
+        """Follow motions in pairs of doubles as far as these decide; return their events by number."""
+        found: dict[int, EventRows] = {}
+        numbers = self._first + np.array(members, np.int64)
+        apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
+        groups: dict[Parameters, list[int]] = {}
+        for i, is_apart in zip(members, apart.tolist(), strict=True):
+            if is_apart or fits_pairs(self.problem(i)):
+                groups.setdefault(self.task.problems.sets[self._first + i], []).append(i)
+        for parameters, some in groups.items():
+            events = joined(self._climb(parameters, some))
+            order = np.argsort(events.ints[0], kind="stable")
+            events = EventRows(*(columns[:, order] for columns in events))
+            cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
+            events.ints[0] = np.array(some)[events.ints[0]]
+            found |= {i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)}
+        return found
+
+    def _climb(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
+        """Follow motions of one parameter set in pairs to an event that doubles leave open, and in doubles from there.
+
+        Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
+        """
+        most, K = self.task.most, pair_constants(parameters)
+        pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
+        states, sets, counts, codes = (column[members] for column in self.batch)
+        batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
+        going, waiting = PairLimits(most, self._needed, MOST_MORE, self.table, sure(self.table)), np.arange(len(pairs))
+        while len(waiting):
+            events = wanted - batch.counts
+            loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
+            together = len(waiting) if loops is compiled_pairs() else TOGETHER
+            active, waiting = waiting[:together], waiting[together:]
+            room = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
+            filled = loops.follow_pairs(active, wanted, pairs, batch, room, K, tally, going)
+            PAIRS.events -= filled
+            yield rows_between(room, 0, min(filled, room.floats.shape[1]))
+            active = active[batch.codes[active] == RUNNING]
+            further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
+            if len(active):
+                rows = joined(self._in_doubles(further, counted))
+                doubtful = np.isin(further.codes, NEEDS_DIGITS)
+                decided = ~doubtful[rows.ints[0]]
+                rows.ints[0] = active[rows.ints[0]]
+                yield EventRows(rows.floats[:, decided], rows.ints[:, decided])
+                wanted[active] = further.counts + (further.codes == UNDECIDED)
+                done = active[~doubtful]
+                for column, own in zip(batch, further, strict=True):
+                    column[done] = own[~doubtful]
+                store_tallies(tally, done, select_tallies(counted, ~doubtful))
+                waiting = np.concatenate([waiting, active[doubtful]])
+        for column, values in zip(self.batch, batch, strict=True):
+            column[members] = values
+        store_tallies(self.tally, members, tally)
+
+    def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
+        """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
+        starts, arithmetic = self._starts[members], many_digits(parameters, ROUNDED_FROM)
+        numbers = self._first + np.array(members, np.int64)
+        pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
+        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
+        unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
+        for i in np.flatnonzero(unclear).tolist():
+            start = self.problem(members[i])
+            pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
+        return pairs
+
+    def _statuses(self) -> list[str]:
+        codes, periods = self.batch.codes, self.batch.states[:, 2]
+        status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
+        # Motions without a drive may have come to rest.
+        for i in np.flatnonzero((codes == REST) | ((codes == END) & (self.batch.counts == 0))).tolist():
+            problem, state = self.problem(i), state_of(self.batch.states, i)
+            code = REST if codes[i] == END and settles(problem) else int(codes[i])
+            status[i] = end_status(code, state.mode, state.v, problem.parameters)
+        for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
+            check_reached(self.problem(i), int(periods[i]))
+        for i, trajectory in self.alone.items():
+            status[i] = trajectory.status
+        return status
+
+
+def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
+    """Return rows in order of motion and time, with those in `again` in place of the ones that these motions have."""
+    members, pieces = np.array(sorted(again), np.int64), list(again.values())
+    for part in parts:
+        begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
+        gaps = zip([0, *ends], [*begins, part.ints.shape[1]], strict=True)
+        pieces += [rows_between(part, begin, end) for begin, end in gaps]
+    return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
+
+
+def fits_pairs(start: Start) -> bool:
+    """Return whether pairs of doubles can follow a motion as many digits would."""
+    return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
+
+
+def sure(table: np.ndarray) -> np.ndarray:
+    """Return a table of constants by which decisions exceed the errors of a state, whatever accuracy is asked for."""
+    if len(table) and (table["sigmas"] == 0.0).any():
+        table = table.copy()
+        table["sigmas"] = float(SIGMAS)
+    return table
+
+
+def pair_loops(events: int) -> PairLoops:
+    """Return the loops of double-double numbers for so many events: compiled, unless so few can be interpreted."""
+    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
+
+
+def events_of(task: Task, rows: slice, room: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:
+    """Return the events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
+    chunk = Chunk(task, rows, room, cancel)
+    for part in chunk.rows:
+        part.ints[0] += rows.start
+    return chunk.rows, chunk.status
+
+
+class Asked:
+    """What is asked of a summary: its columns, the time that is left out, and the sections that are kept."""
+
+    def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
+        names = [record] if isinstance(record, str) else list(record)
+        names = list(SUMMARY_COLUMNS) if names == ["summary"] else names
+        for name in names or ("",):
+            if name not in SUMMARY_COLUMNS:
+                allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
+                raise ParameterError("record", name, allowed)
+        self.names = tuple(name for name in SUMMARY_COLUMNS if name in names)
+        self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
+        column = NumberColumn("skip", skip)
+        if len(column) not in (1, len(problems)):
+            raise ParameterError("skip", len(column), f"must have 1 or {len(problems)} entries, as the motions")
+        self.skip = np.broadcast_to(column.hi, len(problems))
+        lasts = problems.t_end.hi - problems.t0.hi
+        for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():
+            raise ParameterError(column.called(row), column.hi[row % len(column)], "must be >= 0 and end before t_end")
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
+
+    def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
+        """Return the tally of some motions (a slice, or numbers) at their starts: it keeps what is asked for."""
+        repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
+        ring = 2 * LONGEST_REPEAT if repeats else LEAST_RING if "word" in self or "section" in self else 0
+        ring = max(ring, self.sections) if "section" in self else ring
+        words = longest if "word" in self else 0
+        asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)
+        return kept.new_tally(states, self.skip[motions], asked)
+
+
+def summary_of(
+    task: Task, asked: Asked, rows: slice, room: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
+) -> Record:
+    """Return the columns of a chunk; a motion whose word has no room is followed once more, with more of it."""
+    chunk = Chunk(task, rows, room, cancel, partial(asked.begun, longest))
+    tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
+    modes = chunk.batch.states[:, 0].astype(int)
+    for i, trajectory in chunk.alone.items():
+        modes[i] = tally_alone(i, trajectory, tally, chunk.table, int(sets[i]))
+    status, floats = np.array(chunk.status, dtype=str), tally.floats
+    columns: Record = {"status": status, "mode": MODE_TEXTS[modes]}
+    columns |= {"events": tally.ints[:, kept.EVENTS_SO_FAR], "sticks": tally.ints[:, kept.STICKS]}
+    columns |= {name: floats[:, n] for name, n in KEPT_COLUMNS.items()}
+    columns |= {name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES}
+    whole = (status == "t_end") | (status == "equilibrium")
+    columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
+    counted = columns["t"] - t0 - asked.skip[rows]
+    with np.errstate(all="ignore"):
+        columns["stuck"] = np.where(counted > 0.0, np.minimum(floats[:, kept.STUCK] / counted, 1.0), np.nan)
+    if "multiplicity" in asked or "section" in asked:
+        columns["section"] = np.full((len(floats), asked.sections if "section" in asked else 0, 2), np.nan)
+        columns["multiplicity"] = np.zeros(len(floats) if "multiplicity" in asked else 0, np.int64)
+        task.loops.settle(tally, sets, chunk.table, columns["section"], columns["multiplicity"])
+    if "word" in asked:
+        columns["word"] = words_of(tally)
+        for i in np.flatnonzero(tally.ints[:, kept.LAST_LENGTH] > longest).tolist():
+            row, length = rows.start + i, int(tally.ints[i, kept.LAST_LENGTH])
+            again = summary_of(task, asked, slice(row, row + 1), room, cancel, length)["word"]
+            columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again.dtype))
+            columns["word"][i] = again[0]
+    return {name: columns[name] for name in asked.names}
+
+
+def words_of(tally: Tally) -> np.ndarray:
+    """Return the last words as text; most motions have one of a few."""
+    width = tally.labels.shape[2]
+    there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
+    rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
+    words, numbers = np.unique(rows, return_inverse=True)
+    # In order of time; the first mapping was under way when the period began, and counts as the last.
+    texts = [bytes(48 + label for label in (*word[1:], *word[:1]))[::-1].decode() for word in words.tolist()]
+    return np.array([f"P{text}" if text else "" for text in texts], dtype=str)[numbers]
+
+
+def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
+    """Count a motion that was followed alone, from the pieces and events of its trajectory; return its last mode."""
+    K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
+    states = [_state(piece) for piece in trajectory._pieces]
+    codes = {name: code for code, name in KIND_NAMES.items()}
+    events, number, last = trajectory.events, 0, states[0]
+    for before, after in pairwise(states):
+        if number == len(events) and trajectory.status not in ("t_end", "equilibrium"):
+            break
+        found = NextEvent(MOVED, 0, True, 0.0, after)
+        if number < len(events) and _is_at(after, events[number]):
+            event = events[number]
+            found = NextEvent(codes[event.kind], event.boundary, True, event.t_error, after)
+            number += 1
+        tally_step(i, before, found, 0.0, tally, K)
+        last = after
+    code = REST if trajectory.status in ("t_end", "equilibrium") else RUNNING
+    finish_tally(i, last, code, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
+    tally.floats[i, kept.T_LAST] += t0
+    return last.mode
+
+
+def _state(piece: Any) -> State:
+    at = piece.mode - ON_BELT if piece.mode > ON_BELT else 0
+    clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta), 0.0
+    exact = Covariance(0.0, 0.0, 0.0)
+    return State(piece.mode, at, piece.n, piece.theta, piece.x, piece.v, piece.a, piece.a, exact, *clock)
+
+
+def _is_at(state: State, event: Any) -> bool:
+    near = 1e-9
+    return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near

@@ -1,59 +1,186 @@
-"""Many initial value problems in columns: read and checked at once, begun in rows, objects where one is asked for.
+"""Many initial value problems in columns: read exactly, checked all at once, objects where one is asked for.
 
-What doubles, or pairs of them, do not decide is left to `symosc.engine.start`, motion by motion.
+A float is the decimal that it prints as (`symosc.exact`). In a column it is its double, and what that lacks. What
+doubles do not decide about a start is left to `symosc.engine.start`, motion by motion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Sized
+from decimal import Context, Decimal
 from fractions import Fraction
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
-from symosc.engine.start import Start, first_state
+from symosc.engine.start import Start, first_state, start_rows
 from symosc.errors import ParameterError
-from symosc.exact import SMALLEST, read_exact, show
-from symosc.kernels.double_double import TWO_PI_PAIR
+from symosc.exact import LARGEST, SMALLEST, read_exact, show, unmasked
+from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.simulation.columns import NumberColumn, as_given, named, same
-from symosc.simulation.run import MOST_PERIODS, last_time
+from symosc.scenes import START_NAMES
+from symosc.simulation.motion import MOST_PERIODS, last_time
 
-START_COLUMNS = ("t0", "x0", "v0")
-# So few parameter sets are quicker from fractions, which are kept; and so few starts.
-FEW_SETS, FEW = 16, 6
+START_COLUMNS = START_NAMES[:3]
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
 SETS_AT_ONCE = 16384
-# 2 pi, and what is missing from the two doubles.
-TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR, 6e-33)
+TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR)
+# Phases of pairs are right to the last bit of a double up to so large an angle, and unless they are so near 0.
+LARGEST_ANGLE, SMALLEST_PHASE = 2.0**40, 2.0**-45
+# Decimal powers that are exact as doubles, and the sizes of numbers whose digits they reach.
+POWERS = np.array([10.0**n for n in range(23)])
+LEAST_IN_REACH, MOST_IN_REACH = 1e-5, 1e15
+# Enough digits for any double and the decimal that it prints as.
+DECIMAL_CONTEXT = Context(prec=800)
 
 
-class Begun(NamedTuple):
-    """Motions that are about to begin, and the constants of their parameter sets as a table."""
+class NumberColumn:
+    """One number for all rows, or a number for each: doubles `hi`, what these lack, `lo`, and the exact numbers.
 
-    batch: Batch
-    table: np.ndarray
+    ParameterError, which names the row, if one is no finite number.
+    """
+
+    def __init__(self, name: str, given: Any) -> None:
+        given = _as_given(name, given)
+        shape = getattr(given, "shape", None)
+        self.single = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping)) or shape == ()
+        if not self.single and isinstance(given, np.ndarray) and given.ndim != 1:
+            raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
+        self.name, self._exact = name, dict[int, Fraction]()
+        self._given = [given] if self.single else given if isinstance(given, np.ndarray) else list(given)
+        if len(self._given) > 1 and all(type(value) is float for value in self._given):
+            self._given = np.array(self._given, dtype=float)
+        plain = isinstance(self._given, np.ndarray) and self._given.dtype == np.float64
+        self.is_plain = plain or self.single
+        if plain:
+            self.hi, self.lo = self._of_doubles(self._given)
+        else:
+            self.hi, self.lo = self._of_any(self._given)
+
+    def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        largest = f"must be at most {float(LARGEST):g} in size"
+        for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
+            if bad.any():
+                row = int(bad.argmax())
+                raise ParameterError(self.called(row), float(given[row]), reason)
+        lo, sure = decimal_rest(given)
+        for row in np.flatnonzero(~sure).tolist():
+            value = float(given[row])
+            lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
+        return np.array(given), lo
+
+    def _of_any(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+        known: dict[Any, tuple[float, float]] = {}
+        parts = np.empty((2, len(given)))
+        for row, value in enumerate(given):
+            # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10, Fraction(0.1) is not.
+            # A fraction is known by its identity: to hash it takes longer than to convert it.
+            key = id(value) if isinstance(value, Fraction) else (type(value), value)
+            try:
+                pair = known.get(key)
+            except TypeError:  # a list, or another thing that is no number
+                pair = None
+            if pair is None:
+                exact = self._exact[row] = read_exact(self.called(row), value)
+                pair = known[key] = float(exact), float(exact - Fraction(float(exact)))
+            parts[:, row] = pair
+        return parts[0], parts[1]
+
+    def __len__(self) -> int:
+        return len(self._given)
+
+    def called(self, row: int) -> str:
+        """Return what a message calls the number of a row."""
+        return self.name if self.single else f"{self.name}[{row}]"
+
+    def exact(self, row: int) -> Fraction:
+        """Return the exact number of a row."""
+        row = row if len(self) > 1 else 0
+        if row not in self._exact:
+            if len(self._exact) > 100_000:  # of a long column only a few are asked for again
+                self._exact.clear()
+            self._exact[row] = read_exact(self.called(row), self._given[row])
+        return self._exact[row]
+
+    def pairs(self, rows: Any = slice(None)) -> PairColumn:
+        """Return some rows, or the one number, as numbers to compute with."""
+        return PairColumn(self.hi[rows], self.lo[rows]) if len(self) > 1 else PairColumn(self.hi, self.lo)
+
+
+def _as_given(name: str, value: Any) -> Any:
+    """Return a column of pandas or xarray, or an array without dimensions, as numpy has it; masked ones are refused."""
+    unmasked(name, value)
+    if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
+        array = np.asarray(value)
+        return array[()] if array.ndim == 0 else array
+    return value
+
+
+def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
+    """Return columns that have names in the order of `wanted`: of a mapping, a table, a row of one, or a record array.
+
+    Without names, as pandas' tables have where only positions were given, it is returned as it is.
+
+    Raises
+    ------
+    ParameterError
+        If the names are others.
+    """
+    names = getattr(getattr(given, "dtype", None), "names", None)
+    if isinstance(given, Mapping):
+        names = list(given)
+    elif names is None and hasattr(given, "__getitem__"):
+        labels = getattr(given, "columns", getattr(given, "index", None))  # a list has a method of this name
+        names = None if labels is None or callable(labels) else list(labels)
+        names = names if names and any(isinstance(each, str) for each in names) else None
+    if names is None:
+        return given
+    if sorted(map(str, names)) != sorted(wanted):
+        said = f"must have the names {', '.join(wanted[:-1])} and {wanted[-1]}, and no other"
+        raise ParameterError(name, [str(each) for each in names], said)
+    return {each: given[each] for each in wanted}
+
+
+def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what doubles lack of the shortest decimals that they print as, rounded once, and where that is sure.
+
+    The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled by
+    a power of ten that is exact as a double, its distance from the double is exact.
+    """
+    size = abs(values)
+    inside = (size >= LEAST_IN_REACH) & (size < MOST_IN_REACH) & (np.frexp(size)[0] != 0.5)
+    usual = np.where(inside, size, 3.0)
+    exponent = np.floor(np.log10(usual)).astype(np.int64)
+    unit = 0.5 * np.spacing(usual)
+    rest, sure = np.zeros(len(values)), values == 0.0
+    whole = inside | sure
+    for digits in (15, 16, 17):
+        power = POWERS[np.clip(digits - 1 - exponent, 0, 22)]
+        high, low = two_product(usual, power)
+        near = np.rint(high)
+        over = (high - near) + low
+        lacking = np.rint(over) - over
+        found = inside & ~sure & (abs(lacking) < unit * power)
+        rest = np.where(found, np.sign(values) * lacking / power, rest)
+        sure = sure | found
+    whole_power = ~whole & (size < 2.0**53) & (np.rint(size) == size)  # a power of two, as a rule 1, 2 or 4
+    return rest, sure | whole_power
 
 
 class ParameterSets:
-    """Parameter sets from objects or from columns.
-
-    Parameters
-    ----------
-    given : Parameters, sequence of Parameters, or mapping of all eleven names to a number or an (n,) array
-    """
+    """Parameter sets from Parameters, a sequence of them, or a mapping of all names to a number or an (n,) array."""
 
     def __init__(self, given: Any) -> None:
-        self._known: dict[int, Parameters] = {}
-        self._blocks: dict[int, np.ndarray] = {}
-        self._lock = Lock()
+        self._known, self._blocks, self._lock = dict[int, Parameters](), dict[int, np.ndarray](), Lock()
+        self.columns: dict[str, NumberColumn] = {}
+        self._is_object = False
         if isinstance(given, Mapping):
-            self._of_mapping(given)
+            self._read_mapping(given)
             return
         try:
             sets = [given] if isinstance(given, Parameters) else list(given)
@@ -62,29 +189,25 @@ class ParameterSets:
         if not sets or not all(isinstance(p, Parameters) for p in sets):
             hint = "give Parameters, a sequence of them, or a mapping of all their names to numbers or columns"
             raise ParameterError("parameters", given, hint)
-        self._known, self.count = dict(enumerate(sets)), len(sets)
-        self.columns: dict[str, NumberColumn] = {}
+        self._known, self.count, self._is_object = dict(enumerate(sets)), len(sets), len(sets) == 1
 
-    def _of_mapping(self, given: Mapping[str, Any]) -> None:
+    def _read_mapping(self, given: Mapping[str, Any]) -> None:
         for name in given:
             if name not in PARAMETER_NAMES:
                 raise ParameterError(str(name), given[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
         for name in PARAMETER_NAMES:
             if name not in given:
                 raise ParameterError("parameters", dict(given), f"{name} is missing")
-        columns = self.columns = {name: NumberColumn(name, as_given(name, given[name])) for name in PARAMETER_NAMES}
+        columns = self.columns = {name: NumberColumn(name, given[name]) for name in PARAMETER_NAMES}
         self.count = common_length({name: len(column) for name, column in columns.items()})
-        low, high = columns["v1"], columns["v2"]
-        wrong = {name: columns[name].hi < 0.0 for name in ("c", "k", "mu1", "mu2", "FN")}
-        wrong |= {name: columns[name].hi < float(SMALLEST) for name in ("m", "Omega")}
-        gap = low.pairs() - high.pairs()
-        wrong["v1"] = gap.hi >= -1.01 * gap.off
-        for rows in wrong.values():
+        least = {"m": float(SMALLEST), "Omega": float(SMALLEST)}
+        wrong = [columns[name].hi < least.get(name, 0.0) for name in ("c", "k", "mu1", "mu2", "FN", "m", "Omega")]
+        for rows in (*wrong, columns["v2"].hi <= columns["v1"].hi):
             for row in np.flatnonzero(rows).tolist():
                 self._checked(row)
 
     def _checked(self, row: int) -> Parameters:
-        """Return the parameters of a row; what is wrong with them is said with its number."""
+        """Return the parameters of a row; a message about them has its number."""
         try:
             return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
@@ -111,37 +234,32 @@ class ParameterSets:
         while begin < rows.stop:
             number, first = divmod(begin, SETS_AT_ONCE)
             size = min(rows.stop - begin, SETS_AT_ONCE - first)
-            parts.append(self._block(number, march_rows)[first : first + size].copy())
+            parts.append(self._block(number, march_rows)[first : first + size])
             begin += size
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return np.concatenate(parts)
 
     def _block(self, number: int, march_rows: Callable[..., None]) -> np.ndarray:
         """Return the constants of a block of SETS_AT_ONCE sets; the last two are kept."""
         with self._lock:
             if number not in self._blocks:
-                rows = slice(number * SETS_AT_ONCE, min((number + 1) * SETS_AT_ONCE, self.count))
+                first = number * SETS_AT_ONCE
+                rows = range(first, min(first + SETS_AT_ONCE, self.count))
                 while len(self._blocks) > 1:
                     self._blocks.pop(next(iter(self._blocks)))
-                self._blocks[number] = self._computed(rows, march_rows)
+                if self._is_object:
+                    self._blocks[number] = table_of([Arithmetic(self[0]).K])
+                else:  # however few they are: the bits must not depend on how a sweep is cut into calls
+                    columns = {name: self.column(name).pairs(slice(first, rows.stop)) for name in PARAMETER_NAMES}
+                    self._blocks[number] = constant_table(
+                        columns, len(rows), lambda i: Arithmetic(self[rows[i]]).K, march_rows
+                    )
             return self._blocks[number]
 
-    def _computed(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        numbers = range(rows.start, rows.stop)
-        if len(numbers) <= FEW_SETS:
-            return table_of(Arithmetic(self[i]).K for i in numbers)
-        columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
-        return constant_table(columns, len(numbers), lambda i: Arithmetic(self[numbers[i]]).K, march_rows)
 
+class Problems:
+    """Initial value problems in columns; an object (`Start`) is made when one is asked for.
 
-class Problems(Sequence[Start]):
-    """Initial value problems, of which each is made when it is asked for.
-
-    Parameters
-    ----------
-    parameters : see `ParameterSets`
-    starts : (n, 3) or (3,) array_like, or mapping of t0, x0 and v0 to a number or an (n,) array
-    t_end : number or (n,) array_like
-    start_error : three Fractions, optional
+    `parameters` as `ParameterSets` takes them; `starts` is an (n, 3) or (3,) array, or columns by name.
     """
 
     def __init__(self, parameters: Any, starts: Any, t_end: Any, start_error: Any = None) -> None:
@@ -151,60 +269,87 @@ class Problems(Sequence[Start]):
         self.t_end = NumberColumn("t_end", _one_row("t_end", t_end))
         starts_length = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
         lengths = {"parameters": len(self.sets), "starts": starts_length, "t_end": len(self.t_end)}
-        self._count = common_length(lengths)
-        for row in self._perhaps_over():
+        self.count = common_length(lengths)
+        for row in np.flatnonzero(np.broadcast_to(self.t_end.hi <= self.t0.hi, self.count)).tolist():
             t0, end = self.t0.exact(row), self.t_end.exact(row)
             if end <= t0:
                 raise ParameterError(self.t_end.called(row), show(end), f"must be later than t0 = {show(t0)}")
 
-    def _perhaps_over(self) -> Sequence[int]:
-        """Return the rows whose end may be before their start."""
-        if self._count <= FEW:
-            return range(self._count)
-        with np.errstate(all="ignore"):
-            gap = self.t_end.pairs() - self.t0.pairs()
-        rows: list[int] = np.flatnonzero(np.broadcast_to(gap.hi <= 1.01 * gap.off, self._count)).tolist()
-        return rows
-
     def __len__(self) -> int:
-        return self._count
+        return self.count
 
-    def __getitem__(self, i: Any) -> Any:
+    def __getitem__(self, i: int) -> Start:
         t0, x0, v0, end = (column.exact(i) for column in (self.t0, self.x0, self.v0, self.t_end))
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
+    def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
+        """Return the motions of some rows at their starts, and the constants of their parameter sets."""
+        size = rows.stop - rows.start
+        table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
+        sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
+        states, unclear = self._start_rows(rows, table)
+        for i in np.flatnonzero(unclear).tolist():
+            problem = self[rows.start + i]
+            arithmetic = Arithmetic(problem.parameters)
+            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
+        return batch_of(states, sets), table
+
+    def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states of some rows, and where doubles do not decide them."""
+        size = rows.stop - rows.start
+        unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
+        t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
+        for boundary in (1, 2):
+            same, alike = self._at_belt(boundary, rows)
+            at[same], unclear[alike] = boundary, True
+        Omega = self.sets.column("Omega").pairs(rows)
+        angle = Omega * t0
+        theta = angle - TWO_PI_COLUMN * PairColumn(np.floor((angle / TWO_PI_COLUMN).hi))
+        unclear |= (angle.hi != 0.0) & ~(
+            (abs(angle.hi) < LARGEST_ANGLE)
+            & (theta.hi > SMALLEST_PHASE * abs(angle.hi))
+            & (theta.hi < TWO_PI_COLUMN.hi)
+        )
+        unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
+        times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
+        theta_rows, x, v = (np.broadcast_to(column.hi, size) for column in (theta, x0, v0))
+        states, small_force = start_rows(at, theta_rows, x, v, times, table.view(np.recarray))
+        return states, unclear | small_force | bool(self.start_error)
+
+    def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return which of some rows start exactly on a belt, and which beside it with the same double."""
+        speed = self.sets.column(f"v{boundary}")
+        v, belt = self.v0.pairs(rows), speed.pairs(rows)
+        near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
+        if self.v0.is_plain and speed.is_plain:  # then equal doubles are equal numbers
+            values = np.broadcast_to(v.hi, rows.stop - rows.start)[near]
+            _, one_each, places = np.unique(values, return_index=True, return_inverse=True)
+        else:
+            one_each = places = np.arange(len(near))
+        equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + near[one_each]).tolist()]
+        on_belt = np.array(equal, dtype=bool)[places]
+        return near[on_belt], near[~on_belt]
+
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
         """Return where a motion has exact starts, a drive, and more than `gap` to each belt but that it starts on."""
-        v = _of(self.v0.hi, rows)
-        apart = np.full(len(rows), self.start_error is None) & (_of(self.sets.column("B0").hi, rows) != 0.0)
+        v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
+        apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
-            apart &= (at == boundary) | (abs(v - _of(self.sets.column(f"v{boundary}").hi, rows)) > gap)
+            apart &= (at == boundary) | (abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap)
         return apart
 
-    def pair_rows(
-        self, rows: np.ndarray, at: np.ndarray, times: np.ndarray, phase: Callable[[Fraction], complex]
-    ) -> np.ndarray:
+    def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
         """Return the starts of motions of one parameter set as rows of complex numbers, which stand for pairs.
 
-        Parameters
-        ----------
-        rows : (m,)
-        at : (m,) the belt that each starts on, or 0.
-        times : (m, 2) the ends of the motions, in two parts.
-        phase : callable
-            Returns the phase at a time, as such a number.
-
-        Returns
-        -------
-        (m, STATE_WIDTH) array
-            With the mode 0, for `symosc.engine.batch.first_pairs`.
+        `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and
+        what follows from them are left to `symosc.engine.batch.first_pairs`.
         """
         made = np.zeros((len(rows), STATE_WIDTH), complex)
-        made[:, 1] = at
+        made[:, :2] = states[:, :2]
         for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
-            hi, lo, _ = column.parts
-            made[:, place].real, made[:, place].imag = _of(hi, rows), _of(lo, rows)
-        made[:, 13].real, made[:, 13].imag = times.T
+            pairs = column.pairs(rows)
+            made[:, place].real, made[:, place].imag = pairs.hi, pairs.lo
+        made[:, 13].real, made[:, 13].imag = states[:, 13], states[:, 14]
         made[:, 15] = made[:, 11]
         known = {0j: 0j}
         for i, t0 in enumerate(made[:, 11].tolist()):
@@ -213,68 +358,14 @@ class Problems(Sequence[Start]):
             made[i, 3] = known[t0]
         return made
 
-    def begin(self, rows: slice, first_rows: Callable[..., None], march_rows: Callable[..., None]) -> Begun:
-        """Return the motions of some rows at their starts."""
-        size = rows.stop - rows.start
-        table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
-        sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
-        states = np.zeros((size, STATE_WIDTH))
-        if size > FEW:
-            self._begin_columns(rows, Begun(batch_of(states, sets), table), first_rows)
-        for i in np.flatnonzero(states[:, 0] == 0.0).tolist():
-            problem = self[rows.start + i]
-            arithmetic = Arithmetic(problem.parameters)
-            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
-        return Begun(batch_of(states, sets), table)
-
-    def _begin_columns(self, rows: slice, begun: Begun, first_rows: Callable[..., None]) -> None:
-        """Write the states of some rows, all but those that doubles do not decide: there mode 0 is left."""
-        states, size = begun.batch.states, rows.stop - rows.start
-        doubts = self._write_clock(rows, states)
-        x, v = self.x0.pairs(rows), self.v0.pairs(rows)
-        states[:, 4], states[:, 5] = x.hi, v.hi
-        for boundary in (1, 2):
-            speed = self.sets.column(f"v{boundary}")
-            belt = speed.pairs(rows)
-            near = np.broadcast_to(v.hi == belt.hi, size)
-            sure = near & (v.lo == belt.lo) & (v.off == 0.0) & (belt.off == 0.0)
-            states[near, 1] = -1.0  # beside the belt, but not as doubles
-            for i in np.flatnonzero(near & ~sure).tolist():
-                sure[i] = same(self.v0, speed, rows.start + i, rows.start + i)
-            states[sure & (states[:, 1] == -1.0) & ~doubts, 1] = boundary
-        if self.start_error:
-            states[:, 1] = -1
-        first_rows(begun.table, begun.batch.sets, states)
-
-    def _write_clock(self, rows: slice, states: np.ndarray) -> np.ndarray:
-        """Write phases and times; return where that takes more than pairs of doubles: there `at` is -1."""
-        doubts = np.zeros(len(states), dtype=bool)
-        t0, t_end = self.t0.pairs(rows), self.t_end.pairs(rows)
-        Omega = self.sets.column("Omega").pairs(rows)
-        angle = PairColumn(Omega.hi, Omega.lo, Omega.off, doubts) * t0
-        turns = np.floor((angle / TWO_PI_COLUMN).hi)
-        theta = angle - TWO_PI_COLUMN * PairColumn(turns)
-        phase = np.where(angle.hi == 0.0, 0.0, theta.rounded())
-        doubts |= (angle.hi != 0.0) & ~((phase > 0.0) & (phase < TWO_PI_COLUMN.hi))
-        # Near the end of what is followed at all.
-        doubts |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS
-        states[:, 1], states[:, 3] = np.where(doubts, -1.0, 0.0), phase
-        states[:, 11], states[:, 12], states[:, 15] = t0.hi, t0.lo, t0.hi
-        states[:, 13], states[:, 14] = t_end.hi, t_end.lo
-        return doubts
-
-
-def _of(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return column[rows] if len(column) > 1 else column
-
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
     """Return t0, x0 and v0."""
     starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
-        columns = [as_given(name, starts[name]) for name in START_COLUMNS]
+        columns = [starts[name] for name in START_COLUMNS]
     else:
-        rows = as_given("starts", starts)
+        rows = _as_given("starts", starts)
         if not isinstance(rows, np.ndarray):
             rows = np.asarray(starts, dtype=object)
         rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
@@ -288,7 +379,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
 
 def _one_row(name: str, given: Any) -> Any:
     """Return a column; one of a single row is its number."""
-    column = as_given(name, given)
+    column = _as_given(name, given)
     if not isinstance(column, np.ndarray) and isinstance(column, Sequence) and not isinstance(column, (str, bytes)):
         column = np.asarray(column, dtype=object)
     if not isinstance(column, np.ndarray):

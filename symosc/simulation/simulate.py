@@ -1,10 +1,9 @@
-"""Simulation: double precision that knows when it is not enough, and any number of digits.
+"""`simulate`: one motion, in double precision that knows when it is not enough, and with any number of digits.
 
-In double precision each step brings an estimate of its error along. When a contact cannot be decided, or an event is
-known to less than `accuracy`, the same algorithm is run with more digits from the exact start up to there
-(`symosc.simulation.closer_look`), and takes over; the double path goes on from its rounded result.
-
-With `digits` the working precision is raised until every event is known to that many digits.
+In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
+to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and takes over;
+the double path goes on from its rounded result. With `digits` the working precision is raised until every event is
+known to that many digits.
 """
 
 from __future__ import annotations
@@ -23,15 +22,21 @@ from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import Scene, load_scene
-from symosc.simulation.closer_look import Backup, touch_digits
-from symosc.simulation.run import Path, check_reached, cut_event, rounded_event
-from symosc.simulation.trajectory import MAP_LABELS, Event, Segment, Trajectory
+from symosc.simulation.motion import (
+    FinerMotion,
+    Motion,
+    check_reached,
+    cut_event,
+    digits_to_confirm_graze,
+    rounded_event,
+)
+from symosc.simulation.trajectory import MAP_LABELS, Segment, Trajectory
 
 ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
 # With many digits an event takes milliseconds.
 MOST_EXACT_EVENTS = 20_000
-# With `digits`, more than this many times the digits are tried only to tell a touch from a near miss.
+# With `digits`, more than this many times the digits are tried only to tell a graze from a near miss.
 MOST_WORKING = 12
 
 
@@ -92,11 +97,6 @@ def simulate(
     3.14159265358979323846264338328
     """
     start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
-    return _followed(start, max_events, digits, accuracy, progress)
-
-
-def _followed(start: Start, max_events: int | None, digits: int | None, accuracy: Any, progress: Any) -> Trajectory:
-    """Follow a motion as `simulate` is asked to."""
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
@@ -144,79 +144,75 @@ def read_accuracy(value: Any) -> float:
     return accuracy
 
 
-def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
-    """Follow a motion in double precision; see `simulate`."""
-    path, backup, unsure = Path(start), None, isinf(accuracy) or start.start_error is not None
-    if isinf(accuracy):
-        path.believe()
-    accuracy = attainable(accuracy, start.start_error)
-    if settles(start):
-        path.code = REST
-    while not path.ended:
-        before = len(path.events)
-        if before >= most:
-            return _trajectory(path, "max_events", f"stopped after max_events = {most} events, at t = {path.time!r}")
-        path.step()
-        in_doubt = not path.decided or path.code == FAILED
-        inexact = len(path.events) > before and _inexact(path.events[-1], float(start.t0), accuracy)
-        if in_doubt or inexact:
-            backup = backup or Backup(start)
-            if not backup.follow(before + 1, () if unsure else path.searches):
-                return _undecidable(backup.path, before, backup.digits)
-            path.adopt(backup.path)
-        if advance:
-            advance(_part_done(path, most), len(path.events))
-    return _ended(path)
-
-
-def _part_done(path: Path, most: int) -> float:
-    """Return which part of a motion has been followed, in time or in events, whichever ends it earlier."""
-    span = float(path.start.t_end - path.start.t0)
-    return min(1.0, max(float(path.elapsed) / span, len(path.events) / most))
-
-
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy for which more digits help: what the start does not say no digits can."""
+    """Return the accuracy for which more digits help: none does where the start is not known as well."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def _inexact(event: Event, t0: float, accuracy: float) -> bool:
-    return event.t_error > accuracy * max(1.0, abs(event.t), abs(t0)) or event.x_error > accuracy * max(
-        1.0, abs(event.x)
-    )
+def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
+    """Follow a motion in double precision, with more digits where these do not decide; see `simulate`."""
+    # With accuracy = inf decisions exceed their own rounding only, not the errors of the state.
+    motion, finer = Motion(start, sigmas=0.0 if isinf(accuracy) else None), None
+    unsure = isinf(accuracy) or start.start_error is not None
+    accuracy, t0 = attainable(accuracy, start.start_error), float(start.t0)
+    if settles(start):
+        motion.code = REST
+    while not motion.ended:
+        before = len(motion.events)
+        if before >= most:
+            reason = f"stopped after max_events = {most} events, at t = {motion.time!r}"
+            return _trajectory(motion, "max_events", reason)
+        motion.step()
+        needs_digits = not motion.decided or motion.code == FAILED
+        if not needs_digits and len(motion.events) > before:
+            event = motion.events[-1]
+            needs_digits = event.t_error > accuracy * max(1.0, abs(event.t), abs(t0))
+            needs_digits = needs_digits or event.x_error > accuracy * max(1.0, abs(event.x))
+        if needs_digits:
+            finer = finer or FinerMotion(start)
+            if not finer.reach(before + 1, [] if unsure else motion.searched):
+                return _undecidable(finer, before)
+            motion.take_over(finer)
+        if advance:
+            advance(_part_done(motion, most), len(motion.events))
+    return _ended(motion)
+
+
+def _part_done(motion: Motion, most: int) -> float:
+    """Return which part of a motion has been followed, in time or in events, whichever ends it earlier."""
+    span = float(motion.start.t_end - motion.start.t0)
+    return min(1.0, max(float(motion.elapsed) / span, len(motion.events) / most))
 
 
 def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
     """Raise the working precision until every contact is decided and every event known to `digits` digits."""
-    spare = start.spare_digits
-    working = digits + 10 + spare
+    working = digits + 10 + start.spare_digits
     if settles(start):
-        path = Path(start, working)
-        path.code = REST
-        return _ended(path, digits)
+        motion = Motion(start, working)
+        motion.code = REST
+        return _ended(motion, digits)
     while True:
-        path, limit = Path(start, working), MOST_WORKING * (digits + spare)
-        open_contact = False
-        while not path.ended and len(path.events) < most and not open_contact:
-            before = len(path.events)
-            path.step()
+        motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
+        while not motion.ended and len(motion.events) < most and not undecided:
+            before = len(motion.events)
+            motion.step()
             if advance:
-                advance(_part_done(path, most), len(path.events))
-            if not path.decided and path.code != FAILED and not start.start_error:
-                needed = touch_digits(path, path.elapsed, digits)
-                open_contact = needed is None or working < needed
+                advance(_part_done(motion, most), len(motion.events))
+            if not motion.decided and motion.code != FAILED and not start.start_error:
+                needed = digits_to_confirm_graze(motion, motion.elapsed, digits)
+                undecided = needed is None or working < needed
                 limit = max(limit, needed or 0)
-        in_doubt = open_contact or path.code == FAILED
+        undecided = undecided or motion.code == FAILED
         # The error of a start that is known to so much only stays whatever the digits.
-        missing = 0 if in_doubt or start.start_error else path.missing_digits(digits)
-        if not in_doubt and missing <= 0:
+        missing = 0 if undecided or start.start_error else motion.missing_digits(digits)
+        if not undecided and missing <= 0:
             break
         if working >= limit:
-            return _undecidable(path, before, working, digits)
-        working = min(limit, working + missing + 2) if not in_doubt else min(limit, 3 * working)
-    if not path.ended:
-        return _trajectory(path, "max_events", f"stopped after max_events = {most} events", digits)
-    return _ended(path, digits)
+            return _undecidable(motion, before, digits)
+        working = min(limit, 3 * working if undecided else working + missing + 2)
+    if not motion.ended:
+        return _trajectory(motion, "max_events", f"stopped after max_events = {most} events", digits)
+    return _ended(motion, digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -227,45 +223,42 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     return "equilibrium" if settles else "t_end"
 
 
-def _ended(path: Path, digits: int | None = None) -> Trajectory:
-    """Return the trajectory of a path that came to its end."""
-    state, start = path.state, path.start
-    status = end_status(path.code, state.mode, state.v, start.parameters)
+def _ended(motion: Motion, digits: int | None = None) -> Trajectory:
+    """Return the trajectory of a motion that came to its end."""
+    state, start = motion.state, motion.start
+    status = end_status(motion.code, state.mode, state.v, start.parameters)
     message = f"reached t_end = {show(start.t_end)}"
-    if path.code != REST:
+    if motion.code != REST:
         check_reached(start, state.n)
     if status == "equilibrium":
-        where = (
-            f"at rest on belt {state.mode - ON_BELT}"
-            if state.mode > ON_BELT
-            else f"settling to rest in Omega{state.mode}"
-        )
-        message = f"from t = {float(path.time)!r} {where}, no event will come any more"
-    return _trajectory(path, status, message, digits)
+        on_belt = state.mode > ON_BELT
+        where = f"at rest on belt {state.mode - ON_BELT}" if on_belt else f"settling to rest in Omega{state.mode}"
+        message = f"from t = {float(motion.time)!r} {where}, no event will come any more"
+    return _trajectory(motion, status, message, digits)
 
 
-def _undecidable(path: Path, before: int, digits: int, asked: int | None = None) -> Trajectory:
+def _undecidable(motion: Motion, before: int, asked: int | None = None) -> Trajectory:
     """End a trajectory at the contact that could not be decided after `before` events."""
-    del path.events[before:]
-    hint = f"ask for more digits, such as digits={2 * (asked or digits)}"
-    message = f"the contact near t = {float(path.time)!r} cannot be decided with {digits} digits; {hint}"
-    return _trajectory(path, "undecidable", message, asked)
+    del motion.events[before:]
+    hint = f"ask for more digits, such as digits={2 * (asked or motion.digits or 0)}"
+    message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
+    return _trajectory(motion, "undecidable", message, asked)
 
 
-def _trajectory(path: Path, status: str, message: str, digits: int | None = None) -> Trajectory:
-    last = path.time if status in ("undecidable", "max_events") else path.arithmetic.number(path.start.t_end)
-    events, t0 = path.events, path.t0
+def _trajectory(motion: Motion, status: str, message: str, digits: int | None = None) -> Trajectory:
+    start, events, t0 = motion.start, motion.events, motion.t0
+    last = motion.time if status in ("undecidable", "max_events") else motion.arithmetic.number(start.t_end)
     if digits is None:
-        events, t0, last = [rounded_event(event) for event in events], float(path.start.t0), float(last)
+        events, t0, last = [rounded_event(event) for event in events], float(start.t0), float(last)
     else:
         context = mp_context(digits)
         events = [cut_event(event, context) for event in events]
         t0, last = context.convert(t0), context.convert(last)
     segments = []
-    plane, since, mode = path.first_at, t0, MODE_NAMES[path.pieces[0].mode]
+    plane, since, mode = motion.first_at, t0, MODE_NAMES[motion.pieces[0].mode]
     for event in events:
         segments.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
         plane, since, mode = event.boundary, event.t, event.target
     segments.append(Segment(since, last, mode, None))
-    t0_low = 0.0 if digits else float(path.start.t0 - Fraction(t0))
-    return Trajectory(path.start.parameters, events, segments, path.pieces, status, message, digits, t0_low)
+    t0_low = 0.0 if digits else float(start.t0 - Fraction(t0))
+    return Trajectory(start.parameters, events, segments, motion.pieces, status, message, digits, t0_low)

@@ -7,7 +7,7 @@ import io
 import json
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import cos, sin
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event
 from symosc.engine.flow import Constants
 from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
@@ -29,60 +29,15 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
+from symosc.words import MAPS
+
+__all__ = ["MAP_LABELS", "Event", "Piece", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 10
 TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
-MAP_LABELS = {
-    (1, "belt1", 1): "P1",
-    (1, "Omega1", 1): "P2",
-    (1, "Omega2", 1): "P3",
-    (2, "belt2", 2): "P4",
-    (2, "Omega2", 2): "P5",
-    (2, "Omega3", 2): "P6",
-    (2, "Omega2", 1): "P7",
-    (1, "Omega2", 2): "P8",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """A change of the motion at a belt.
-
-    Attributes
-    ----------
-    t, x, v : number
-        Time, position and velocity (that of the belt). Floats, or mpmath numbers from ``digits=``.
-    theta : number
-        Phase Omega t mod 2 pi, in [0, 2 pi).
-    kind : str
-        "cross", "stick" (onset), "slip" (end of a stick) or "graze".
-    boundary : int
-        1 (v = v1) or 2 (v = v2).
-    source, target : str
-        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
-    t_error, x_error : float
-        Estimated standard errors of t and x.
-
-    Examples
-    --------
-    >>> from symosc import simulate
-    >>> event = simulate("fig5").events[0]
-    >>> f"{event.t:.6f}", event.kind, event.boundary, event.source, event.target
-    ('0.122303', 'stick', 1, 'Omega1', 'belt1')
-    """
-
-    t: Any
-    x: Any
-    v: Any
-    theta: Any
-    kind: str
-    boundary: int
-    source: str
-    target: str
-    t_error: float
-    x_error: float
+MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,12 +232,9 @@ class Trajectory(Drawable):
 
     def to_xarray(self) -> Any:
         """Return the events as a Dataset over `event`; MissingExtraError if xarray is not installed."""
-        rows = self.table()
-        numbers = float if self.digits is None else str
-        kinds = {"t": numbers, "x": numbers, "v": numbers, "theta": numbers, "boundary": int}
-        columns: Record = {}
+        rows, columns = self.table(), dict[str, Any]()
         for name in EVENT_COLUMNS:
-            kind = kinds.get(name, float if name.endswith("error") else str)
+            kind = str if self.digits and name in EXACT_COLUMNS else COLUMN_TYPES[name]
             columns[name] = ("event",), np.array([row[name] for row in rows], dtype=kind)
         about = {"status": self.status, "message": self.message, "word": " ".join(self.word)}
         return imported("xarray").Dataset(columns, attrs=about | self.parameters.as_dict())
@@ -337,6 +289,3 @@ def _read_times(t: Any) -> np.ndarray:
         return given.astype(float)
     numbers = [float(read_exact("t", time)) for time in given.ravel().tolist()]
     return np.array(numbers, dtype=float).reshape(given.shape)
-
-
-EVENT_COLUMNS = tuple(field.name for field in fields(Event))

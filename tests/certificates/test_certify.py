@@ -58,22 +58,6 @@ def test_the_file_is_exact_input_and_decimals(tmp_path: Path) -> None:
     assert verify(str(path))[0] == 0
 
 
-@pytest.mark.quick(3)
-@pytest.mark.parametrize("name", ["fig5", "fig7-corrected", "fig8", "fig9-orbit", "fig10", "fig7-exact", "fig8-exact"])
-def test_other_means_prove_it_too(name: str, tmp_path: Path) -> None:
-    certify(name).to_json(tmp_path / "it.json")
-    assert verify(str(tmp_path / "it.json"))[0] == 0
-
-
-def test_starts_with_an_error_are_proven_by_other_means(tmp_path: Path) -> None:
-    for name, error in (("fig5", "1e-6"), ("fig9", ["1e-9", "1e-9", "0"]), ("fig6", ["1e-4", "1e-3", "0"])):
-        certificate = certify(name, start_error=error, t_end=7)
-        assert certificate.proven, certificate.message
-        certificate.to_json(tmp_path / "it.json")
-        code, line = verify(str(tmp_path / "it.json"))
-        assert code == 0, (name, line)
-
-
 def test_it_is_short_to_look_at() -> None:
     assert repr(certify("fig6")) == "<Certificate of a trajectory: proven, 3 events>"
     assert repr(Certificate("orbit", False, "open")) == "<Certificate of an orbit: not proven>"

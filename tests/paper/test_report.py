@@ -123,7 +123,7 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     assert derivation["steps"] > 0
     assert {"date", "processor", "python", "symosc", "seconds"} <= set(content["made"])
     markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
-    for link in (derivation["file"], *re.findall(r"\]\(([^#)]+)\)", markdown)):
+    for link in (derivation["file"].partition("#")[0], *re.findall(r"\]\(([^#)]+)\)", markdown)):
         assert (tmp_path / link).is_file(), link
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "From 0 to v<sub>1</sub>." in html

@@ -15,7 +15,7 @@ from samples import few, sample_of
 from symosc import Parameters, find_orbit, load_scene, simulate, simulate_many
 from symosc.engine.start import Start
 from symosc.engine.state import END
-from symosc.simulation.run import Path
+from symosc.simulation.motion import Motion
 
 
 def ratios(found: Any, exact: Any) -> list[float]:
@@ -213,7 +213,7 @@ def test_a_long_locked_motion_ends_where_it_should(count: int) -> None:
         Omega = repr(dice.uniform(0.9, 1.1) * float(scene.parameters.Omega))
         p = scene.parameters.replace(Omega=Omega, FN=Fraction(dice.randint(10, 80), 10))
         start, t_end = (scene.t0, scene.x0, scene.v0), dice.randint(150, 300)
-        exact = Path(Start(p, *start, Fraction(t_end)), 60)
+        exact = Motion(Start(p, *start, Fraction(t_end)), 60)
         while not exact.ended:
             exact.step()
         if exact.code != END or len(exact.events) < 50:

@@ -15,8 +15,8 @@ import pytest
 
 from symosc import simulate_many, sweep
 from symosc.engine import arithmetic
-from symosc.simulation import workers
-from symosc.sweeps import run
+from symosc.simulation import batch
+from symosc.sweeps import sweep as run
 
 pytest.importorskip("numba")
 pytest.importorskip("xarray")
@@ -58,7 +58,7 @@ def test_whatever_is_compiled_and_however_fast_the_machine_is(tmp_path: Path) ->
 def test_any_number_of_workers_and_chunks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = one_result.digests()
     for threads, motions, first in ((1, 1, 1), (2, 7, 3), (3, 2, 48), (3, 1024, 128)):
-        monkeypatch.setattr(workers, "MOST_IN_CHUNK", motions)
+        monkeypatch.setattr(batch, "MOST_IN_CHUNK", motions)
         monkeypatch.setattr(run, "FIRST_CHUNK", first)
         monkeypatch.setattr(run, "CHUNK_SECONDS", 1e-3 * motions)
         assert one_result.digests(threads) == whole, (threads, motions, first)

@@ -15,8 +15,8 @@ from symosc import ParameterError, Parameters, load_scene, simulate, simulate_ma
 from symosc.engine import summary as tally
 from symosc.engine.flow import constants
 from symosc.engine.state import Covariance, State
-from symosc.simulation import batch_loop, chunks
-from symosc.simulation.summary import Summary
+from symosc.simulation import batch
+from symosc.simulation.tables import Summary
 
 FIG9 = load_scene("fig9").parameters
 
@@ -106,18 +106,13 @@ def test_ends_that_are_whole_periods_count_however_they_are_rounded() -> None:
     assert not np.isnan(found.section).any()
 
 
-def test_a_word_that_is_longer_than_its_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = load_scene("fig10")
-    given: Any = {"record": "summary", "use_numba": False}
-    usual = simulate_many(one.parameters, (one.t0, one.x0, one.v0), one.t_end, **given)
-    whole = chunks.summary_part
-    monkeypatch.setattr(
-        chunks, "summary_part", lambda task, asked, rows, room, patrol, longest=2: whole(
-            task, asked, rows, room, patrol, longest
-        )
-    )  # fmt: skip
-    assert simulate_many(one.parameters, (one.t0, one.x0, one.v0), one.t_end, **given) == usual
-    assert len(usual.word[0]) > 4
+def test_a_word_that_is_longer_than_its_buffer() -> None:
+    """A free swing through two belts without friction, many times in a period of a slow drive."""
+    p = Parameters(m=1, c=0, k=4, A0=0, B0=1, Omega="0.1", v1=-1, v2=1, mu1=0, mu2=0, FN=1)
+    found = simulate_many(p, (0, 3, 0), 130, record="summary", use_numba=False)[0]
+    labels = "".join(label[1:] for label in simulate(p, t0=0, x0=3, v0=0, t_end=130).word)
+    assert len(found["word"]) > 70
+    assert found["word"][2:] in labels[::-1]
 
 
 def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
@@ -129,7 +124,7 @@ def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
 @pytest.mark.compiled("pairs")
 def test_compiled_or_not_and_in_any_parts_it_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
-    monkeypatch.setattr(batch_loop.PAIRS, "events", 0)
+    monkeypatch.setattr(batch.PAIRS, "events", 0)
     sets, starts, ends = many()
     given: Any = {"record": "summary", "sections": 2}
     whole = simulate_many(sets, starts, ends, use_numba=True, workers=1, **given)
@@ -151,7 +146,7 @@ def test_pairs_count_as_many_digits_do(monkeypatch: pytest.MonkeyPatch) -> None:
     one = load_scene("fig8")
     starts = [(one.t0, one.x0 + Fraction(n, 50), one.v0) for n in range(6)]
     given: Any = {"record": "summary", "sections": 2, "accuracy": 5e-16}
-    monkeypatch.setattr(batch_loop.PAIRS, "events", 0)
+    monkeypatch.setattr(batch.PAIRS, "events", 0)
     pairs = simulate_many(one.parameters, starts, 25, use_numba=True, **given)
     alone = simulate_many(one.parameters, starts, 25, use_numba=False, **given)
     for name, column in pairs.columns().items():
@@ -242,7 +237,7 @@ def test_a_section_has_the_larger_errors_of_the_two_ends() -> None:
     K = constants(p)
     rows = np.zeros((1, 16))
     for S11, S22, after in ((4e-20, 9e-20, (1e-20, 2e-20)), (1e-20, 2e-20, (4e-20, 9e-20))):
-        kept = tally.begun_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
+        kept = tally.new_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
         before = State(
             2, 0, 0, 6.0, 0.5, 0.2, 1.0, 1.0, Covariance(S11, 0.0, S22), 0.0, 0.0, math.sin(6), math.cos(6), 0.0
         )

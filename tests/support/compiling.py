@@ -25,7 +25,7 @@ _wait_until: list[float] = []
 LOOPS = {
     "doubles": "from symosc import load_scene, simulate_many\n"
     "simulate_many(load_scene('fig5').parameters, [0, 0, 0], 1, use_numba=True)",
-    "pairs": "from symosc.simulation.warm import warm\nwarm()",  # and doubles
+    "pairs": "from symosc.simulation.batch import warm\nwarm()",  # and doubles
 }
 
 

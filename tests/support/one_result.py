@@ -16,7 +16,6 @@ from typing import Any
 
 #: A clock that stands still (an endlessly fast machine), and one that goes on by a day at each look (a slow one).
 CLOCKS: dict[str, Any] = {"standing": lambda: 0.0, "rushing": count(0.0, 86400.0).__next__}
-EVENT_COLUMNS = ("trajectory", "t", "x", "v", "theta", "t_error", "x_error", "boundary", "kind", "source", "target")
 SWEEP: dict[str, Any] = {
     "over": {"Omega": "3.9:4.5:24", "FN": [2, 10]},
     "record": ("word", "multiplicity", "x", "v", "stuck", "x_max", "section:2"),
@@ -58,7 +57,7 @@ def digests(workers: int | None = None) -> dict[str, str]:
     for name, parameters, starts, ends, accuracy in motions():
         given: Any = {"accuracy": accuracy, "workers": workers}
         table = simulate_many(parameters, starts, ends, **given)
-        found[f"events, {name}"] = digest(np.asarray(getattr(table, column)) for column in EVENT_COLUMNS)
+        found[f"events, {name}"] = digest(table.columns().values())
         summary = simulate_many(parameters, starts, ends, record="summary", sections=2, **given)
         found[f"summary, {name}"] = digest(summary.columns().values())
     dataset = sweep("fig9", **SWEEP, workers=workers)
@@ -71,7 +70,7 @@ def digests(workers: int | None = None) -> dict[str, str]:
 def stop(path: str) -> Any:
     """Begin a sweep and stop it after its first chunk, of five motions; return how many were done."""
     from symosc import sweep
-    from symosc.sweeps import run
+    from symosc.sweeps import sweep as run
 
     run.FIRST_CHUNK = 5
 

@@ -14,8 +14,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.plot.notebooks.judged import certificate_page, crosscheck_page
 from symosc.plot.notebooks.motions import events_page, summary_page, trajectory_page
 from symosc.plot.notebooks.structures import branch_page, orbit_page, window_page
-from symosc.simulation.event_table import EventTable
-from symosc.simulation.summary import Summary
+from symosc.simulation.tables import EventTable, Summary
 from symosc.simulation.trajectory import Trajectory
 
 register_page(Trajectory, trajectory_page)

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
-from symosc.simulation.event_table import EventTable, counted, statuses
-from symosc.simulation.summary import Summary
+from symosc.simulation.tables import EventTable, Summary, counted, statuses
 from symosc.simulation.trajectory import Trajectory
 
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
@@ -42,7 +41,7 @@ def events_page(events: EventTable) -> str:
     heads = ("motion", *HEADS)
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
     some = np.array(ends(len(events)), dtype=int)
-    few = EventTable(**{name: column[some] for name, column in vars(events).items() if name != "status"}, status=[])
+    few = events.rows(some, [])
     columns = [getattr(few, name) for name in names]
     rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"

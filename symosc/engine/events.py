@@ -1,0 +1,81 @@
+"""What is recorded of an event: one schema, from which tables, files and the command line follow.
+
+`Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing else lists them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+from symosc.aliases import Number
+from symosc.engine.state import CROSS, GRAZE, SLIP, STICK
+from symosc.model import MODE_NAMES
+
+#: Kinds of events by code.
+KIND_NAMES = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A change of the motion at a belt.
+
+    Attributes
+    ----------
+    t, x, v : number
+        Time, position and velocity (that of the belt). Floats, or mpmath numbers from ``digits=``.
+    theta : number
+        Phase Omega t mod 2 pi, in [0, 2 pi).
+    kind : str
+        "cross", "stick" (onset), "slip" (end of a stick) or "graze".
+    boundary : int
+        1 (v = v1) or 2 (v = v2).
+    source, target : str
+        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
+    t_error, x_error : float
+        Estimated standard errors of t and x.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> event = simulate("fig5").events[0]
+    >>> f"{event.t:.6f}", event.kind, event.boundary, event.source, event.target
+    ('0.122303', 'stick', 1, 'Omega1', 'belt1')
+    """
+
+    # A Number has the digits that are asked for, a float is a double always; an int and a name are recorded as codes.
+    t: Number
+    x: Number
+    v: Number
+    theta: Number
+    kind: str = field(metadata={"names": KIND_NAMES})
+    boundary: int
+    source: str = field(metadata={"names": MODE_NAMES})
+    target: str = field(metadata={"names": MODE_NAMES})
+    t_error: float
+    x_error: float
+
+
+def event_numbers(before, found, clock, K):
+    """Return the numbers of an event, Number and float fields in the order of `Event`.
+
+    Arguments are the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
+    """
+    state = found.state
+    t, t_error, x_error = clock
+    return t, state.x, state.v, state.theta, t_error, x_error
+
+
+def event_codes(before, found):
+    """Return the codes of an event, int and str fields in the order of `Event`."""
+    return found.code, found.boundary, before.mode, found.state.mode
+
+
+EVENT_COLUMNS = tuple(each.name for each in fields(Event))
+#: Fields with the digits that are asked for, fields that are numbers, and fields that are codes.
+EXACT_COLUMNS = tuple(each.name for each in fields(Event) if each.type == "Number")
+FLOAT_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("Number", "float"))
+CODE_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("int", "str"))
+#: Names by code of the fields that have some.
+CODE_NAMES: dict[str, dict[int, str]] = {each.name: each.metadata["names"] for each in fields(Event) if each.metadata}
+#: Type of each field in a table of doubles.
+COLUMN_TYPES = {each.name: {"int": int, "str": str}.get(str(each.type), float) for each in fields(Event)}

@@ -1,0 +1,262 @@
+"""How many motions are followed at once: compiled or interpreted loops, threads, and compiling ahead.
+
+Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What comes out does not
+depend on the number of threads either: each chunk is computed by itself, and put where it belongs.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from threading import Event, local
+from time import perf_counter
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from symosc.engine import batch as engine_batch
+from symosc.engine import flow, summary
+from symosc.engine.arithmetic import (
+    Arithmetic,
+    PairLimits,
+    compiled,
+    compiled_pairs,
+    is_compiled,
+    pair_constants,
+    pairs_are_compiled,
+)
+from symosc.engine.batch import STATE_WIDTH, Batch, EventRows, batch_of, copied, event_buffer, row_of, rows_between
+from symosc.engine.constant_table import ROW, ConstantRows, table_of
+from symosc.engine.start import Start, first_state
+from symosc.engine.summary import Tally, no_tally
+from symosc.errors import MissingExtraError, ParameterError
+from symosc.exact import whole_number
+from symosc.scenes import load_scene
+from symosc.simulation.motion import last_time
+
+Result = TypeVar("Result")
+
+# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
+# A little more than a power of 2: else all columns would have the same places in the processor's cache.
+CAPACITY = (1 << 18) + 72
+# Events after which the interpreted loop asks whether to go on.
+TURN = 2048
+# A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
+MOST_IN_CHUNK = 1024
+CHUNKS_PER_WORKER = 6
+MOST_WORKERS = 256
+
+
+@dataclass
+class InterpretBudget:
+    """How many events a program still interprets before it compiles a loop: as many as take about as long as that."""
+
+    events: int
+
+
+DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
+
+
+class Loops(NamedTuple):
+    """What motions are begun, followed and finished with, compiled or not; each takes constants as a table."""
+
+    march_rows: Callable[..., None]
+    follow: Callable[..., tuple[int, int]]
+    settle: Callable[..., None]
+    in_threads: bool  # whether several threads are faster than one
+
+
+def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of the engine that takes constants as a table, in CPython."""
+
+    def call(*arguments: Any) -> Any:
+        return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
+
+    return call
+
+
+FOLLOW = _interpreted(engine_batch.follow_all)
+INTERPRETED = Loops(_interpreted(flow.march_rows), FOLLOW, _interpreted(summary.settle), False)
+
+
+def chosen_loops(use_numba: Any) -> Loops:
+    """Return the loops that are asked for: compiled (True), interpreted (False), or what is there (None)."""
+    if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
+        raise ParameterError("use_numba", use_numba, "must be True, False or None")
+    if use_numba is not None and not use_numba:
+        return INTERPRETED
+    try:
+        functions = compiled()
+    except MissingExtraError:
+        if use_numba:
+            raise
+        return INTERPRETED
+    march_rows, follow, settle = (functions[name] for name in ("march_rows", "follow_all", "settle"))
+    if use_numba:
+        return Loops(march_rows, follow, settle, True)
+    march_rows, settle = (
+        ready if is_compiled(ready) else plain
+        for ready, plain in ((march_rows, INTERPRETED.march_rows), (settle, INTERPRETED.settle))
+    )
+    return Loops(march_rows, follow if is_compiled(follow) else _interpreted_first(follow), settle, True)
+
+
+def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int]]:
+    """Return the event loop that is interpreted, in turns of TURN rows, until DOUBLES is spent."""
+
+    def follow(
+        begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
+    ) -> tuple[int, int]:
+        if DOUBLES.events <= 0 or is_compiled(compiled_one):
+            found: tuple[int, int] = compiled_one(begin, batch, most, accuracy, out, tally, table)
+            return found
+        one = Batch(*(column[: begin + 1] for column in batch))
+        begin, filled = FOLLOW(begin, one, most, accuracy, rows_between(out, 0, TURN), tally, table)
+        DOUBLES.events -= max(filled, 1)
+        return begin, filled
+
+    return follow
+
+
+def follow_batch(
+    follow: Callable[..., tuple[int, int]],
+    batch: Batch,
+    most: int,
+    accuracy: float,
+    table: np.ndarray,
+    room: EventRows | None = None,
+    tally: Tally | None = None,
+) -> Iterator[EventRows]:
+    """Follow a batch to its end; yield the rows of its events, copied out of `room`, which is used again."""
+    room, tally, begin = room or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
+    while begin < len(batch.states):
+        begin, filled = follow(begin, batch, most, accuracy, room, tally, table)
+        filled = 0 if len(tally.floats) else filled
+        yield EventRows(*(copied(columns[:, :filled]) for columns in room))
+
+
+def joined(parts: Iterable[EventRows]) -> EventRows:
+    """Return rows in one piece."""
+    rows = list(parts) or [event_buffer(0)]
+    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
+
+
+class Stopped(Exception):
+    """The caller was interrupted: nobody needs the result of this thread any more."""
+
+
+class CancelToken(Event):
+    """What a thread asks now and then: whether the caller was interrupted."""
+
+    def check(self) -> None:
+        """Raise Stopped if the caller was interrupted."""
+        if self.is_set():
+            raise Stopped
+
+
+def read_workers(workers: Any) -> int:
+    """Return the number of threads that is asked for; None: as many as there are cores for this process."""
+    if workers is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return whole_number("workers", workers, 1)
+
+
+def in_chunks(
+    count: int,
+    work: Callable[[slice, EventRows, CancelToken], Result],
+    workers: int,
+    progress: Callable[[int, int], object],
+) -> list[Result]:
+    """Return the results of all chunks of `count` rows, in order; each thread has a buffer for events of its own.
+
+    An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
+    """
+    size = max(1, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
+    # No motions are a chunk too: it has the columns, each without an entry.
+    chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
+    cancel, own, done = CancelToken(), local(), 0
+
+    def one(rows: slice) -> Result:
+        cancel.check()
+        if not hasattr(own, "room"):
+            own.room = event_buffer(CAPACITY)
+        return work(rows, own.room, cancel)
+
+    if min(workers, len(chunks)) <= 1:
+        results = []
+        for rows in chunks:
+            results.append(one(rows))
+            progress(rows.stop, count)
+        return results
+    with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
+        try:
+            futures: dict[Future[Result], slice] = {pool.submit(one, rows): rows for rows in chunks}
+            for future in as_completed(futures):
+                future.result()
+                done += futures[future].stop - futures[future].start
+                progress(done, count)
+        except BaseException:
+            cancel.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    return [future.result() for future in futures]
+
+
+class Warmed(NamedTuple):
+    """What was compiled, or only loaded because it was on disk, and the seconds that it took."""
+
+    what: str
+    was_there: bool
+    seconds: float
+
+
+def warm() -> list[Warmed]:
+    """Compile what `simulate_many` calls, unless that is on disk already.
+
+    Raises
+    ------
+    MissingExtraError
+        If numba is not installed.
+    """
+    loops, search = chosen_loops(True), compiled()["search_row"]
+    scene, nothing = load_scene("fig8"), np.arange(0)
+    start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
+    arithmetic = Arithmetic(scene.parameters)
+    table, states = table_of([arithmetic.K]), np.zeros((0, STATE_WIDTH))
+
+    def doubles() -> None:
+        loops.march_rows(table, np.zeros((1, 2, 7)))
+        loops.follow(0, batch_of(states), 1, 1.0, event_buffer(0), no_tally(), table)
+        loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
+
+    def alone() -> None:
+        search(np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))]), table)
+
+    def pairs() -> None:
+        K, none = pair_constants(scene.parameters), states.astype(complex)
+        begin, follow = compiled_pairs()
+        begin(none, K)
+        follow(
+            nothing,
+            nothing,
+            none,
+            batch_of(states),
+            event_buffer(0),
+            K,
+            no_tally(),
+            PairLimits(1, 1.0, 0, table, table),
+        )
+
+    works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
+        "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
+        "events of single motions": (lambda: is_compiled(search), alone),
+        "events in double-double numbers": (pairs_are_compiled, pairs),
+    }
+    done = []
+    for what, (is_there, run) in works.items():
+        was_there, begin = is_there(), perf_counter()
+        run()
+        done.append(Warmed(what, was_there, perf_counter() - begin))
+    return done

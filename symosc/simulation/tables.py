@@ -1,0 +1,258 @@
+"""What `simulate_many` returns: events of many motions in columns, or a summary with a row per motion."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symosc.aliases import Record
+from symosc.arguments import public
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
+from symosc.engine.batch import EventRows, event_buffer, joined
+from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
+from symosc.exact import unmasked
+from symosc.files import write_whole
+
+#: Attributes of an `EventTable` for the code fields of an event: those with names have "_code" behind their own.
+CODE_ATTRIBUTES = tuple(f"{name}_code" if name in CODE_NAMES else name for name in CODE_COLUMNS)
+
+
+class EventTable(Drawable):
+    """Events of many trajectories, one row per event, in order of trajectory and time.
+
+    Attributes
+    ----------
+    trajectory : (rows,) int array
+        Number of the trajectory, an index into `status`.
+    t, x, v, theta, t_error, x_error : (rows,) float arrays
+        As in `Event`, whose fields all are columns here.
+    boundary : (rows,) int array
+    kind, source, target : (rows,) arrays of str
+        As in `Event`; made on access from the columns kind_code, source_code and target_code.
+    status : list of str
+        Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> table = simulate_many(load_scene("fig5").parameters, (0, 0, 0), t_end=7, use_numba=False)
+    >>> table.kind.tolist(), table.status
+    (['stick', 'slip', 'stick', 'slip', 'stick'], ['t_end'])
+    """
+
+    trajectory: np.ndarray
+    status: list[str]
+
+    def __init__(self, status: list[str], **columns: np.ndarray) -> None:
+        vars(self).update(columns, status=status)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in CODE_NAMES:
+            names, codes = CODE_NAMES[name], vars(self)[f"{name}_code"]
+            return np.array([names.get(code, "") for code in range(max(names) + 1)])[codes]
+        raise AttributeError(f"EventTable has no column {name!r}; it has {', '.join(('trajectory', *EVENT_COLUMNS))}")
+
+    def __len__(self) -> int:
+        return len(self.trajectory)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same events and statuses."""
+        if not isinstance(other, EventTable):
+            return NotImplemented
+        return all(np.array_equal(column, vars(other)[name]) for name, column in vars(self).items())
+
+    __hash__ = None  # type: ignore[assignment]  # arrays have none
+
+    def rows(self, rows: Any, status: list[str]) -> EventTable:
+        """Return some of the rows, by numbers or a slice, with the statuses of their trajectories."""
+        return EventTable(status, **{name: column[rows] for name, column in vars(self).items() if name != "status"})
+
+    @public
+    def __getitem__(self, trajectory: int) -> EventTable:
+        """Return the events of one trajectory, as a table of it alone."""
+        number = range(len(self.status))[trajectory]
+        found = self.rows(slice(*np.searchsorted(self.trajectory, [number, number + 1])), [self.status[number]])
+        found.trajectory = found.trajectory * 0
+        return found
+
+    def __repr__(self) -> str:
+        motions = f"{counted(len(self.status), 'motion')} ({statuses(self.status)})"
+        return f"<EventTable of {counted(len(self), 'event')} of {motions}>"
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the columns by name, names instead of codes."""
+        return {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the rows as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+
+        def write(draft: Path) -> None:
+            with draft.open("w", encoding="utf-8", newline="") as file:
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerow(self.columns())
+                writer.writerows(zip(*(column.tolist() for column in self.columns().values()), strict=True))
+
+        write_whole(path, write)
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per event; MissingExtraError if pandas is not installed."""
+        return imported("pandas").DataFrame(self.columns())
+
+    def to_xarray(self) -> Any:
+        """Return a Dataset over `event`, with the statuses over `motion`; MissingExtraError without xarray."""
+        columns: Record = {name: (("event",), column) for name, column in self.columns().items()}
+        return imported("xarray").Dataset(columns | {"status": (("motion",), np.array(self.status, dtype=str))})
+
+
+def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
+    """Return rows of events as a table, each column in one piece."""
+    parts, columns = parts or [event_buffer(0)], {}
+    for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
+        for n, name in enumerate(names):
+            columns[name] = joined([part[which][n] for part in parts])
+    return EventTable(status, **columns)
+
+
+def rows_of(i: int, events: Sequence[Event]) -> EventRows:
+    """Return the events of one trajectory as rows."""
+    codes = {name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()}
+    rows = event_buffer(len(events))
+    for n, event in enumerate(events):
+        rows.floats[:, n] = [getattr(event, name) for name in FLOAT_COLUMNS]
+        values = [(name, getattr(event, name)) for name in CODE_COLUMNS]
+        rows.ints[:, n] = i, *(codes[name][value] if name in codes else value for name, value in values)
+    return rows
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words."""
+    return f"{count:,} {what}{'s' * (count != 1)}"
+
+
+def statuses(status: Any) -> str:
+    """Return how many motions ended in which way, in short."""
+    names, counts = np.unique(np.asarray(status, dtype=str), return_counts=True)
+    return ", ".join(f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)) or "none"
+
+
+#: Columns of a summary: long name and dimension of each. `symosc.simulation.ensemble.summary_of` computes them.
+SUMMARY_COLUMNS = {
+    "status": ("why the motion ended", "1"),
+    "events": ("number of events", "1"),
+    "sticks": ("number of onsets of a stick", "1"),
+    "t": ("time of the last state", "time"),
+    "x": ("last position", "length"),
+    "v": ("last velocity", "length/time"),
+    "mode": ("last mode", "1"),
+    "word": ("mappings of the last forcing period as a cycle, from right to left", "1"),
+    "multiplicity": ("forcing periods after which word and section repeat, 0 if they do not", "1"),
+    "stuck": ("share of the time that the mass sticks", "1"),
+    "x_min": ("least position", "length"),
+    "x_max": ("largest position", "length"),
+    "v_min": ("least velocity", "length/time"),
+    "v_max": ("largest velocity", "length/time"),
+    "section": ("position and velocity at the last whole forcing periods", ""),
+}
+
+
+class Summary(Drawable):
+    """What became of many motions, one row each.
+
+    Attributes
+    ----------
+    status : (n,) array of str
+        As in `Trajectory`.
+    events, sticks : (n,) int arrays
+        Events, and how many of them begin a stick.
+    t, x, v : (n,) float arrays
+        The last state: at t_end, or at the last event of a motion that ended before.
+    mode : (n,) array of str
+        Its mode, "Omega1" … "belt2".
+    word : (n,) array of str
+        Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did. The one
+        that was under way when the period began counts as its last: on an orbit of one period it is so at its end too.
+    multiplicity : (n,) int array
+        Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice in a row; 0 if they
+        do not. Sections are the same if they differ by less than 1e-6 of the motion's extent plus 8 estimated errors.
+    stuck : (n,) float array
+        Share of time on a belt.
+    x_min, x_max, v_min, v_max : (n,) float arrays
+        Extremes, those inside flights included.
+    section : (n, sections, 2) float array
+        x and v where the last forcing periods ended (Omega t = 2 pi n, the start not included), in order of time; NaN
+        for those that were not.
+
+    A column that was not asked for is ().
+
+    Examples
+    --------
+    >>> from symosc import load_scene, simulate_many
+    >>> scene = load_scene("fig9-orbit")
+    >>> start = (scene.t0, scene.x0, scene.v0)
+    >>> found = simulate_many(scene.parameters, start, t_end=20, record="summary", use_numba=False)
+    >>> found.word.tolist(), found.multiplicity.tolist(), found.sticks.tolist()
+    (['P32'], [1], [0])
+    """
+
+    def __init__(self, **columns: np.ndarray) -> None:
+        vars(self).update(columns)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in SUMMARY_COLUMNS:
+            return ()
+        raise AttributeError(f"Summary has no column {name!r}; it has {', '.join(SUMMARY_COLUMNS)}")
+
+    def __len__(self) -> int:
+        return max(map(len, self.columns().values()), default=0)
+
+    @public
+    def __getitem__(self, motion: int | slice | Sequence[bool | int]) -> Any:
+        """Return the row of one motion as a dictionary, or another summary of some of them."""
+        columns = self.columns()
+        unmasked("motion", motion)
+        if isinstance(motion, (int, np.integer)) and not isinstance(motion, bool):
+            return {name: column[motion] for name, column in columns.items()}
+        return Summary(**{name: column[motion] for name, column in columns.items()})
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same rows."""
+        if not isinstance(other, Summary):
+            return NotImplemented
+        mine, others = self.columns(), other.columns()
+        return mine.keys() == others.keys() and all(
+            np.array_equal(column, others[name], equal_nan=column.dtype.kind == "f") for name, column in mine.items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # arrays have none
+
+    def __repr__(self) -> str:
+        what = ", ".join(self.columns()) if not len(self.status) else statuses(self.status)
+        return f"<Summary of {counted(len(self), 'motion')}: {what}>"
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the columns by name."""
+        return dict(vars(self))
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per motion; MissingExtraError if pandas is not installed."""
+        columns = self.columns()
+        section = columns.pop("section", np.zeros((0, 0, 2)))
+        for n in range(section.shape[1]):
+            place = n - section.shape[1]
+            columns |= {f"section_x[{place}]": section[:, n, 0], f"section_v[{place}]": section[:, n, 1]}
+        pandas = imported("pandas")
+        return pandas.DataFrame(columns, index=pandas.RangeIndex(len(self), name="motion"))
+
+    def to_xarray(self) -> Any:
+        """Return a Dataset over `motion`, `section` and `component`; MissingExtraError if xarray is not installed."""
+        columns: Record = {name: (("motion",), column) for name, column in self.columns().items()}
+        places: Record = {"motion": np.arange(len(self))}
+        if "section" in columns:
+            columns["section"] = ("motion", "period", "component"), self.section
+            places |= {"period": np.arange(-self.section.shape[1], 0), "component": ["x", "v"]}
+        return imported("xarray").Dataset(columns, coords=places)

@@ -1,0 +1,500 @@
+"""Balls, sets, flights, contacts, sticks, margins and multipliers enclose what an oracle or samples say."""
+
+from __future__ import annotations
+
+import math
+import random
+import subprocess
+import sys
+from fractions import Fraction
+from itertools import islice
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb, ctx
+from oracle import flow_oracle
+from problems import FAMILIES, ordinary
+
+from symosc import Parameters, Scene, certify, load_scene
+from symosc.certificates.balls import (
+    Ball,
+    StateSet,
+    Undecided,
+    around,
+    ball,
+    decided_sign,
+    exact_ends,
+    outward,
+    sure_sign,
+    working_bits,
+)
+from symosc.certificates.contact import FOR_EVER, Slip, end_of_stick, first_zero, zero_in
+from symosc.certificates.flow import Flight, Jet, Oscillator, Turns, holding_force
+from symosc.certificates.motion import belts_around
+from symosc.certificates.orbit import Margin, Stability, prove_positive
+
+
+def test_a_comparison_is_true_only_if_it_is_certain() -> None:
+    wide = arb(0, 1)
+    assert not wide < 0
+    assert not wide >= 0  # so "not x < 0" proves nothing
+    assert (sure_sign(wide), sure_sign(wide + 2), sure_sign(wide - 2)) == (0, 1, -1)
+    with pytest.raises(Undecided):
+        decided_sign(wide, "a sign")
+    assert sure_sign(arb.nan()) == 0
+
+
+def test_a_negative_ball_is_the_negative() -> None:
+    assert (-arb(3, 1)).contains(-2)
+    assert arb(3, 1).neg().contains(-4)  # wrong before python-flint 0.9
+    assert not (-arb(3, 1)).contains(3)
+
+
+def test_the_ends_of_a_ball_are_those_of_its_middle_and_radius() -> None:
+    rng = random.Random(1)
+    for _ in range(200):
+        middle, radius = (Fraction(rng.randint(-(10**9), 10**9), rng.randint(1, 10**9)) for _ in range(2))
+        value = around(ball(middle), ball(radius))
+        low, high = exact_ends(value)
+        assert low <= middle - abs(radius)
+        assert high >= middle + abs(radius)
+        assert high - low <= 2 * abs(radius) * (1 + Fraction(1, 10**6)) + Fraction(1, 10**3)
+
+
+@pytest.mark.parametrize("digits", [5, 60])
+def test_decimals_are_rounded_outward(digits: int) -> None:
+    rng = random.Random(digits)
+    with working_bits(300):
+        for _ in range(50):
+            exact = Fraction(rng.randint(-(10**30), 10**30), 10 ** rng.randint(1, 40))
+            value = around(ball(exact), ball(Fraction(1, 10 ** rng.randint(3, 70))))
+            low, high = map(Fraction, outward(value, digits))
+            below, above = exact_ends(value)
+            assert low < below <= above < high
+            unit = Fraction(10) ** (len(str(int(max(1, abs(below), abs(above))))) - digits)
+            assert high - low <= above - below + 4 * unit
+
+
+def test_the_precision_is_given_back() -> None:
+    before = ctx.prec
+    with working_bits(999):
+        assert ctx.prec == 999
+    with pytest.raises(ZeroDivisionError), working_bits(999):
+        Fraction(1, 0)
+    assert ctx.prec == before
+
+
+@pytest.mark.parametrize(("command", "what"), [("certify", "certify"), ("verify", "verify")])
+def test_without_python_flint_one_line_says_what_to_install(command: str, what: str) -> None:
+    code = "import sys; sys.modules['flint'] = None; from symosc.cli.app import main; main(sys.argv[1:])"
+    run = subprocess.run([sys.executable, "-c", code, command, "fig6"], capture_output=True, text=True)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == f"symosc: error: {what} needs an optional package: pip install 'symosc[certify]'\n"
+
+
+BASE: dict[str, Any] = {"m": 1, "c": "0.4", "k": 2, "A0": "0.5", "B0": 4, "Omega": "1.3", "v1": -1, "v2": "1.5"}
+
+
+BASE |= {"mu1": "0.4", "mu2": "0.3", "FN": 3}
+
+
+REGIMES: dict[str, dict[str, Any]] = {
+    "underdamped": {},
+    "overdamped": {"c": 5},
+    "critical": {"c": 2, "k": 1},
+    "nearly critical": {"c": 2, "k": "0.99999999999999"},
+    "nearly critical, below": {"c": 2, "k": "1.00000000000001"},
+    "resonance": {"c": 0, "k": "1.69"},
+    "nearly resonance": {"c": "1e-12", "k": "1.69"},
+    "undamped": {"c": 0},
+    "no spring": {"k": 0},
+    "weak spring": {"k": "1e-15"},
+    "free mass": {"k": 0, "c": 0},
+    "stiff": {"m": "1e-5"},
+    "no drive": {"B0": 0},
+    "backwards": {"B0": -4},
+}
+
+
+def contains(value: Ball, number: Any) -> bool:
+    """Whether a ball contains a number of mpmath that is right to 45 digits."""
+    low, high = exact_ends(value)
+    exact = Fraction(int(number.man)) * Fraction(2) ** int(number.exp) * (1 if number >= 0 else -1)
+    slack = Fraction(1, 10**45) * (1 + abs(exact))
+    return low - slack <= exact <= high + slack and high - low < Fraction(1, 10**20) * (1 + abs(exact))
+
+
+@pytest.mark.quick(5)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_enclosures_contain_the_motion(regime: str) -> None:
+    p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)
+    with working_bits(256):
+        oscillator = Oscillator(p)
+        for domain in (1, 2, 3):
+            t0, x0, v0 = (Fraction(rng.randint(-50, 50), 10) for _ in range(3))
+            tau = Fraction(rng.randint(1, 300), 100) * (Fraction(1, 100) if regime == "stiff" else 1)
+            flight = Flight(oscillator, domain, ball(t0), ball(x0), ball(v0))
+            there = flight.at(ball(tau))
+            x, v, a = flow_oracle(p, domain, t0, x0, v0, tau)
+            for value, number in ((flight.x(there), x), (there.v, v), (there.a, a)):
+                assert contains(value, number), (domain, value, number)
+            drive = -(p.c * _exact(a) + p.k * _exact(v)) / p.m
+            with mpmath.workdps(50):
+                sine = mpmath.sin(mpmath.mpf(p.Omega.numerator) / p.Omega.denominator * _mpf(t0 + tau))
+                jerk = _mpf(drive) - _mpf(p.B0 * p.Omega / p.m) * sine
+            assert abs(float(flight.jerk(there).mid()) - float(jerk)) < 1e-12 * (1 + abs(float(jerk)))
+
+
+def _exact(number: Any) -> Fraction:
+    return Fraction(str(mpmath.nstr(number, 40)))
+
+
+def _mpf(number: Fraction) -> Any:
+    return mpmath.mpf(number.numerator) / number.denominator
+
+
+@pytest.mark.quick(5)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_entire_functions_carry_differences_of_motions(regime: str) -> None:
+    """Two motions of a domain differ by dx phi + dv E in x, and by -(k/m) dx E + dv E' in v, exactly."""
+    p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)
+    tau = Fraction(rng.randint(1, 200), 100) * (Fraction(1, 100) if regime == "stiff" else 1)
+    with working_bits(256):
+        oscillator = Oscillator(p)
+        E, E1, phi = oscillator.entire(ball(tau))
+        dx, dv = ball(Fraction(rng.randint(-9, 9), 7)), ball(Fraction(rng.randint(-9, 9), 7))
+        zero = arb(0)
+        here = Flight(oscillator, 2, arb(1), arb(1), arb(1))
+        there = Flight(oscillator, 2, arb(1), 1 + dx, 1 + dv)
+        a, b = here.at(ball(tau)), there.at(ball(tau))
+        assert (there.x(b) - here.x(a) - dx * phi - dv * E).overlaps(zero)
+        assert (b.v - a.v + oscillator.km * dx * E - dv * E1).overlaps(zero)
+
+
+@pytest.mark.quick(5)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_derivatives_by_the_start_are_differences_of_flights(regime: str) -> None:
+    p, (dt, dx, dv) = Parameters(**BASE | REGIMES[regime]), (Fraction(3, 7), Fraction(-2, 5), Fraction(1, 3))
+    tau, small = Fraction(1, 2) * (Fraction(1, 100) if regime == "stiff" else 1), Fraction(1, 10**30)
+    with working_bits(300):
+        ends = []
+        for side in (-1, 1):
+            t, x, v = (ball(1 + side * small * each) for each in (dt, dx, dv))
+            flight = Flight(Oscillator(p), 2, t, x, v)
+            there = flight.at(1 + ball(tau) - t)
+            ends.append((flight.x(there), there.v))
+        middle = Flight(Oscillator(p), 2, arb(1), arb(1), arb(1))
+        derivatives = middle.moved(middle.at(ball(tau)), [ball(dt), ball(dx), ball(dv)])
+        for found, below, above in zip(derivatives, *ends, strict=True):
+            assert abs((above - below) / ball(2 * small) - found) < 1e-18 * (1 + abs(found))
+
+
+@pytest.mark.parametrize("regime", ["underdamped", "overdamped", "critical", "undamped", "no drive"])
+def test_a_bound_for_all_later_times_is_one(regime: str) -> None:
+    p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)
+    with working_bits(128):
+        flight = Flight(Oscillator(p), 2, arb(0), arb(3), arb(1))
+        for tau in (Fraction(0), Fraction(3, 2), Fraction(6)):
+            bound = flight.stays_within(flight.at(ball(tau)))
+            assert bound.is_finite()
+            later = [tau + Fraction(rng.randint(0, 400), 10) for _ in range(40)]
+            assert not any(abs(flight.at(ball(time)).v) > bound for time in later)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_turns_are_zeros_and_the_drift_has_its_sign_between_them(sign: int) -> None:
+    rng = random.Random(sign)
+    with working_bits(128):
+        for _ in range(30):
+            p, start = ordinary(rng, B0=sign * Fraction(rng.randint(1, 90), 10))
+            boundary, t = rng.choice([1, 2]), ball(Fraction(start["t0"]) * 10 ** rng.randint(0, 6))
+            turns = Turns(p, boundary)
+
+            def drift(time: object, p: object = p, boundary: int = boundary) -> object:
+                bias, swing = ball(p.k * p.belt(boundary)), ball(p.B0 * p.Omega)  # type: ignore[attr-defined]
+                return -bias - swing * (ball(p.Omega) * time).sin()  # type: ignore[attr-defined]
+
+            before = t
+            for turn, side in islice(turns.after(t), 5):
+                if turn is None:
+                    assert sure_sign(drift(t + rng.random())) == side == turns.constant
+                    break
+                assert turn > before
+                assert drift(turn).contains(0)  # type: ignore[attr-defined]
+                assert sure_sign(drift((before + turn) / 2)) == side
+                before = turn
+
+
+def test_a_turn_exactly_at_the_start_is_behind() -> None:
+    p, _ = ordinary(random.Random(1), k=0, B0=1, Omega=1)
+    with working_bits(128):
+        turn, side = next(Turns(p, 1).after(arb(0)))
+        assert turn is not None
+        assert (float(turn.mid()), side) == (pytest.approx(3.14159265), -1)
+
+
+def test_a_drift_that_touches_0_keeps_its_sign() -> None:
+    p, _ = ordinary(random.Random(1), k=2, B0=4, Omega=1, v1=2, v2=3)
+    assert list(islice(Turns(p, 1).after(arb(1)), 2)) == [(None, -1)]
+    p, _ = ordinary(random.Random(1), k=0, B0=0, v1=2, v2=3)
+    assert list(islice(Turns(p, 1).after(arb(1)), 2)) == [(None, 0)]
+
+
+def _flight(p: Parameters, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Flight, list[int]]:
+    domain = 1 + (v0 > p.v1) + (v0 > p.v2)
+    flight = Flight(Oscillator(p), domain, ball(t0), ball(x0), ball(v0))
+    return flight, belts_around(domain)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("family", ["ordinary", "light", "stiff", "no spring", "resonant"])
+def test_the_first_zero_is_where_samples_change_their_sign(family: str) -> None:
+    rng = random.Random(family)
+    with working_bits(128):
+        for _ in range(12):
+            p, start = FAMILIES[family](rng)
+            t0, x0, v0 = (Fraction(start[name]) for name in ("t0", "x0", "v0"))
+            if v0 in (p.v1, p.v2):
+                continue
+            flight, walls = _flight(p, t0, x0, v0)
+            for wall in walls:
+                gap, found = flight.gap(wall), first_zero(flight, wall, arb(4), False)
+                values = [gap(arb(float(tau))).g for tau in np.linspace(0, 4, 400)]
+                low = 4.0 if found is None else float(found[0].tau.mid())
+                assert all(value > 0 for i, value in enumerate(values) if i * 4 / 399 < low)
+                if found is not None:
+                    tau = zero_in(gap, found[0].tau, found[1].tau, "a contact", flight.t0)
+                    assert float(tau.rad()) < 1e-25
+                    assert gap(tau).g.contains(0)
+                    assert gap((tau.mid() - arb("1e-20")).mid()).g > 0 > gap((tau.mid() + arb("1e-20")).mid()).g
+
+
+@pytest.mark.parametrize("exponent", [3, 8, 13, 25, 31])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_belt_just_beside_the_peak_is_met_or_missed(exponent: int, sign: int) -> None:
+    """fig7's orbit peaks at 5 exactly: a belt that is slower by 10**-n is met, and one that is faster is not."""
+    scene = load_scene("fig7-exact")
+    p = scene.parameters.replace(v1=5 + Fraction(sign, 10**exponent))
+    with working_bits(256):
+        flight, (wall,) = _flight(p, scene.t0, scene.x0, scene.v0)
+        assert (first_zero(flight, wall, arb(3), False) is None) == (sign > 0)
+
+
+def test_a_touch_is_open_however_many_bits_there_are() -> None:
+    scene = load_scene("fig7-exact")
+    for bits in (64, 128):  # the start is given to 45 digits, and touches as far as those tell
+        with working_bits(bits):
+            flight, (wall,) = _flight(scene.parameters, scene.t0, scene.x0, scene.v0)
+            with pytest.raises(Undecided) as open_contact:
+                first_zero(flight, wall, arb(3), False)
+            assert open_contact.value.graze is not None
+            boundary, tau = open_contact.value.graze
+            assert boundary == 1
+            assert float(tau.mid()) == pytest.approx(3.14159265358979 - 2.5, abs=1e-4)
+
+
+def test_a_dip_between_two_equal_slopes_is_found() -> None:
+    """Its secant is no number: the gap falls as fast at both ends of the piece, a whole period apart."""
+    numbers = {"m": "13/2", "c": 2, "k": "51597/2000000", "A0": "-670761/20000000", "B0": "-83349/12500000"}
+    speeds = {"v1": "-166697999997/50000000000000", "v2": "2165849/25000000", "mu1": 0, "mu2": 0, "FN": "179/25"}
+    p = Parameters(**numbers, Omega="63/1000", **speeds)
+    scene = Scene("dip", p, Fraction(0), Fraction("-1.3"), Fraction(-83349, 25000000), Fraction(300))
+    certificate = certify(scene)
+    assert certificate.proven, certificate.message
+    assert [event[0] for event in certificate.events] == ["cross"] * 7
+
+
+def test_a_start_on_the_wall_is_not_a_contact() -> None:
+    p = load_scene("fig9").parameters
+    with working_bits(128):
+        flight = Flight(Oscillator(p), 1, arb(0), arb(4), ball(p.v1))
+        assert flight.a0 < 0
+        found = first_zero(flight, 1, arb(5), True)
+        assert found is not None
+        assert found[1].tau > 0.1
+        with pytest.raises(Undecided):
+            first_zero(flight, 1, arb(5), False)
+
+
+def test_a_stick_ends_at_the_first_of_both_exits() -> None:
+    rng, sides = random.Random(2), set()
+    with working_bits(128):
+        for _ in range(60):
+            p, start = ordinary(rng, FN=10, mu1=1, mu2=1)
+            o, boundary, t = Oscillator(p), rng.choice([1, 2]), ball(Fraction(start["t0"]))
+            middle = (p.A(boundary) + p.A(boundary + 1)) / 2 - p.c * p.belt(boundary)
+            x = (ball(middle) + o.B0 * (o.Omega * t).cos()) / o.k  # the forces are equal and opposite
+            slip = end_of_stick(o, boundary, t, x, arb(6))
+            forces = [holding_force(o, boundary, boundary + i, t, x) for i in (0, 1)]
+            times = np.linspace(0, 6, 300)
+            last = float(slip.tau.mid()) if isinstance(slip, Slip) else 6.0
+            assert all(force(arb(float(tau))).g > 0 for force in forces for tau in times if tau < last)
+            if isinstance(slip, Slip):
+                out = slip.domain - boundary
+                sides.add(out)
+                assert forces[out](slip.tau).g.contains(0)
+                assert forces[1 - out](slip.tau).g > 0
+                assert (slip.slope > 0) == (out == 1)
+    assert sides == {0, 1}
+
+
+def test_a_stick_on_a_belt_at_rest_may_last_for_ever() -> None:
+    p, _ = ordinary(random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2="0.1", FN=1)
+    with working_bits(128):
+        for x in ("-0.6", "0", "0.5"):
+            assert end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction(x)), arb(10) ** 9) == FOR_EVER
+        # F^(2) reaches 0 where B0 cos(t) falls to -0.05
+        assert isinstance(end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction("1.05")), arb(10) ** 9), Slip)
+
+
+def test_a_force_that_touches_0_where_it_turns_is_open() -> None:
+    p, _ = ordinary(random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2=0, FN=1)
+    with working_bits(128), pytest.raises(Undecided):  # F^(1) = 1 - x - 0.1 cos(t + pi) is 0 once a period
+        end_of_stick(Oscillator(p), 1, arb(1), ball(Fraction("0.9")), arb(100))
+
+
+def _inside(states: StateSet, point: list[Ball]) -> bool:
+    """Whether a point is within the set: its coordinates in the orthogonal frame are in the box."""
+    (p, minus_q), (q, _) = states.matrix
+    off = [value - c for value, c in zip(point, states.centre, strict=True)]
+    norm = p * p + q * q
+    y = [(p * off[0] + q * off[1]) / norm, (p * off[1] - q * off[0]) / norm]
+    assert (minus_q + q).contains(0)
+    return all(box.overlaps(each) for box, each in zip(states.box, y, strict=True))
+
+
+def test_an_image_contains_the_images_of_points() -> None:
+    rng = random.Random(3)
+    for _ in range(50):
+        a, b, c, d, bend = (rng.uniform(-2, 2) for _ in range(5))
+
+        def image(x: Ball, y: Ball, abcd: tuple[float, ...] = (a, b, c, d, bend)) -> list[Ball]:
+            a, b, c, d, bend = abcd
+            return [a * x + b * y + bend * x * x, c * x + d * y - bend * x * y]
+
+        states = StateSet.of([arb(rng.uniform(-1, 1), 1e-3), arb(rng.uniform(-1, 1), 1e-5)])
+        x, y = states.hull()
+        jacobian = [[a + 2 * bend * x, arb(b)], [c - bend * y, d - bend * x]]
+        after = states.mapped(image(*states.centre), jacobian)
+        for _ in range(20):
+            point = [value.mid() + value.rad() * rng.uniform(-1, 1) for value in (x, y)]
+            there = image(*(each.mid() for each in point))
+            assert _inside(after, there)
+            assert all(box.overlaps(each) for box, each in zip(after.hull(), there, strict=True))
+
+
+def test_a_thousand_turns_do_not_grow() -> None:
+    """In boxes each turn by a radian would grow by |sin| + |cos|: to 10**120."""
+    s, c = math.sin(1), math.cos(1)
+    states = StateSet.of([arb(1, 1e-6), arb(0, 1e-6)])
+    for _ in range(1000):
+        x, y = states.centre
+        states = states.mapped([c * x - s * y, s * x + c * y], [[arb(c), arb(-s)], [arb(s), arb(c)]])
+    assert max(float(value.rad()) for value in states.hull()) < 3e-6
+
+
+def test_a_contraction_to_a_line_shrinks() -> None:
+    states = StateSet.of([arb(1, 1e-6), arb(0, 1e-6)])
+    for _ in range(200):
+        x, y = states.centre
+        states = states.mapped([x / 2 + y / 2, x / 4 + y / 4], [[arb(0.5), arb(0.5)], [arb(0.25), arb(0.25)]])
+    assert max(float(value.rad()) for value in states.hull()) < 1e-20
+
+
+def margin(coefficients: list[object], at_start: int, at_end: bool) -> Margin:
+    """Return a polynomial, the lowest power first."""
+
+    def curve(tau: object) -> Jet:
+        jets = []
+        row = [arb(each) for each in coefficients]
+        for _ in range(3):
+            total = arb(0)
+            for each in reversed(row):
+                total = total * tau + each
+            jets.append(total)
+            row = [i * each for i, each in enumerate(row)][1:]
+        return Jet(tau, *jets)
+
+    return Margin("a polynomial", curve, at_start, at_end)
+
+
+def product(*factors: list[object]) -> list[object]:
+    total: list[object] = [arb(1)]
+    for factor in factors:
+        longer: list[object] = [arb(0)] * (len(total) + len(factor) - 1)
+        for i, a in enumerate(total):
+            for j, b in enumerate(factor):
+                longer[i + j] += a * arb(b)
+        total = longer
+    return total
+
+
+@pytest.mark.parametrize("gap", [1, 1e-3, 1e-9, 1e-25, 0, -1e-25, -1e-9, -1e-3])
+def test_a_near_miss(gap: float) -> None:
+    rng = random.Random(str(gap))
+    for _ in range(5):
+        place = rng.uniform(0.2, 0.8)
+        with working_bits(256):
+            row = product([-arb(place), 1], [-arb(place), 1])
+            row[0] += arb(gap)
+            if gap > 0:
+                prove_positive(margin(row, 0, False), arb(1))
+            else:
+                with pytest.raises(Undecided):
+                    prove_positive(margin(row, 0, False), arb(1))
+
+
+@pytest.mark.parametrize("at_start", [0, 1, 2])
+def test_it_starts_and_ends_on_the_belt(at_start: int) -> None:
+    start: list[list[object]] = [[0, 1]] * at_start
+    good = product(*start, [1, -1], [2, 1])
+    with working_bits(128):
+        prove_positive(margin(good, at_start, True), arb(1))
+        for bad in (
+            product(*start, [1, -1], [-0.5, 1], [-0.5, 1]),
+            product(*start, [-1, 1]),
+            product([0.25, -1], good),
+        ):
+            with pytest.raises(Undecided):
+                prove_positive(margin(bad, at_start, True), arb(1))
+        with pytest.raises(Undecided):  # it ends before the time that is asked for
+            prove_positive(margin(good, at_start, False), arb(1.5))
+
+
+def test_an_end_that_is_known_to_an_error() -> None:
+    with working_bits(128):
+        row = product([0, 1], [arb(1) + arb(0, 1e-9), -1])
+        prove_positive(margin(row, 1, True), arb(1) + arb(0, 1e-9))
+
+
+def test_they_contain_the_roots_and_decide_stability() -> None:
+    rng, seen = random.Random(5), set()
+    with working_bits(128):
+        for _ in range(500):
+            T, D = rng.uniform(-3, 3), rng.choice([0.0, rng.uniform(-1.5, 1.5), 1e-30])
+            roots = np.roots([1, -T, D])
+            found = Stability(arb(T), arb(D))
+            for re, im in found.multipliers():
+                near = min(roots, key=lambda root: abs(complex(root) - complex(float(re), float(im))))
+                assert abs(complex(near) - complex(float(re), float(im))) < 1e-6
+                value = arb(complex(near).real)
+                assert (re + arb(0, 1e-7)).overlaps(value)
+            assert found.stable is bool(max(abs(roots)) < 1)
+            seen.add(found.stable)
+    assert seen == {True, False}
+
+
+def test_on_the_circle_it_is_open() -> None:
+    with working_bits(128):
+        for T, D in ((2, 1), (-2, 1), (1.5, 0.5), (-1.5, 0.5), (0.3, 1)):
+            assert Stability(arb(T) + arb(0, 1e-20), arb(D) + arb(0, 1e-20)).stable is None
+
+
+def test_double_multipliers_are_enclosed_together() -> None:
+    with working_bits(128):
+        for re, im in Stability(arb(1), arb(0.25)).multipliers():
+            assert re.contains(0.5)
+            assert im.contains(0)
+            assert re.rad() < 1e-12

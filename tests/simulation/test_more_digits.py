@@ -1,0 +1,219 @@
+"""What simulate does where doubles, or the digits asked for, are not enough; and that all this stays bounded work."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from agreement import BASE, assert_agrees
+from aimed import aimed, text
+from oracle import simulate_oracle
+from touches import ordinary, tenths
+
+from symosc import Parameters, load_scene, simulate
+from symosc.engine import first_exit, flow, start
+from symosc.engine.start import Start
+from symosc.engine.state import MOVED
+from symosc.simulation import motion
+from symosc.simulation.motion import FinerMotion, Motion, digits_to_confirm_graze
+
+pytestmark = pytest.mark.usefixtures("interpreted")
+
+
+def test_more_digits_take_over_and_doubles_go_on() -> None:
+    """Events that doubles know to less than the accuracy asked for come from more digits, right to half a unit."""
+    scene = load_scene("fig8")
+    plain, finer = simulate(scene, accuracy=math.inf), simulate(scene)
+    exact = simulate(scene, digits=30)
+    assert max(event.x_error / max(1, abs(event.x)) for event in plain.events) > 1e-13
+    for event, right in zip(finer.events, exact.events, strict=True):
+        assert event.t_error <= 1e-13 * max(1.0, event.t)
+        assert event.x_error <= 1e-13 * max(1.0, abs(event.x))
+        assert abs(float(event.t - right.t)) <= 2.0**-52 * event.t
+        assert abs(float(event.x - right.x)) <= 2.0**-52 * abs(event.x)
+    assert simulate(scene, accuracy=1e-6).events == plain.events
+
+
+@pytest.mark.slow
+def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() -> None:
+    """fig8 beyond t = 62.83: the message names the time, the digits that were not enough, and more of them."""
+    scene = load_scene("fig8")
+    found = simulate(scene, t_end=160)
+    assert found.status == "undecidable"
+    near, digits, advice = re.findall(
+        r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", found.message
+    )[0]
+    assert float(near) == pytest.approx(62.83, abs=0.01)
+    assert found.t_end == float(near)
+    assert int(advice) == 2 * int(digits)
+    decided = simulate(scene, t_end=70, digits=40)
+    assert decided.status == "t_end"
+    assert len(decided.events) > len(found.events)
+    for event, right in zip(found.events, decided.events, strict=False):
+        assert (event.kind, event.target) == (right.kind, right.target)
+
+
+@pytest.mark.slow
+def test_digits_are_raised_until_events_are_known_to_them() -> None:
+    scene = load_scene("fig8")
+    found = simulate(scene, t_end=50, digits=20)
+    run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, 50, 70)
+    assert_agrees(found, run, 1e-19)
+    assert max(event.t_error / event.t for event in found.events) < 1e-19
+
+
+def test_a_finer_motion_is_followed_only_as_far_as_it_is_needed() -> None:
+    scene = load_scene("fig8")
+    one = FinerMotion(Start(scene.parameters, scene.t0, scene.x0, scene.v0, Fraction(30)))
+    assert one.reach(3, [])
+    assert len(one.events) == 3
+    assert one.reach(2, [])
+    assert len(one.events) == 3
+    assert one.reach(10**6, [])
+    assert one.ended
+
+
+def test_how_many_digits_a_graze_takes() -> None:
+    """Gaps shrink like exp(-rate t): e^-(h t) without oscillation of the roots, else by the fast root, or the slow."""
+
+    def followed(**changes: Any) -> Motion:
+        return Motion(Start(BASE.replace(m=1, **changes), Fraction(0), Fraction(0), Fraction(0), Fraction(1)))
+
+    under, over, ten = followed(c=2, k=5), followed(c=5, k=4), math.log(10)  # roots -1 +- 2i; -1, -4
+    spare = motion.GRAZE_SPARE
+    assert digits_to_confirm_graze(under, 0, 40) == 3 * 40
+    assert digits_to_confirm_graze(under, 200 * ten, 40) == 40 + spare + 200
+    assert digits_to_confirm_graze(over, 100 * ten, 40) == 40 + spare + 400
+    assert digits_to_confirm_graze(over, 300 * ten, 40) == 40 + spare + motion.MOST_FAST
+    assert digits_to_confirm_graze(over, 1000 * ten, 40) == 40 + spare + 1000
+    assert digits_to_confirm_graze(over, 3000 * ten, 40) is None
+    assert digits_to_confirm_graze(over, 0, 2000) == 6000
+    # On the steady motion no share of the transient could have shrunk; beside it as many digits as that has lost.
+    scene = ordinary(random.Random("steady"), "P5")
+    elapsed = 1000 * float(scene.p.m / scene.p.c)
+    for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
+        one = Motion(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end))
+        assert (digits_to_confirm_graze(one, elapsed, 40) == 3 * 40) is few
+
+
+@pytest.mark.parametrize("digits", [None, 20])
+def test_rest_is_taken_back_to_the_start(digits: int | None) -> None:
+    """On the fast manifold rounding decides at first; rational numbers say that no contact comes."""
+    p = Parameters(m=1, c=3, k=2, A0=0, B0=0, Omega=1, v1=-9, v2=0, mu1=0, mu2=0, FN=1)  # roots -1, -2
+    found = simulate(p, t0=0, x0="1/2", v0=-1, t_end=1000, digits=digits)
+    assert (found.status, list(found.events)) == ("equilibrium", [])
+    for t in (0.0, 1.0, 10.0):
+        assert found(t) == pytest.approx((0.5 * math.exp(-2 * t), -math.exp(-2 * t)), rel=1e-12)
+
+
+def test_what_settles_in_rational_numbers() -> None:
+    """v = -exp(-2 t) and all that is on the near side of it; not what is beyond, driven, on a belt, or vague."""
+    p = Parameters(m=1, c=3, k=2, A0=0, B0=0, Omega=1, v1=-9, v2=0, mu1=0, mu2=0, FN=1)
+
+    def settles(x0: Any, v0: Any = -1, q: Parameters = p, error: Any = None) -> bool:
+        return start.settles(Start(q, Fraction(0), Fraction(x0), Fraction(v0), Fraction(9), error))
+
+    tiny = Fraction(1, 10**30)
+    assert settles("1/2")
+    assert settles(Fraction(1, 2) + tiny)
+    assert not settles(Fraction(1, 2) - tiny)
+    assert not settles("1/2", q=p.replace(B0="1e-40"))
+    assert not settles("1/2", v0=0)
+    assert not settles("1/2", error=(tiny, tiny, tiny))
+    assert not settles("1/2", q=p.replace(k=3))
+    assert not settles("1/2", q=p.replace(v2="-1/10"))  # on the way to rest
+    assert settles("1/2", q=p.replace(v2="1/10"))  # beyond it
+    # mirrored, towards belt 1 from above and with the other belt in the way
+    mirrored = p.replace(v1=0, v2=9)
+    assert settles("-1/2", v0=1, q=mirrored)
+    assert not settles(-Fraction(1, 2) + tiny, v0=1, q=mirrored)
+    assert not settles("-50", v0=1, q=mirrored)
+
+
+def counted_flow(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    count, original = [0], flow.state_at
+
+    def counting(*arguments: Any) -> Any:
+        count[0] += 1
+        return original(*arguments)
+
+    monkeypatch.setattr(first_exit, "state_at", counting)
+    return count
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("spring", [True, False])
+def test_a_light_mass_and_a_slow_drive_take_little_work(spring: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rates that differ by 1e9 and more: once 20,000 evaluations of the flow for every event."""
+    count, rng = counted_flow(monkeypatch), random.Random(f"light {spring}")
+    for _ in range(8):
+        k = Fraction(f"{10 ** rng.uniform(-3, 0):.3g}") if spring else Fraction(0)
+        m, c, Omega = (Fraction(f"{10 ** rng.uniform(*limits):.3g}") for limits in ((-7, -5), (-2, 1), (-6, -5)))
+        v1 = tenths(rng, -30, -1)
+        p = Parameters(
+            m=m, c=c, k=k, A0=tenths(rng, -20, 20), B0=tenths(rng, 5, 60), Omega=Omega, v1=v1,
+            v2=v1 + tenths(rng, 1, 40), mu1=tenths(rng, 0, 10), mu2=tenths(rng, 0, 10), FN=tenths(rng, 1, 50),
+        )  # fmt: skip
+        count[0] = 0
+        found = simulate(p, t0=0, x0=tenths(rng, -30, 30), v0=tenths(rng, -30, 30), t_end=20 / Omega, max_events=25)
+        assert found.status != "undecidable"
+        assert count[0] <= 100 * (len(found.events) + 2), p
+
+
+def test_a_settled_motion_takes_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    count = counted_flow(monkeypatch)
+    p = BASE.replace(B0="0.1", v1=-5, v2=5)
+    for t_end in (10**3, 10**7):
+        count[0] = 0
+        found = simulate(p, t0=0, x0=0, v0=0, t_end=t_end)
+        assert (found.status, list(found.events)) == ("t_end", [])
+        assert count[0] <= 20
+
+
+@pytest.mark.slow
+def test_a_motion_moves_on_where_nothing_happens() -> None:
+    """A search is no longer than its chunk: the state in between is that of the flow, and the phase goes along."""
+    p = Parameters(m=1, c=0, k=400, A0=0, B0=400, Omega="0.1", v1="-20.06", v2="20.06", mu1=1, mu2=1, FN=1)
+    one = Motion(Start(p, Fraction(0), Fraction(2), Fraction(0), Fraction(60)))
+    one.step()
+    assert one.code == MOVED
+    assert one.state.t == pytest.approx(one.K.chunk)
+    assert one.state.theta == pytest.approx(0.1 * one.K.chunk)
+    whole = simulate(p, t0=0, x0=2, v0=0, t_end=60)
+    assert whole.events[0].t > one.K.chunk
+    assert (one.state.x, one.state.v) == pytest.approx(tuple(whole(one.state.t)), abs=1e-11)
+
+
+def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
+    """A near miss of 1e-33 is more than 36 digits tell with certainty; three times as many do: no guess in between."""
+    a = aimed("near miss", "P5", Fraction(-1, 10**33))
+    kinds = {}
+    for digits in (None, 20, 40):
+        found = simulate(
+            a.p, t0=a.t0, x0=text(a.x0, 80), v0=text(a.v0, 80), t_end=a.t_m + Fraction(1, 20), digits=digits
+        )
+        kinds[digits] = (found.status, [event.kind for event in found.events])
+    assert kinds[20] == kinds[40] == ("t_end", [])
+    assert kinds[None] in (("t_end", []), ("undecidable", []))
+
+
+@pytest.mark.slow
+def test_fig8_over_fifty_periods_is_distinguished_from_grazing_or_given_up() -> None:
+    """Its sticks shrink by 3/8 each half period: 36 digits go on beyond t = 61 and say so, 150 digits to the end."""
+    scene = load_scene("fig8")
+    t_end = scene.t0 + Fraction(355, 113) * 50
+    found = simulate(scene, t_end=t_end)
+    assert found.status == "undecidable"
+    assert "cannot be decided with 36 digits" in found.message
+    assert 61 < found.events[-1].t < t_end / 2
+    exact = simulate(scene, t_end=t_end, digits=150)
+    assert (exact.status, len(exact.events)) == ("t_end", 196)
+    sticks = [segment.t_end - segment.t_start for segment in exact.segments if segment.mode.startswith("belt")]
+    assert 9.2e-43 < min(sticks) < 9.4e-43
+    for event, right in zip(found.events, exact.events, strict=False):
+        assert (event.kind, event.boundary) == (right.kind, right.boundary)
+        assert abs(float(right.t) - event.t) <= 10 * event.t_error
