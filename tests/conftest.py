@@ -29,7 +29,7 @@ NEED = {
         "reference/test_cases.py",
     ),
     "pyarrow": ("crosschecks/test_objects.py",),
-    "h5netcdf": ("sweeps/test_output.py", "sweeps/test_page.py", "sweeps/test_sweep.py"),
+    "h5netcdf": ("sweeps/test_output.py", "sweeps/test_plan.py", "sweeps/test_sweep.py"),
 }
 NEED_CASES = {
     "flint": (

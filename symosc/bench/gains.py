@@ -65,7 +65,7 @@ def _search(name: str, way: str, events: int) -> Record:
     def follow(functions: dict[str, Any]) -> float:
         motions = batch.batch_of(np.array([batch.row_of(first_state(start, arithmetic), *end)]))
         begin = time.process_time()
-        functions["follow_all"](0, motions, events, inf, batch.room_for(events), no_tally(), [K])
+        functions["follow_all"](0, motions, events, inf, batch.event_buffer(events), no_tally(), [K])
         return (time.process_time() - begin) / events
 
     end = last_time(start, arithmetic)

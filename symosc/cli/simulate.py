@@ -29,6 +29,7 @@ from symosc.cli.common import (
     write_json,
     write_table,
 )
+from symosc.engine.events import EVENT_COLUMNS
 
 
 @click.command()
@@ -85,21 +86,25 @@ def simulate(
 
 
 def _print_events(trajectory: symosc.Trajectory) -> None:
-    rows = []
-    for row in trajectory.table():
-        numbers = [_number(row[name]) for name in ("t", "x", "v", "theta")]
-        errors = [f"{row[name]:.0e}" for name in ("t_error", "x_error")]
-        rows.append([*numbers, row["kind"], str(row["boundary"]), f"{row['source']} -> {row['target']}", *errors])
+    heads = {"boundary": "belt", "source": "from -> to"}
+    rows = [[_cell(name, row) for name in row if name != "target"] for row in trajectory.table()]
     if rows:
-        write_table(rows, ["t", "x", "v", "theta", "kind", "belt", "from -> to", "t error", "x error"])
+        names = [name for name in EVENT_COLUMNS if name != "target"]
+        write_table(rows, [heads.get(name, name.replace("_", " ")) for name in names])
         write("")
     write(f"word, in order of time: {' '.join(trajectory.word) or 'none'}")
     if trajectory.status != "undecidable":
         write(f"{trajectory.status}: {trajectory.message}; {count_events(rows)}")
 
 
-def _number(value: float | str) -> str:
-    return value if isinstance(value, str) else FLOAT_FORMAT.format(value)
+def _cell(name: str, row: Record) -> str:
+    """Return the text of a field of an event; source and target are one."""
+    value = row[name]
+    if name == "source":
+        return f"{value} -> {row['target']}"
+    if isinstance(value, float):
+        return f"{value:.0e}" if name.endswith("_error") else FLOAT_FORMAT.format(value)
+    return str(value)
 
 
 @click.command()

@@ -36,9 +36,9 @@ SHOWN_VALUES = 8
 
 
 def _columns_begun(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
-    from symosc.sweeps.motions import RECORDED
+    from symosc.simulation.tables import SUMMARY_COLUMNS
 
-    return complete(RECORDED)(context, option, begun)
+    return complete(tuple(SUMMARY_COLUMNS))(context, option, begun)
 
 
 @click.command()
@@ -135,7 +135,7 @@ def _executor(text: str) -> Any:
     kind, _, address = text.partition(":")
     if kind != "dask" or not address:
         raise click.BadParameter(f"{text!r} is not dask:ADDRESS, such as dask:tcp://host:8786", param_hint="--executor")
-    from symosc.sweeps.run import dask_client
+    from symosc.sweeps.sweep import dask_client
 
     return dask_client(address)
 

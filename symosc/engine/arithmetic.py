@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, next_event, state, summary
-from symosc.engine.batch import Going
+from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
@@ -55,9 +55,9 @@ CONSTANTS = (bool, int, float, complex, str)
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
     advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at
-    flight_extremes flown follow_all hidden leave_tally march_rows newton_root next_doubt no_contact parts_again periods
+    flight_extremes flown follow_all finish_tally march_rows newton_root next_undecided no_contact parts_again periods
     point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
-    stationary stepped stiff_derivatives tally_stretch tolerance touch_belt within
+    stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
 """
 
 
@@ -196,19 +196,23 @@ class Arithmetic:
     """Doubles, and what all kinds of numbers have.
 
     `K` are the constants of the parameters, `number` rounds a Fraction to such a number, and `namespace` is the
-    engine's source bound to them. `advance`, `advance_near` (of many digits) and `handed_out` follow motions, perhaps
-    in numbers of their own: `inward`, `constants` and `outward` convert, and all arithmetic on those belongs between
-    `enter` and `leave`.
+    engine's source bound to them. `advance`, `advance_near` (None for a search in all digits), `time_with_errors` and
+    `event_numbers` follow motions, perhaps in numbers of their own: `inward`, `constants` and `outward` convert, and
+    all arithmetic on those belongs between `enter` and `leave`.
     """
 
     K: Constants
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
     number: Callable[[Fraction], Number] = staticmethod(float)
+    namespace = IN_DOUBLES
+    advance: Any = staticmethod(next_event.advance)
+    advance_near: Any = None
+    time_with_errors: Any = staticmethod(next_event.time_with_errors)
+    event_numbers: Any = staticmethod(events.event_numbers)
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
-        self.namespace: dict[str, Any] = IN_DOUBLES
 
     def phase(self, t: Fraction) -> tuple[int, Number]:
         """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
@@ -223,33 +227,6 @@ class Arithmetic:
     def rounded(self, value: Number) -> Number:
         """Round an mpf of any precision to such a number."""
         return float(value)
-
-    @property
-    def following(self) -> dict[str, Any]:
-        """The source bound to the numbers by which motions are followed."""
-        return self.namespace
-
-    @property
-    def advance(self) -> Callable[..., Any]:
-        """See `symosc.engine.next_event`."""
-        return self.following["advance"]
-
-    @property
-    def advance_near(self) -> Any:
-        """See `symosc.engine.next_event`."""
-        return self.following["advance_near"]
-
-    @property
-    def handed_out(self) -> Callable[..., Any]:
-        """See `symosc.engine.next_event`."""
-        return self.following["handed_out"]
-
-    @property
-    def event_numbers(self) -> Callable[..., Any]:
-        """See `symosc.engine.events`."""
-        return self.following["event_numbers"]
-
-    paths = property(lambda self: self)
 
     def enter(self) -> Any:
         """Begin to compute; return the argument of `leave`."""
@@ -353,7 +330,7 @@ class MpArithmetic(Arithmetic):
         return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
 
     @cached_property
-    def following(self) -> dict[str, Any]:  # type: ignore[override]
+    def following(self) -> dict[str, Any]:
         """The source bound to the numbers by which motions are followed."""
         if self._mpfr is None:
             return self.namespace
@@ -364,20 +341,12 @@ class MpArithmetic(Arithmetic):
         replaced["basis"] = BasisMP(self._inner, self.parameters, self._mpfr.mpfr_context)
         return bind(SOURCES, replaced, literal=self._mpfr.mpfr)
 
-    @property
-    def advance_near(self) -> Any:
-        """See `symosc.engine.next_event`; None for a search with all digits."""
-        return self.following["advance_near"] if self._fast else None
-
-    @property
-    def enter(self) -> Callable[[], Any]:  # type: ignore[override]
-        """Make the precision the current one of this thread; return what was."""
-        return self._inner.enter  # type: ignore[no-any-return]
-
-    @property
-    def leave(self) -> Callable[[Any], None]:  # type: ignore[override]
-        """Make current what was before `enter`."""
-        return self._inner.leave  # type: ignore[no-any-return]
+    advance = property(lambda self: self.following["advance"])
+    advance_near = property(lambda self: self.following["advance_near"] if self._fast else None)
+    time_with_errors = property(lambda self: self.following["time_with_errors"])
+    event_numbers = property(lambda self: self.following["event_numbers"])
+    enter = property(lambda self: self._inner.enter)
+    leave = property(lambda self: self._inner.leave)
 
     def inward(self, value: Any) -> Any:
         """Return a number of mpmath, or a tuple with some, as motions are followed by."""
@@ -427,9 +396,9 @@ def mp_context(digits: int) -> Any:
 PLAIN_IN_PAIRS = {
     "end_in_doubles": "end_by_phase",
     "searched_in_doubles": "searched",
-    "next_doubt_in_doubles": "next_doubt",
+    "next_undecided_in_doubles": "next_undecided",
     "write_event_in_doubles": "write_event",
-    **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "leave_tally")},
+    **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},
 }
 
 
@@ -497,9 +466,9 @@ def interpreted_pairs() -> PairLoops:
         return int(value.real if isinstance(value, complex) else value)
 
     def follow_pairs(*given: Any) -> int:
-        *others, going = given
-        rows: Any = (ConstantRows(table) for table in going[3:])
-        filled: int = functions["follow_pairs"](*others, Going(*going[:3], *rows))
+        *others, limits = given
+        rows: Any = (ConstantRows(table) for table in limits[3:])
+        filled: int = functions["follow_pairs"](*others, PairLimits(*limits[:3], *rows))
         return filled
 
     bound = bind((pairs,), {"pair": pairs.pair_of})

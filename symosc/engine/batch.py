@@ -16,30 +16,30 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
 from symosc.engine.flow import constant_force
-from symosc.engine.next_event import advance, advance_near, handed_out
+from symosc.engine.next_event import advance, advance_near, time_with_errors
 from symosc.engine.state import (
-    DOUBTFUL,
     END,
     FAILED,
     FULL,
     GRAZE,
-    IN_DOUBT,
     INEXACT,
     MOVED,
+    NEEDS_DIGITS,
     ON_BELT,
     REST,
     RUNNING,
+    UNDECIDED,
     Covariance,
     NextEvent,
     State,
 )
-from symosc.engine.summary import leave_tally, tally_step
+from symosc.engine.summary import finish_tally, tally_step
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
 STATE_WIDTH = 19
-# Steps after which doubles that are not in doubt are no longer looked ahead for.
+# Steps that doubles look ahead for an undecided event, at most.
 LOOK_AHEAD = 16
 # An error below this part of the rounding to doubles is negligible.
 NEGLIGIBLE = 2.0**-20
@@ -62,7 +62,7 @@ class EventRows(NamedTuple):
     ints: np.ndarray
 
 
-class Going(NamedTuple):
+class PairLimits(NamedTuple):
     """How far motions are followed in pairs, and by which constants in doubles."""
 
     most: int  # events after which a trajectory is FULL
@@ -110,7 +110,7 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
     return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
-def room_for(events: int) -> EventRows:
+def event_buffer(events: int) -> EventRows:
     """Return a buffer for so many events."""
     return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
 
@@ -182,9 +182,9 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             found = advance(before, t_end, t_end_low, K)
             step, _, decided, t_error, state = found
             if not decided or step == FAILED:
-                code = IN_DOUBT
+                code = UNDECIDED
             elif step <= GRAZE:
-                clock = handed_out(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
+                clock = time_with_errors(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
                 if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
                     code = INEXACT
                 if not tallied:
@@ -193,11 +193,11 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
                 counts[i] += 1
             elif step != MOVED:
                 code = step
-            if tallied and code not in DOUBTFUL and code != REST:
+            if tallied and code not in NEEDS_DIGITS and code != REST:
                 tally_step(i, before, found, t0, tally, K)
             before = state
         if tallied:
-            leave_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
+            finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
         keep_state(states, i, before)
         codes[i] = code
         if code == RUNNING:
@@ -229,8 +229,8 @@ def search_row(states, table):
     return code, boundary, decided, t_error
 
 
-def next_doubt(state, count, row, most, accuracy, K):
-    """Return the number of the next event that `follow_all` leaves in doubt; 0 if there is none soon.
+def next_undecided(state, count, row, most, accuracy, K):
+    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon.
 
     Before the state there were `count` events; events behind number `most` are of no interest.
     """
@@ -244,7 +244,7 @@ def next_doubt(state, count, row, most, accuracy, K):
         if step <= GRAZE:
             count += 1
             x, v = state.x, state.v
-            t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
+            t, t_error, x_error = time_with_errors(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
             if is_inexact(t, t_error, x, x_error, t0, accuracy):
                 return count
     return 0
@@ -260,10 +260,10 @@ def write_event(out, row, i, before, found, clock, K):
         out.ints[n + 1, row] = codes[n]
 
 
-# --- double-double numbers, as far as doubles are in doubt ---
+# --- double-double numbers, where doubles cannot decide ---
 
 # In loops that are bound to pairs these names stay functions of doubles.
-end_in_doubles, searched_in_doubles, next_doubt_in_doubles = end_by_phase, searched, next_doubt
+end_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
 write_event_in_doubles = write_event
 
 
@@ -290,11 +290,11 @@ def first_pairs(pairs, K):
             pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
-def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
+def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
     """Follow trajectories to a number of events, or to their end; events and states come out in doubles.
 
-    The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles would
-    soon leave open again is followed farther, as long as the buffer holds its events.
+    The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles could
+    soon not decide again is followed farther, as long as the buffer holds its events.
 
     Parameters
     ----------
@@ -302,12 +302,12 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
     wanted : (n,) events to come to, in all.
     pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or IN_DOUBT for a contact that pairs leave open, and for an event that they do not know far better than
-        doubles.
+        REST, or UNDECIDED for a contact that pairs cannot decide, and for an event that they do not know far better
+        than doubles.
     out : EventRows that hold all events to come.
     K : Constants of complex numbers
     tally : as `follow_all` takes it.
-    going : Going
+    limits : PairLimits
 
     Returns
     -------
@@ -318,13 +318,13 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
     states, sets, counts, codes = batch
     rows, tallied = 0, tally.floats.shape[0] > 0
     for i in chosen:
-        state, plain, careful = state_of(pairs, i), going.table[sets[i]], going.careful[sets[i]]
+        state, plain, careful = state_of(pairs, i), limits.table[sets[i]], limits.careful[sets[i]]
         t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
-        code, goal, last = RUNNING, wanted[i], min(going.most, wanted[i] + going.more)
+        code, goal, last = RUNNING, wanted[i], min(limits.most, wanted[i] + limits.more)
         rounded = in_doubles(state, t0, plain)
         while code == RUNNING:
             if counts[i] >= goal:
-                goal = next_doubt_in_doubles(rounded, counts[i], states[i], last, going.accuracy, plain)
+                goal = next_undecided_in_doubles(rounded, counts[i], states[i], last, limits.accuracy, plain)
                 if goal == 0:
                     break
             before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
@@ -332,27 +332,27 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, going):
             state, step = found.state, found.code
             rounded = in_doubles(state, t0, plain)
             if step == FAILED or not found.decided:
-                code = IN_DOUBT
+                code = UNDECIDED
             elif step <= GRAZE:
                 x, v, S11 = state.x, state.v, state.S.S11
-                t, t_error, x_error = handed_out(state.t, state.t_low, t0, x, v, found.t_error, S11, K)
+                t, t_error, x_error = time_with_errors(state.t, state.t_low, t0, x, v, found.t_error, S11, K)
                 if rows < out.floats.shape[1]:  # there is none where tallies are kept
                     clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
                     plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
                     write_event_in_doubles(out, rows, i, before, plainly, clock, plain)
                 if not (is_negligible(t_error.hi, t.hi) and is_negligible(x_error.hi, x.hi)):
-                    code = IN_DOUBT
+                    code = UNDECIDED
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
-            if tallied and code != IN_DOUBT and code != REST:
+            if tallied and code != UNDECIDED and code != REST:
                 plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
                 tally_step(i, before, plainly, t0.hi, tally, plain)
         if tallied:
             end, end_low, _ = end_in_doubles(states[i], plain)
-            left = (end - rounded.t) + (end_low - rounded.t_low)
-            leave_tally(i, rounded, code, left, t0.hi, tally, plain)
+            remaining = (end - rounded.t) + (end_low - rounded.t_low)
+            finish_tally(i, rounded, code, remaining, t0.hi, tally, plain)
         codes[i] = code
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)

@@ -58,7 +58,7 @@ class Event:
 def event_numbers(before, found, clock, K):
     """Return the numbers of an event, Number and float fields in the order of `Event`.
 
-    Arguments are the state before the search, what was found (NextEvent), and (t, t_error, x_error) of `handed_out`.
+    Arguments are the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     """
     state = found.state
     t, t_error, x_error = clock

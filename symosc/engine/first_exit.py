@@ -76,7 +76,7 @@ SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
 FIRM = 1e-2
 # A root behind which the gap gets deeper than this part of its size is no touch.
-CLEAR_DEPTH = 1e-9
+DEEP = 1e-9
 MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
 WIDE_GAP = 6e6
@@ -175,7 +175,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return (near, close, clear): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
+    """Return (near, close, deep): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     up to there and over what makes up for `missing` (Kantorovich).
@@ -196,7 +196,7 @@ def is_near(root, P, degree, M4, size, K):
     depth = slope * slope
     for _ in range(4 - degree):  # back from the divided polynomial to the gap
         depth = depth * root
-    return near, missing * K.rate < NEAR * slope, depth > 2.0 * CLEAR_DEPTH * size * bend
+    return near, missing * K.rate < NEAR * slope, depth > 2.0 * DEEP * size * bend
 
 
 def local_root(over, F, G1, G2, G3, resolution):
@@ -283,7 +283,7 @@ def march(tau_max, v0, now, walls, margin, K):
         if free_below and free_above:
             now, v_free, F_free = there, v_next, F_next
             long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)  # a guess, no proof
-            if not K.patient:
+            if not K.slow_drive:
                 continue
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
             now = whole(now, v0, K)
@@ -297,7 +297,7 @@ def march(tau_max, v0, now, walls, margin, K):
             now, since = whole(now, v0, K), now.tau
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
-        if K.patient and gaps_exceed(wide * M4, now.dv, walls):
+        if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
 
 
@@ -404,21 +404,21 @@ def parts_again(tau, side, start, walls, S, K):
     return False
 
 
-def hidden(tau, side, start, walls, S, K):
+def stays_closed(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error, and was or will be so for a while around `tau`."""
     now = state_at(tau, start, K)
     allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
-def hidden_side(now, thin, start, walls, S, K):
+def closed_side(now, thin, start, walls, S, K):
     """Return the side of a wall whose gap is 0 within its error, and stays so for a while; else 0."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
-    if thin_below and hidden(now.tau, -1, start, walls, S, K):
+    if thin_below and stays_closed(now.tau, -1, start, walls, S, K):
         return -1
-    if thin_above and hidden(now.tau, 1, start, walls, S, K):
+    if thin_above and stays_closed(now.tau, 1, start, walls, S, K):
         return 1
     return 0
 
@@ -479,7 +479,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
-        side = hidden_side(now, thin, start, walls, S, K)
+        side = closed_side(now, thin, start, walls, S, K)
         if side != 0 or now.tau >= tau_max:
             code = STALLED if side != 0 else NOTHING
             break
@@ -488,19 +488,19 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             cap = 1.0 / K.Om
         side, step, root, P, degree = nearest_root(cap, now, M4, margin, walls)
         start_gap = walls.below if side < 0 else walls.above
-        known, near, close, clear = crossing == side, False, False, True
+        known, near, close, deep = crossing == side, False, False, True
         if root < cap:
-            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / CLEAR_DEPTH)
-            near, close, clear = is_near(root, P, degree, M4, size, K)
-        if near and (clear or known):
+            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
+            near, close, deep = is_near(root, P, degree, M4, size, K)
+        if near and (deep or known):
             low, high = now.tau, tau_deep if known else now.tau + 2.0 * (root + ISOLATED * K.moment)
             code, tau = HIT, now.tau + (root if close else sharpened(root, side, now, walls, K))
             break
         short = step < cap and step * K.rate < SHORT_STEP
         # a gap that shrinks and is hardly larger than what the error of the start can do to it
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
-        if (short or not clear or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
-            verdict, tau = touch_ahead(now, side, step, M4, start, walls, S, K)
+        if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
+            verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
             if verdict in (TANGENCY, LOST):
                 code = TANGENCY if verdict == TANGENCY else STALLED
                 break
@@ -545,7 +545,7 @@ def nearest_root(cap, now, M4, margin, walls):
     return side, step, root, P, degree
 
 
-def touch_ahead(now, side, step, M4, start, walls, S, K):
+def graze_ahead(now, side, step, M4, start, walls, S, K):
     """Return the result of `closest_approach`; STALLED where the other wall may come before."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau

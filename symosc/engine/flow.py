@@ -19,7 +19,7 @@ from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters
 
-# Steady state and transient are told apart (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
+# Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
@@ -92,7 +92,7 @@ class Constants(NamedTuple):
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
     lasting: bool  # no spring, or so little damping that errors of many flights add up
-    patient: bool  # the drive is much slower than the free motion
+    slow_drive: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
     A1: Number  # A_alpha/m
@@ -102,7 +102,6 @@ class Constants(NamedTuple):
     Ss: Number  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Number
     period: Number  # 2 pi/Omega
-    Om_inverse: Number
     Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
     period_low: Number  # what the rounding of 2 pi/Om took from `period`
     chunk: Number  # longest time that is evaluated from one starting point
@@ -171,7 +170,7 @@ def constants(
         apart=under & steady,
         creeps=over & (parameters.B0 == 0),
         lasting=either(under, w0sq > LASTING * h * h, w0sq == 0),
-        patient=rate0 > SLOW_DRIVE * omega,
+        slow_drive=rate0 > SLOW_DRIVE * omega,
         stiff=steady & over & (-fast > STIFF * larger(-slow, omega)),
         steady=steady,
         A1=number(parameters.A(1) / m),
@@ -181,7 +180,6 @@ def constants(
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
         period=period,
-        Om_inverse=1 / omega,
         Om_gain=number(exactly(omega) - Om) / omega if doubles else zero,
         period_low=number(_period_rest(period, omega)) if doubles else zero,
         chunk=chunk,

@@ -80,14 +80,14 @@ PAST_END = 1e-9
 NEAR_FORCE = 0.5
 # A gap below this part of the velocities in question is too small to begin a new search with.
 BESIDE = 1e-6
-# G-functions are looked at up to this order before a force is taken to vanish for ever: their recurrence has four terms
+# G-functions are evaluated up to this order before a force is taken to vanish for ever: their recurrence has four terms
 # of history (position in the plane and two of the drive), so more than five zeros in a row mean all.
 HIGHEST_ORDER = 6
 # A G-function below this times EPS and the sum of its terms is taken as 0: its zero is the exact case in question.
 G_ROUNDING = 32.0
 # With many digits a root is that of doubles if it is within twice the error that their decisions exceed
 # (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
-DOUBTS, TIME_ROUNDING = 16.0, 2.0**-50
+SEARCH_SIGMAS, TIME_ROUNDING = 16.0, 2.0**-50
 MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
 # A flight without an event is taken over from doubles if its search was not made longer (`apart_from_walls`).
 USUAL_LENGTH = 1.0625
@@ -100,19 +100,19 @@ def advance(state, t_end, t_end_low, K):
     REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the end
     is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
     """
-    left = (t_end - state.t) + (t_end_low - state.t_low)
-    tau_max = left if left < K.chunk else K.chunk
+    remaining = (t_end - state.t) + (t_end_low - state.t_low)
+    tau_max = remaining if remaining < K.chunk else K.chunk
     if state.mode > ON_BELT:
         belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
-        return after_stick(state, belt_exit(tau_max, state, belt, K), left, K)
+        return after_stick(state, belt_exit(tau_max, state, belt, K), remaining, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
     start, walls = launched(state, K)
-    tau_max = past_end(tau_max, left)
+    tau_max = past_end(tau_max, remaining)
     end = first_exit(tau_max, start, walls, state.S, K)
-    if end.code == NOTHING and tau_max < left:
-        end = apart_from_walls(end, tau_max, left, state, start, walls, K)
-    return after_flight(state, end, start, left, K)
+    if end.code == NOTHING and tau_max < remaining:
+        end = apart_from_walls(end, tau_max, remaining, state, start, walls, K)
+    return after_flight(state, end, start, remaining, K)
 
 
 # --- flights ---
@@ -126,22 +126,22 @@ def launched(state, K):
     return Launch(v, state.Fb, state.s, state.c), walls
 
 
-def past_end(tau_max, left):
+def past_end(tau_max, remaining):
     """Return how far a search for `tau_max` goes: a little past the end of the motion if that is not farther."""
-    if tau_max >= left:
-        return left + PAST_END * left if left > 0.0 else left
+    if tau_max >= remaining:
+        return remaining + PAST_END * remaining if remaining > 0.0 else remaining
     return tau_max
 
 
-def apart_from_walls(end, tau_max, left, state, start, walls, K):
+def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
     """Return the end of a search that goes on until it is not near a belt.
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
-    while end.code == NOTHING and tau_max < left and tau_max <= 1.5 * K.chunk:
+    while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
             break
-        tau_max = past_end(tau_max + 0.125 * K.chunk, left)
+        tau_max = past_end(tau_max + 0.125 * K.chunk, remaining)
         end = first_exit(tau_max, start, walls, state.S, K)
     return end
 
@@ -153,11 +153,11 @@ def ends_beside_wall(state, now, K):
     return v + now.dv - lower <= BESIDE * size or upper - (v + now.dv) <= BESIDE * size
 
 
-def after_flight(state, end, start, left, K):
+def after_flight(state, end, start, remaining, K):
     """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
-    if end.now.tau > left and end.code != STALLED:
-        end = FlightEnd(NOTHING, 0, point_at_end(left, start, K))
+    if end.now.tau > remaining and end.code != STALLED:
+        end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
     code, side, now = end
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
@@ -169,7 +169,7 @@ def after_flight(state, end, start, left, K):
     x, F = x + now.dx, now.F
     if code == NOTHING:
         there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
-        return no_contact(state, there, now, left, K)
+        return no_contact(state, there, now, remaining, K)
     boundary = mode - 1 if side < 0 else mode
     v = K.belt1.v if boundary == 1 else K.belt2.v
     if code == STALLED:
@@ -179,18 +179,20 @@ def after_flight(state, end, start, left, K):
         F = 0.0 * F
     elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    return meet_belt(State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, left, K)
+    return meet_belt(
+        State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, remaining, K
+    )
 
 
-def point_at_end(left, start, K):
+def point_at_end(remaining, start, K):
     """Return where a flight is at the end of the motion, which a search has passed."""
-    return state_at(left, start, K)
+    return state_at(remaining, start, K)
 
 
-def no_contact(state, there, now, left, K):
+def no_contact(state, there, now, remaining, K):
     """Return the end of a flight from `state` without a contact, at `there` (`Flown` now); see `advance`."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
-    if now.tau >= left:
+    if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
     lower, upper = speeds_around(mode, K)
     if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
@@ -279,22 +281,22 @@ def carried_error(S, now, x_noise, v_noise, K):
 # --- contacts ---
 
 
-def meet_belt(there, end, v_noise, left, K):
+def meet_belt(there, end, v_noise, remaining, K):
     """Return what happens where a flight meets a belt: a touch, or a stick or a crossing by Theorems 4 and 5.
 
     `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
-    rounding error of the velocity, and `left` the time that was left at the start of the flight. A vague contact that
-    is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
+    rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
+    that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
     """
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
     t_error = passing_time(sqrt(S.S22), F, G1, G2, K)
-    doubt = 2.0 * K.sigmas * t_error  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
+    uncertainty = 2.0 * K.sigmas * t_error  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
     # As far as this precision tells the acceleration is 0 here.
-    vague = end.code == TANGENCY or abs(F) <= (abs(G1) + abs(G2) * doubt) * doubt
-    if vague and not (end.side * G2 > abs(G3) * doubt and abs(G1) <= abs(G2) * doubt):
-        return touch_belt(there, G1, G2, G3, v_noise, now.tau, left, K)
+    vague = end.code == TANGENCY or abs(F) <= (abs(G1) + abs(G2) * uncertainty) * uncertainty
+    if vague and not (end.side * G2 > abs(G3) * uncertainty and abs(G1) <= abs(G2) * uncertainty):
+        return graze_belt(there, G1, G2, G3, v_noise, now.tau, remaining, K)
     if vague:
         F = 0.0 * F
     Fb, Fa = (F, F - belt.J) if upward else (F + belt.J, F)
@@ -330,11 +332,11 @@ def meet_belt(there, end, v_noise, left, K):
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
-def touch_belt(there, G1, G2, G3, v_noise, tau, left, K):
+def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
     """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
-        shift = min(-F / G1, left - tau)
+        shift = min(-F / G1, remaining - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
         n, theta, theta_low = later(n, theta, theta_low, shift, K)
         t, t_low = added(t, t_low, shift, K)
@@ -382,15 +384,15 @@ def following_sign(v, F, s, c, K):
 # --- sticks ---
 
 
-def after_stick(state, end, left, K):
+def after_stick(state, end, remaining, K):
     """Return the next event of a stick from `state`, given how its search ended; see `advance`."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
     code, side, tau, Delta, slope, bend, s, c = end
-    if tau > left and code in (HIT, TANGENCY):
-        code, tau = NOTHING, left
-    if code == NOTHING and tau < left and belt.drift == 0.0 and tau >= K.period:
+    if tau > remaining and code in (HIT, TANGENCY):
+        code, tau = NOTHING, remaining
+    if code == NOTHING and tau < remaining and belt.drift == 0.0 and tau >= K.period:
         return NextEvent(REST, 0, True, 0.0, state)  # the forces repeat: no exit in one period means none ever
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
@@ -402,7 +404,7 @@ def after_stick(state, end, left, K):
     t, t_low = added(t, t_low, tau, K)
     if code == NOTHING:
         held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
-        return NextEvent(END if tau >= left else MOVED, 0, True, 0.0, held)
+        return NextEvent(END if tau >= remaining else MOVED, 0, True, 0.0, held)
     if code != HIT:
         Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
         held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
@@ -473,7 +475,7 @@ def slow_passing_time(error, first, second, third, K):
     return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH)) if third != 0.0 else best
 
 
-def handed_out(t, t_low, t0, x, v, t_error, S11, K):
+def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
     """Return an event's time, and standard errors of t and x that cover the rounding of these two numbers.
 
     What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
@@ -492,42 +494,42 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
     Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
     method or two with the exact flow, and go on as after a search of their own. They search themselves where doubles
-    are in doubt, where the end found so is not the one expected, and where the end of the search is the question.
+    cannot decide, where the end found so is not the one expected, and where the end of the search is the question.
     `rough` is the state in doubles, with the rounding as its error, `found` the NextEvent of `advance` in doubles.
     """
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if not decided or K.creeps or not tau > 0.0:
         return advance(state, t_end, t_end_low, K)
-    left = (t_end - state.t) + (t_end_low - state.t_low)
-    doubt = DOUBTS * t_error + TIME_ROUNDING * tau
-    tau = 0.0 * left + tau  # as a number of the same kind
+    remaining = (t_end - state.t) + (t_end_low - state.t_low)
+    uncertainty = SEARCH_SIGMAS * t_error + TIME_ROUNDING * tau
+    tau = 0.0 * remaining + tau  # as a number of the same kind
     if code == SLIP:
         belt = K.belt1 if boundary == 1 else K.belt2
-        slip = slip_near(tau, doubt, -1 if there.mode == boundary else 1, state, belt, K)
+        slip = slip_near(tau, uncertainty, -1 if there.mode == boundary else 1, state, belt, K)
         if slip.code == HIT:
-            return after_stick(state, slip, left, K)
+            return after_stick(state, slip, remaining, K)
     elif state.mode <= ON_BELT and code in (CROSS, STICK):
         start, walls = launched(state, K)
-        end = contact_near(tau, doubt, -1 if boundary < state.mode else 1, start, walls, K)
+        end = contact_near(tau, uncertainty, -1 if boundary < state.mode else 1, start, walls, K)
         if end.code == HIT:
-            return after_flight(state, end, start, left, K)
+            return after_flight(state, end, start, remaining, K)
     elif state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
         start, walls = launched(state, K)
-        now = state_at(left if left < K.chunk else K.chunk, start, K)
+        now = state_at(remaining if remaining < K.chunk else K.chunk, start, K)
         if not ends_beside_wall(state, now, K):
-            return after_flight(state, FlightEnd(NOTHING, 0, now), start, left, K)
+            return after_flight(state, FlightEnd(NOTHING, 0, now), start, remaining, K)
     return advance(state, t_end, t_end_low, K)
 
 
-def contact_near(tau, doubt, side, start, walls, K):
-    """Return the contact with the wall on a side within `doubt` of `tau`, as `first_exit` does; STALLED for none."""
+def contact_near(tau, uncertainty, side, start, walls, K):
+    """Return the contact with the wall on a side within `uncertainty` of `tau`, like `first_exit`; STALLED for none."""
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
         gap = gap_to(side, now, walls)
         shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
-        if not (abs(tau + shift - first) <= doubt and side * now.F > 0.0):
+        if not (abs(tau + shift - first) <= uncertainty and side * now.F > 0.0):
             break
         if abs(shift) * K.rate < NEAR:
             return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
@@ -536,15 +538,15 @@ def contact_near(tau, doubt, side, start, walls, K):
     return FlightEnd(STALLED, side, now)
 
 
-def slip_near(tau, doubt, side, held, belt, K):
-    """Return the end of a stick within `doubt` of `tau`, as `belt_exit` does; STALLED for none."""
+def slip_near(tau, uncertainty, side, held, belt, K):
+    """Return the end of a stick within `uncertainty` of `tau`, like `belt_exit`; STALLED for none."""
     first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):
         Delta, s, c = gain(tau, held.s, held.c, belt, K)
         slope, bend = slopes(s, c, belt, K)
         step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
-        if not (abs(tau + step - first) <= doubt and side * slope > 0.0):
+        if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
             break
         if abs(step) * K.Om < NEAR:
             return slips_at(tau, step, side, -force, s, c, belt, K)

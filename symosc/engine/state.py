@@ -19,8 +19,8 @@ NOTHING, HIT, TANGENCY, STALLED, LOST = 0, 1, 2, 3, 4
 # Where a motion goes from a point of a belt.
 DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
 # What a trajectory of a batch ended with, beside the codes of a step.
-RUNNING, FULL, IN_DOUBT, INEXACT = 0, -1, -2, -3
-DOUBTFUL = (IN_DOUBT, INEXACT)
+RUNNING, FULL, UNDECIDED, INEXACT = 0, -1, -2, -3
+NEEDS_DIGITS = (UNDECIDED, INEXACT)
 
 
 class Covariance(NamedTuple):

@@ -37,7 +37,7 @@ SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIG
 # Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
 # section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
 EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
-# Columns of `Tally.sections`: whether a flight reaches it, how long after it left and from where; the variances there.
+# Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and the variances.
 FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8)
 # An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
 AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
@@ -94,10 +94,10 @@ class Extremes(NamedTuple):
 @cache
 def no_tally() -> Tally:
     """Return a tally of no motion: events are recorded."""
-    return begun_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
+    return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
-def begun_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
+def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     """Return the tally of motions at their starts (rows of a batch), of which the times `skipped` are left out."""
     count = len(states)
     floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
@@ -110,12 +110,12 @@ def begun_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     return Tally(asked, floats, ints, sections, words, np.zeros((count, 2, asked.longest), np.uint8))
 
 
-def some_of(tally: Tally, rows: Any) -> Tally:
+def select_tallies(tally: Tally, rows: Any) -> Tally:
     """Return the tallies of some motions, as a copy."""
     return Tally(tally.asked, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
 
 
-def put_back(tally: Tally, rows: Any, own: Tally) -> None:
+def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
     """Write the tallies of some motions."""
     if len(tally.floats):
         for column, part in zip(tally[1:], own[1:], strict=True):
@@ -236,21 +236,21 @@ def close_word(i, tally):
     ints[i, WHOLE], ints[i, LENGTH], ints[i, CODE] = 1, 0, 0
 
 
-def leave_tally(i, last, code, left, t0, tally, K):
-    """Keep the last state of a motion that ended, or goes on later; `left` is the time to its end."""
+def finish_tally(i, last, code, remaining, t0, tally, K):
+    """Keep the last state of a motion that ended, or goes on later; `remaining` is the time to its end."""
     n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
     if code == REST:  # without any more events
-        rest = rest_of(left, K)
+        rest = rest_of(remaining, K)
         n, theta, _ = later(last.n, last.theta, last.theta_low, rest, K)
-        n = n + int((left - rest) / K.period + 0.5)
+        n = n + int((remaining - rest) / K.period + 0.5)
         if tally.asked.extent or tally.asked.stuck:
-            rest_stretches(i, last, left, t0, tally, K)
+            rest_stretches(i, last, remaining, t0, tally, K)
         if tally.asked.ring > 0:
             tally_sections(i, last, n, last.S, tally, K)
-        t, x = last.t + left, last.x + last.v * left
+        t, x = last.t + remaining, last.x + last.v * remaining
         if last.mode <= ON_BELT:
             turn = theta - last.theta
-            x, v = flown(last.x, launch_of(last), left, sin(turn), cos(turn), K)
+            x, v = flown(last.x, launch_of(last), remaining, sin(turn), cos(turn), K)
     tally.floats[i, T_LAST], tally.floats[i, X_LAST], tally.floats[i, V_LAST] = t, x, v
     if code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION:  # a section that is just ahead
         clock = t, last.t_low, sin(theta), cos(theta), 0.0
@@ -268,16 +268,16 @@ def rest_of(tau, K):
     return rest if rest >= 0.0 else 0.0
 
 
-def rest_stretches(i, state, left, t0, tally, K):
+def rest_stretches(i, state, remaining, t0, tally, K):
     """Count the time and the extremes of a motion without any more events.
 
-    Its extremes are looked for piece by piece, until the transient is over; then one period shows all that is to come.
+    Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
     """
     decay = K.h if K.under else -K.l1
     fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
     now, passed = state, 0.0
     for _ in range(MOST_REST_STEPS):
-        step = left - passed if state.mode > ON_BELT or left - passed < K.chunk else K.chunk
+        step = remaining - passed if state.mode > ON_BELT or remaining - passed < K.chunk else K.chunk
         x, v, F = now.x + now.v * step, now.v, now.Fb
         if state.mode <= ON_BELT:
             there = state_at(step, launch_of(now), K)
@@ -287,7 +287,7 @@ def rest_stretches(i, state, left, t0, tally, K):
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step
-        if passed >= left or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
+        if passed >= remaining or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
             break
         now = then
 

@@ -10,7 +10,7 @@ l2 and e[...] the divided differences of z -> exp(z tau)
     U1 = e[l1, l1, l2, l2],   U0 = dU1/dtau,   U2 = e[0, l1, l1, l2, l2]
     V + i W = e[i Omega, l1, l1, l2, l2],      P + i Q = e[i Omega, i Omega, l1, l2]
 
-(`symosc.symbolic.maps` derives what they are good for). One rule is good in every regime, at resonance and for short
+(`symosc.symbolic.maps` derives their use). One rule is good in every regime, at resonance and for short
 times. If the pair of nodes that are farthest apart are at least FAR_NODES / tau apart, it is the difference over that
 pair, otherwise the Taylor series about the nodes' centre. A difference over a far pair loses at most a few bits, and a
 series over near nodes none.
@@ -174,7 +174,7 @@ def difference_by_series(nodes, tau):
 
 
 def kinds_of(theta_i, theta_j, K, kinds):
-    """Write into `kinds` what is to evaluate each flight, and return how many of each kind there are."""
+    """Write the kind of formula for each flight into `kinds`, and return how many of each kind there are."""
     counts = np.zeros(KINDS, dtype=np.int64)
     fastest = K.Om + K.omega_d if K.under else K.Om
     for n in range(len(theta_i)):
@@ -195,7 +195,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy points into the first four rows of the block; return how many. What is left of a row repeats one of them."""
+    """Copy points into the first four rows of the block; return how many. The rest of a row repeats one of them."""
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]

@@ -15,7 +15,7 @@ from symosc.plot.maps import basin_figure, map_figure
 if TYPE_CHECKING:
     import xarray
 
-    from symosc.sweeps.dataset import SweptDataset
+    from symosc.sweeps.output import SweptDataset
 
 
 @public
@@ -51,7 +51,7 @@ def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
-    from symosc.sweeps.dataset import SweptDataset
+    from symosc.sweeps.output import SweptDataset
 
     if isinstance(dataset, SweptDataset):
         return swept_figure(dataset.dataset, name, ax=ax)

@@ -20,14 +20,14 @@ from symosc.engine import batch as engine_batch
 from symosc.engine import flow, summary
 from symosc.engine.arithmetic import (
     Arithmetic,
-    Going,
+    PairLimits,
     compiled,
     compiled_pairs,
     is_compiled,
     pair_constants,
     pairs_are_compiled,
 )
-from symosc.engine.batch import STATE_WIDTH, Batch, EventRows, batch_of, copied, room_for, row_of, rows_between
+from symosc.engine.batch import STATE_WIDTH, Batch, EventRows, batch_of, copied, event_buffer, row_of, rows_between
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
 from symosc.engine.start import Start, first_state
 from symosc.engine.summary import Tally, no_tally
@@ -130,7 +130,7 @@ def follow_batch(
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
     """Follow a batch to its end; yield the rows of its events, copied out of `room`, which is used again."""
-    room, tally, begin = room or room_for(4 * len(batch.states) + 64), tally or no_tally(), 0
+    room, tally, begin = room or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled = follow(begin, batch, most, accuracy, room, tally, table)
         filled = 0 if len(tally.floats) else filled
@@ -139,7 +139,7 @@ def follow_batch(
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
     """Return rows in one piece."""
-    rows = list(parts) or [room_for(0)]
+    rows = list(parts) or [event_buffer(0)]
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
 
@@ -181,7 +181,7 @@ def in_chunks(
     def one(rows: slice) -> Result:
         cancel.check()
         if not hasattr(own, "room"):
-            own.room = room_for(CAPACITY)
+            own.room = event_buffer(CAPACITY)
         return work(rows, own.room, cancel)
 
     if min(workers, len(chunks)) <= 1:
@@ -228,7 +228,7 @@ def warm() -> list[Warmed]:
 
     def doubles() -> None:
         loops.march_rows(table, np.zeros((1, 2, 7)))
-        loops.follow(0, batch_of(states), 1, 1.0, room_for(0), no_tally(), table)
+        loops.follow(0, batch_of(states), 1, 1.0, event_buffer(0), no_tally(), table)
         loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
 
     def alone() -> None:
@@ -238,7 +238,16 @@ def warm() -> list[Warmed]:
         K, none = pair_constants(scene.parameters), states.astype(complex)
         begin, follow = compiled_pairs()
         begin(none, K)
-        follow(nothing, nothing, none, batch_of(states), room_for(0), K, no_tally(), Going(1, 1.0, 0, table, table))
+        follow(
+            nothing,
+            nothing,
+            none,
+            batch_of(states),
+            event_buffer(0),
+            K,
+            no_tally(),
+            PairLimits(1, 1.0, 0, table, table),
+        )
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),

@@ -23,7 +23,7 @@ from symosc.display.progress import reporting
 from symosc.engine import summary as kept
 from symosc.engine.arithmetic import (
     ROUNDED_FROM,
-    Going,
+    PairLimits,
     PairLoops,
     as_complex,
     compiled_pairs,
@@ -33,20 +33,20 @@ from symosc.engine.arithmetic import (
     pair_phase,
     pairs_are_compiled,
 )
-from symosc.engine.batch import Batch, EventRows, batch_of, room_for, row_of, rows_between, state_of
+from symosc.engine.batch import Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
 from symosc.engine.start import Start, first_state, settles
 from symosc.engine.state import (
-    DOUBTFUL,
     END,
     FULL,
-    IN_DOUBT,
     MOVED,
+    NEEDS_DIGITS,
     ON_BELT,
     REST,
     RUNNING,
+    UNDECIDED,
     Covariance,
     NextEvent,
     State,
@@ -56,10 +56,10 @@ from symosc.engine.summary import (
     LONGEST_REPEAT,
     Kept,
     Tally,
-    leave_tally,
+    finish_tally,
     no_tally,
-    put_back,
-    some_of,
+    select_tallies,
+    store_tallies,
     tally_step,
 )
 from symosc.errors import ParameterError
@@ -232,9 +232,9 @@ class Chunk:
 
     def _doubtful(self) -> list[int]:
         """Return the motions that ended in doubt, and take back what was counted of them."""
-        members: list[int] = np.flatnonzero(np.isin(self.batch.codes, DOUBTFUL)).tolist()
+        members: list[int] = np.flatnonzero(np.isin(self.batch.codes, NEEDS_DIGITS)).tolist()
         if self._keep and members:
-            put_back(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
+            store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
         return members
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
@@ -267,36 +267,36 @@ class Chunk:
         Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         """
         most, K = self.task.most, pair_constants(parameters)
-        pairs, tally = self._pair_rows(parameters, members), some_of(self.tally, members)
+        pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
-        batch, wanted = batch_of(states, sets), counts + (codes == IN_DOUBT)
-        going, waiting = Going(most, self._needed, MOST_MORE, self.table, sure(self.table)), np.arange(len(pairs))
+        batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
+        going, waiting = PairLimits(most, self._needed, MOST_MORE, self.table, sure(self.table)), np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
             loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
             together = len(waiting) if loops is compiled_pairs() else TOGETHER
             active, waiting = waiting[:together], waiting[together:]
-            room = room_for(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
+            room = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
             filled = loops.follow_pairs(active, wanted, pairs, batch, room, K, tally, going)
             PAIRS.events -= filled
             yield rows_between(room, 0, min(filled, room.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
-            further, counted = Batch(*(column[active] for column in batch)), some_of(tally, active)
+            further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
             if len(active):
                 rows = joined(self._in_doubles(further, counted))
-                doubtful = np.isin(further.codes, DOUBTFUL)
+                doubtful = np.isin(further.codes, NEEDS_DIGITS)
                 decided = ~doubtful[rows.ints[0]]
                 rows.ints[0] = active[rows.ints[0]]
                 yield EventRows(rows.floats[:, decided], rows.ints[:, decided])
-                wanted[active] = further.counts + (further.codes == IN_DOUBT)
+                wanted[active] = further.counts + (further.codes == UNDECIDED)
                 done = active[~doubtful]
                 for column, own in zip(batch, further, strict=True):
                     column[done] = own[~doubtful]
-                put_back(tally, done, some_of(counted, ~doubtful))
+                store_tallies(tally, done, select_tallies(counted, ~doubtful))
                 waiting = np.concatenate([waiting, active[doubtful]])
         for column, values in zip(self.batch, batch, strict=True):
             column[members] = values
-        put_back(self.tally, members, tally)
+        store_tallies(self.tally, members, tally)
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
@@ -392,7 +392,7 @@ class Asked:
         ring = max(ring, self.sections) if "section" in self else ring
         words = longest if "word" in self else 0
         asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)
-        return kept.begun_tally(states, self.skip[motions], asked)
+        return kept.new_tally(states, self.skip[motions], asked)
 
 
 def summary_of(
@@ -456,7 +456,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
         tally_step(i, before, found, 0.0, tally, K)
         last = after
     code = REST if trajectory.status in ("t_end", "equilibrium") else RUNNING
-    leave_tally(i, last, code, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
+    finish_tally(i, last, code, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
     tally.floats[i, kept.T_LAST] += t0
     return last.mode
 

@@ -120,7 +120,7 @@ class Motion:
         own: Arithmetic = many_digits(p, digits) if isinstance(digits, int) else digits or Arithmetic(p)
         self.start, self.arithmetic = start, own
         self.digits = own.digits if isinstance(own, MpArithmetic) else None
-        self._paths = paths = self.arithmetic.paths
+        self._paths = paths = self.arithmetic
         state = first_state(start, self.arithmetic)
         self.t0, self.first_at = state.t, state.at
         self.K = paths.constants(self.arithmetic.K)
@@ -177,7 +177,7 @@ class Motion:
             self._record(self._elapsed())
             if found.code <= GRAZE:
                 s = found.state
-                clock = paths.handed_out(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
+                clock = paths.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
                 numbers = paths.event_numbers(before, found, clock, self.K)
                 if self.rounds:
                     event = event_from(map(float, numbers), event_codes(before, found))

@@ -13,7 +13,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine.batch import EventRows, joined, room_for
+from symosc.engine.batch import EventRows, event_buffer, joined
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
 from symosc.exact import unmasked
 from symosc.files import write_whole
@@ -111,7 +111,7 @@ class EventTable(Drawable):
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     """Return rows of events as a table, each column in one piece."""
-    parts, columns = parts or [room_for(0)], {}
+    parts, columns = parts or [event_buffer(0)], {}
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
             columns[name] = joined([part[which][n] for part in parts])
@@ -121,7 +121,7 @@ def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
 def rows_of(i: int, events: Sequence[Event]) -> EventRows:
     """Return the events of one trajectory as rows."""
     codes = {name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()}
-    rows = room_for(len(events))
+    rows = event_buffer(len(events))
     for n, event in enumerate(events):
         rows.floats[:, n] = [getattr(event, name) for name in FLOAT_COLUMNS]
         values = [(name, getattr(event, name)) for name in CODE_COLUMNS]

@@ -1,7 +1,7 @@
-"""Files of finished sweeps: netCDF, zarr and CSV, written whole, each with the plan that it belongs to.
+"""The result of a sweep as an xarray.Dataset, and its files: netCDF, zarr and CSV, written whole with their plan.
 
-Each has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: behind the netCDF file, where its
-readers do not look, in the attributes of the zarr group, and in the first line of the CSV file. For other readers
+Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: behind the netCDF file, where
+its readers do not look, in the attributes of the zarr group, and in the first line of the CSV file. For other readers
 the columns in netCDF and zarr have checksums too, which these formats know.
 """
 
@@ -17,19 +17,31 @@ from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+import symosc
+from symosc.aliases import Record
+from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError, OutputError, SweepError
+from symosc.exact import show
 from symosc.files import STDOUT, read_path
+from symosc.scenes import Scene
 from symosc.scenes.quantities import QUANTITIES
-from symosc.sweeps.dataset import PLAN_ATTRIBUTE, VARIABLES, need_xarray
-from symosc.sweeps.store import DRAFT, remove
+from symosc.simulation.tables import SUMMARY_COLUMNS
+from symosc.sweeps.plan import SET_AXIS, SWEPT_STARTS, Coordinate, SweepPlan
+from symosc.sweeps.store import DRAFT, Columns, remove
 
 if TYPE_CHECKING:
     import xarray
 
+#: The attribute by which a Dataset has what is ours.
+ACCESSOR = "symosc"
+PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
+#: Axes with more values are not written out in the call; the coordinates have them.
+MOST_WRITTEN = 2000
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
@@ -40,24 +52,107 @@ CHECKSUM_FORM, PLAN_FORM = (
 MOST_LINE = 1 << 24
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.
-ZARR_NAMES = "|".join((*VARIABLES, *QUANTITIES, *SECTION_NAMES))
+ZARR_NAMES = "|".join((*SUMMARY_COLUMNS, *QUANTITIES, *SECTION_NAMES))
 ZARR_FORM = re.compile(rf"zarr\.json|({ZARR_NAMES})/(zarr\.json|c(/\d+)*)")
 
-Columns = dict[str, np.ndarray]
+
+def need_xarray() -> ModuleType:
+    """Return xarray; MissingExtraError if it is not installed."""
+    try:
+        import xarray
+    except ImportError:
+        raise MissingExtraError("sweep", "sweep") from None
+    if ACCESSOR not in vars(xarray.Dataset):
+        xarray.register_dataset_accessor(ACCESSOR)(SweptDataset)
+    return xarray
+
+
+class SweptDataset(Drawable):
+    """What a sweep's Dataset has of symosc, as ``dataset.symosc``: ``dataset.symosc.plot()`` draws it.
+
+    Examples
+    --------
+    >>> from symosc import sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3"}, t_end="12T", skip="10T")
+    >>> [axes.get_xlabel() for axes in found.symosc.plot().axes]
+    ['$\\\\Omega$']
+    """
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self.dataset = dataset
+
+    @property
+    def call(self) -> str:
+        """The call of `sweep` that gives this result again, as Python source."""
+        return str(self.dataset.attrs.get(CALL_ATTRIBUTE, ""))
+
+
+def dataset_of(plan: SweepPlan, columns: dict[str, np.ndarray], given: Record) -> xarray.Dataset:
+    """Return the result from columns over all cells, in C order, and the arguments `over` and `starts` as given."""
+    grid = plan.grid
+    variables = {}
+    for name in plan.column_names:
+        values = columns[name].reshape(*grid.shape, *columns[name].shape[1:])
+        dimensions = (*grid.sizes, "period", "component") if name == "section" else tuple(grid.sizes)
+        variables[name] = (dimensions, values, _about_column(*SUMMARY_COLUMNS[name]))
+    coordinates: dict[str, Any] = {
+        name: (each.dimension, each.values, _about_column(*QUANTITIES[name])) for name, each in grid.coordinates.items()
+    }
+    if plan.sections:
+        coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}
+    attributes = {
+        "title": f"Sweep of {plan.scene.name} over {', '.join(grid.coordinates)}",
+        "source": f"symosc {symosc.__version__}, kernels {plan.content['kernels']}",
+        "scene": json.dumps(plan.content["parameters"] | plan.content["start"]),
+        CALL_ATTRIBUTE: call_text(plan, given),
+        PLAN_ATTRIBUTE: plan.key,
+    }
+    return need_xarray().Dataset(variables, coordinates, attributes)
+
+
+def _about_column(name: str, dimension: str) -> dict[str, str]:
+    units = {"units": "1"} if dimension == "1" else {"dimension": dimension} if dimension else {}
+    return {"long_name": name} | units
+
+
+def call_text(plan: SweepPlan, given: Record) -> str:
+    """Return the call of `sweep` that gives this result again, as Python source.
+
+    Names in it are those of `symosc`. A table, and an axis of many values, are called by the name of the coordinate.
+    """
+    over: Any = given["over"]
+    coordinates = plan.grid.coordinates
+    if plan.grid.is_table():
+        names = [name for name, each in coordinates.items() if each.dimension == SET_AXIS]
+        written = f"[{{name: float(dataset[name][i]) for name in {names}}} for i in range(dataset.sizes['set'])]"
+    else:
+        axes = {name: _axis_text(name, over[name], coordinates[name]) for name in over}
+        written = "{" + ", ".join(f"{name!r}: {text}" for name, text in axes.items()) + "}"
+    options = [f"record={plan.record_names!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
+    if given["starts"] is not None:
+        rows = np.stack([coordinates[name].values for name in SWEPT_STARTS], axis=-1).tolist()
+        options.append(f"starts={rows!r}")
+    return f"sweep({_scene_text(plan.scene)}, {written}, {', '.join(options)})"
+
+
+def _axis_text(name: str, given: Any, coordinate: Coordinate) -> str:
+    if isinstance(given, str):
+        return repr(given)
+    if len(coordinate.values) > MOST_WRITTEN:
+        return f"dataset[{name!r}].values"
+    return repr(coordinate.values.tolist())
+
+
+def _scene_text(scene: Scene) -> str:
+    parameters = ", ".join(f"{name}={text!r}" for name, text in scene.parameters.as_dict().items())
+    start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in (*SWEPT_STARTS, "t_end"))
+    if scene.start_error is not None:
+        start += f", start_error={[show(each) for each in scene.start_error]!r}"
+    return f"Scene({scene.name!r}, Parameters({parameters}), {start})"
 
 
 def output_path(path: Any) -> Path:
-    """Return the file that a sweep is to make.
-
-    Raises
-    ------
-    ParameterError
-        If `path` can name no file.
-    OutputError
-        If its suffix is none that can be written, or its folder does not exist.
-    MissingExtraError
-        If what writes such files is not installed.
-    """
+    """Return the file that a sweep is to make; OutputError if it cannot be written, or a package for it is missing."""
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
@@ -75,16 +170,7 @@ def output_path(path: Any) -> Path:
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
     """Return the name of the plan that a finished output belongs to; None if there is no output.
 
-    Parameters
-    ----------
-    path : Path
-    to_replace : bool
-        Whether it is to be removed: then it must have nothing else in it.
-
-    Raises
-    ------
-    SweepError
-        If there is a file or a folder that is no output of a sweep.
+    SweepError if there is something else, or, with `to_replace`, also something else.
     """
     if not os.path.lexists(path):
         return None
@@ -119,13 +205,7 @@ def _files_in(path: Path) -> dict[str, Path]:
 
 
 def read_columns(path: Path) -> Columns:
-    """Return the columns of a finished output, over all cells.
-
-    Raises
-    ------
-    SweepError
-        If it is not as it was written.
-    """
+    """Return the columns of a finished output, over all cells; SweepError if it is not as it was written."""
     found, stated, _ = _checksum(path)
     if found != stated:
         raise SweepError(f"{path} is damaged, or was changed after it was written: start anew, or name another file")
@@ -135,12 +215,7 @@ def read_columns(path: Path) -> Columns:
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
     """Write a result whole: first into `folder`, which is beside it, and from there to its place.
 
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    SweepError
-        If there is something else in its place.
+    OutputError if it cannot be written, SweepError if there is something else in its place.
     """
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"

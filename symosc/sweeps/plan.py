@@ -1,31 +1,215 @@
-"""What a sweep computes, named by a hash of its content: two sweeps of one name give the same bits."""
+"""What a sweep computes: a motion for each cell of a grid or row of a table, in chunks that are calls.
+
+A plan is named by a hash of its content: two sweeps of one name give the same bits.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
+import os
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import symosc
 from symosc.aliases import Record
-from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact, show, whole_number
+from symosc.errors import ParameterError, SweepError, meant
+from symosc.exact import read_exact, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES
-from symosc.scenes import Scene
-from symosc.sweeps.grid import SWEPT_STARTS, Grid
-from symosc.sweeps.motions import RECORDED, Share, kernels_hash
+from symosc.scenes import START_NAMES, Scene
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.problems import named
+from symosc.simulation.tables import SUMMARY_COLUMNS
 
-TIMES_FORM = "give a number, or periods of the forcing such as '60T'"
-MOST_FORCING_PERIODS = 10**9
+SWEPT_STARTS = START_NAMES[:3]
+SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)
+MOST_AXES = 3
+#: The dimension of a table's rows, and of several starts.
+SET_AXIS, START_AXIS = "set", "start"
+MOST_SWEPT = MOST_FORCING_PERIODS = 10**9
+AXIS_FORM = "give numbers, or LO:HI:N such as '1:6:500'"
+OVER_FORM = "give names with their values, such as {'Omega': '1:6:500'}, or a table: a DataFrame or a list of dicts"
 #: Points of a section if nobody says how many.
 SECTION_POINTS = 32
+#: What decides the numbers of a motion: changed sources make another plan.
+DECISIVE = ("kernels", "engine", "simulation", "exact.py", "model.py")
+
+
+class Coordinate(NamedTuple):
+    """Values of one parameter or start value along one dimension."""
+
+    dimension: str
+    values: np.ndarray
+
+
+class Grid:
+    """The cells of a sweep, in C order of its dimensions, whose lengths are `sizes`.
+
+    Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
+    computed. What is not swept stays exact.
+    """
+
+    def __init__(self, coordinates: dict[str, Coordinate]) -> None:
+        self.coordinates = coordinates
+        self.sizes = {each.dimension: len(each.values) for each in coordinates.values()}
+        self.shape = tuple(self.sizes.values())
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    def columns(self, begin: int, end: int) -> dict[str, np.ndarray]:
+        """Return the swept values of the cells from `begin` up to `end`."""
+        places = np.unravel_index(np.arange(begin, end), self.shape)
+        where = dict(zip(self.sizes, places, strict=True))
+        return {name: values[where[dimension]] for name, (dimension, values) in self.coordinates.items()}
+
+    def is_table(self) -> bool:
+        """Return whether the rows of a table are swept."""
+        return SET_AXIS in self.sizes
+
+
+def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
+    """Return the cells of axes by name or of a table, and of rows of starts, from each of which a set is followed."""
+    table = _table_columns(over)
+    axes = table if table is not None else _axes(over)
+    found = {name: Coordinate(name if table is None else SET_AXIS, values) for name, values in axes.items()}
+    if starts is not None:
+        twice = [name for name in SWEPT_STARTS if name in found]
+        if twice:
+            raise ParameterError("starts", twice[0], "is swept too; give it in one place")
+        found |= {name: Coordinate(START_AXIS, values) for name, values in _starts(starts).items()}
+    grid = Grid(found)
+    if len(grid) > MOST_SWEPT:
+        raise ParameterError("over", f"{len(grid)} motions", f"must be at most {MOST_SWEPT}")
+    _check_values(scene, grid)
+    return grid
+
+
+def _axes(over: Any) -> dict[str, np.ndarray]:
+    if not isinstance(over, Mapping):
+        raise ParameterError("over", over, OVER_FORM)
+    if not 1 <= len(over) <= MOST_AXES:
+        raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
+    return {_known(name): read_axis(name, values) for name, values in over.items()}
+
+
+def _known(name: Any) -> str:
+    if name not in SWEPT_NAMES:
+        known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
+        raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
+    return str(name)
+
+
+def read_axis(name: str, values: Any) -> np.ndarray:
+    """Return the values of an axis, all different: those that are given, or N evenly spaced ones of "LO:HI:N"."""
+    found = _evenly(name, values) if isinstance(values, str) else _numbers(name, values)
+    if not len(found):
+        raise ParameterError(name, values, f"has no values; {AXIS_FORM}")
+    ordered = np.sort(found)
+    same = ordered[1:][ordered[1:] == ordered[:-1]]
+    if len(same):
+        raise ParameterError(name, float(same[0]), "is twice on its axis")
+    return found
+
+
+def _whole(name: str, text: str, least: int) -> int:
+    """Return a whole number from text."""
+    text = text.strip()
+    return whole_number(name, int(text) if text.isascii() and text.isdigit() else None, least)
+
+
+def _evenly(name: str, text: str) -> np.ndarray:
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise ParameterError(name, text, AXIS_FORM)
+    low, high = (read_exact(name, part) for part in parts[:2])
+    count = _whole(name, parts[2], 2)
+    if count > MOST_SWEPT:
+        raise ParameterError(name, text, f"must have at most {MOST_SWEPT} values")
+    if low >= high:
+        raise ParameterError(name, text, "must go from a lower to a higher value")
+    # In fractions, so that 1:6:51 gives 1.1 and not 1.1000000000000001.
+    return np.array([float(low + Fraction(i, count - 1) * (high - low)) for i in range(count)])
+
+
+def _numbers(name: str, values: Any) -> np.ndarray:
+    """Return a row of numbers as doubles."""
+    unmasked(name, values)
+    if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+        raise ParameterError(name, values, AXIS_FORM)
+    array = values if isinstance(values, np.ndarray) else np.asarray(list(values), dtype=object)
+    if array.ndim != 1:
+        raise ParameterError(name, values, f"must be one row of numbers; it has shape {array.shape}")
+    if array.dtype.kind not in "iuf":
+        return np.array([float(read_exact(name, value)) for value in array], dtype=float) + 0.0
+    for value in (array.min(), array.max()) if len(array) else ():  # nan is both
+        read_exact(name, value)
+    return array.astype(float) + 0.0  # no -0.0
+
+
+def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
+    """Return the columns of a table, or None if `over` is no table."""
+    if hasattr(over, "columns") and hasattr(over, "to_numpy"):
+        rows: dict[Any, Any] = {name: over[name].to_numpy() for name in over.columns}
+    elif isinstance(over, (list, tuple)) and over and all(isinstance(row, Mapping) for row in over):
+        if any(row.keys() != over[0].keys() for row in over):
+            raise ParameterError("over", "a table", "must have the same names in all rows")
+        rows = {name: [row[name] for row in over] for name in over[0]}
+    else:
+        return None
+    columns = {_known(name): _numbers(name, values) for name, values in rows.items()}
+    if not columns or not len(next(iter(columns.values()))):
+        raise ParameterError("over", "a table", "must have a column and a row")
+    return columns
+
+
+def start_rows(starts: Any) -> Any:
+    """Return starts as rows of t0, x0 and v0, one alone as a row; columns with names are put in this order."""
+    columns = named("starts", starts, SWEPT_STARTS)
+    if not isinstance(columns, Mapping):
+        return starts
+    each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+    try:
+        rows = np.stack(np.broadcast_arrays(*each), axis=-1)
+    except ValueError:
+        lengths = [np.shape(column) for column in columns.values()]
+        raise ParameterError("starts", lengths, "the columns must be of one length") from None
+    return rows.ravel() if rows.size == 3 else rows
+
+
+def _starts(starts: Any) -> dict[str, np.ndarray]:
+    unmasked("starts", starts)
+    try:
+        rows = np.atleast_2d(np.asarray(starts, dtype=object))
+    except ValueError:
+        rows = np.zeros(0)
+    if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
+        raise ParameterError("starts", starts, "must have shape (n, 3), rows of t0, x0, v0")
+    return {name: _numbers(name, rows[:, i]) for i, name in enumerate(SWEPT_STARTS)}
+
+
+def _check_values(scene: Scene, grid: Grid) -> None:
+    """Let Parameters judge the extreme values: what it allows are intervals, and that belt 1 is the slower one."""
+    swept = {name: each.values for name, each in grid.coordinates.items() if name in PARAMETER_NAMES}
+    belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
+    for name, values in swept.items():
+        for value in (values.min(), values.max()):
+            scene.parameters.replace(**{name: float(value)})
+    if grid.is_table() and len(belts) == 2:
+        worst = int(np.argmin(belts["v2"] - belts["v1"]))
+        scene.parameters.replace(v1=float(belts["v1"][worst]), v2=float(belts["v2"][worst]))
+    elif belts:
+        nearest = {name: float(values.max() if name == "v1" else values.min()) for name, values in belts.items()}
+        scene.parameters.replace(**nearest)
 
 
 @dataclass(frozen=True)
@@ -38,15 +222,13 @@ class Duration:
     def __str__(self) -> str:
         return f"{show(self.value)}{'T' * self.periods}"
 
+    def times(self, period: Any) -> Any:
+        """Return it as a time for each period."""
+        return float(self.value) * period if self.periods else self.value
+
 
 def read_duration(name: str, given: Any) -> Duration:
-    """Return a time from a number, or from text such as ``"60T"``.
-
-    Raises
-    ------
-    ParameterError
-        Unless it is one of both.
-    """
+    """Return a time from a number, or from text such as "60T"."""
     text = re.fullmatch(r"\s*(\S+?)\s*T\s*", given) if isinstance(given, str) else None
     if text is None:
         return Duration(read_exact(name, given))
@@ -60,19 +242,8 @@ def read_duration(name: str, given: Any) -> Duration:
 class SweepPlan:
     """A sweep as it is computed.
 
-    Attributes
-    ----------
-    scene : Scene
-        What is not swept.
-    grid : Grid
-    record : tuple of str
-        Columns of `symosc.simulate_many`'s summaries.
-    sections : int
-        Points of a section, 0 if none is recorded.
-    t_end : Duration
-        End of each motion; periods count from its start.
-    skip : Duration
-        How much of each motion is left out from its start on.
+    `scene` is what is not swept, `record` are columns of summaries, `sections` the points of a section, 0 if none is
+    recorded. Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
     """
 
     scene: Scene
@@ -118,32 +289,68 @@ class SweepPlan:
         """The plan's name: a hash of its content."""
         return hashlib.sha256(json.dumps(self.content, sort_keys=True).encode()).hexdigest()
 
-    def share(self, begin: int, end: int) -> Share:
-        """Return what computes the cells from `begin` up to `end`."""
+    def call(self, begin: int, end: int) -> Record:
+        """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.grid.columns(begin, end)
-        p: dict[str, Any] = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
-        starts = tuple(swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS)
+        p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
+        starts = {name: swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
-        t0 = np.asarray(starts[0], dtype=float)
-        t_end: Any = t0 + float(self.t_end.value) * period if self.t_end.periods else self.t_end.value
-        skip: Any = float(self.skip.value) * period if self.skip.periods else self.skip.value
-        return Share(
-            end - begin, p, starts, t_end, skip, self.record, self.sections, self.scene.start_error, kernels_hash()
-        )
+        t_end = self.t_end.times(period)
+        return {
+            "parameters": p,
+            "starts": starts,
+            "t_end": np.asarray(starts["t0"], dtype=float) + t_end if self.t_end.periods else t_end,
+            "record": self.column_names,
+            "skip": self.skip.times(period),
+            "sections": self.sections,
+            "start_error": self.scene.start_error,
+        }
+
+
+def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
+    """Make the call of a chunk, wherever it was sent; return its columns and the processor seconds that it took.
+
+    SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
+    """
+    if kernels != kernels_hash():
+        raise SweepError("a worker has another version of symosc than this program")
+    wall, processor = perf_counter(), process_time()
+    columns: dict[str, np.ndarray] = simulate_many(**call, workers=workers).columns()
+    if "word" in columns:
+        columns["word"] = cycles(columns["word"])
+    threads = workers or os.cpu_count() or 1
+    # Other programs make the first too long, other threads of this one the second.
+    return columns, min((perf_counter() - wall) * threads, process_time() - processor)
+
+
+def cycles(words: np.ndarray) -> np.ndarray:
+    """Return words so that all that are one cycle, such as P32 and P23, are the same: its rotation largest in text.
+
+    Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
+    shows borders only where the cycle itself changes.
+    """
+    texts, places = np.unique(words, return_inverse=True)
+    labels = [str(text)[1:] for text in texts]
+    largest = [max((each[i:] + each[:i] for i in range(len(each))), default="") for each in labels]
+    return np.array([f"P{each}" if each else "" for each in largest])[places]
+
+
+@cache
+def kernels_hash() -> str:
+    """Return a hash of the sources that decide the numbers of a motion."""
+    root, digest = Path(symosc.__file__).parent, hashlib.sha256()
+    for name in DECISIVE:
+        path = root / name
+        for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def read_plan(scene: Scene, grid: Grid, record: Any, t_end: Any, skip: Any) -> SweepPlan:
-    """Return the plan of a sweep.
-
-    Raises
-    ------
-    ParameterError
-        For an unknown column, a time that is none, or an end before a start.
-    """
+    """Return the plan of a sweep."""
     columns, sections = read_record(record)
     end = Duration(scene.t_end) if t_end is None else read_duration("t_end", t_end)
-    left_out = read_duration("skip", skip)
-    plan = SweepPlan(scene, grid, columns, sections, end, left_out)
+    plan = SweepPlan(scene, grid, columns, sections, end, read_duration("skip", skip))
     _check_times(plan)
     return plan
 
@@ -152,21 +359,17 @@ def read_record(record: Any) -> tuple[tuple[str, ...], int]:
     """Return the names of columns and the number of points of a section, from names such as "word" and "section:64"."""
     names = [record] if isinstance(record, str) else list(record)
     if not names:
-        raise ParameterError("record", record, f"give names out of {', '.join(RECORDED)}")
+        raise ParameterError("record", record, f"give names out of {', '.join(SUMMARY_COLUMNS)}")
     columns, sections = [], 0
     for name in names:
         column, colon, count = name.partition(":")
-        if column not in RECORDED or (colon and column != "section"):
-            known = f"is not recorded; what is is {', '.join(RECORDED)}"
-            raise ParameterError("record", name, known + meant(column, RECORDED))
+        if column not in SUMMARY_COLUMNS or (colon and column != "section"):
+            known = f"is not recorded; what is is {', '.join(SUMMARY_COLUMNS)}"
+            raise ParameterError("record", name, known + meant(column, tuple(SUMMARY_COLUMNS)))
         if column in columns:
             raise ParameterError("record", column, "is there twice")
         if column == "section":
-            sections = (
-                whole_number("section", int(count) if count.isascii() and count.isdigit() else None, 1)
-                if colon
-                else SECTION_POINTS
-            )
+            sections = _whole("section", count, 1) if colon else SECTION_POINTS
         columns.append(column)
     return tuple(columns), sections
 
@@ -177,18 +380,13 @@ def _check_times(plan: SweepPlan) -> None:
     t0 = read_exact("t0", float(grid["t0"].values.max())) if "t0" in grid else plan.scene.t0
     if plan.skip.value < 0:
         raise ParameterError("skip", str(plan.skip), "must be >= 0")
-    if plan.t_end.periods:
-        length = plan.t_end.value
-        if length <= 0:
-            raise ParameterError("t_end", str(plan.t_end), "must be more than 0 periods")
-    elif plan.t_end.value <= t0:
+    if plan.t_end.periods and plan.t_end.value <= 0:
+        raise ParameterError("t_end", str(plan.t_end), "must be more than 0 periods")
+    if not plan.t_end.periods and plan.t_end.value <= t0:
         raise ParameterError("t_end", str(plan.t_end), f"must be later than t0 = {show(t0)}")
     omegas = grid["Omega"].values if "Omega" in grid else np.array([float(plan.scene.parameters.Omega)])
-    for omega in (omegas.min(), omegas.max()):
-        period = 2 * math.pi / float(omega)
-        until = float(plan.t_end.value) * period if plan.t_end.periods else float(plan.t_end.value - t0)
-        skipped = float(plan.skip.value) * (period if plan.skip.periods else 1.0)
-        if skipped >= until:
-            raise ParameterError(
-                "skip", str(plan.skip), f"must be shorter than the motion, which ends at t_end = {plan.t_end}"
-            )
+    for period in (2 * math.pi / float(omega) for omega in (omegas.min(), omegas.max())):
+        until = plan.t_end.times(period) - (0 if plan.t_end.periods else t0)
+        if float(plan.skip.times(period)) >= float(until):
+            ends = f"must be shorter than the motion, which ends at t_end = {plan.t_end}"
+            raise ParameterError("skip", str(plan.skip), ends)

@@ -34,13 +34,7 @@ Columns = dict[str, np.ndarray]
 
 
 class Store:
-    """The chunks of one sweep, in a folder beside its output.
-
-    Parameters
-    ----------
-    output : Path
-        The file that the sweep is to make.
-    """
+    """The chunks of one sweep, in a folder beside the file `output` that the sweep is to make."""
 
     def __init__(self, output: Path) -> None:
         self.output = output
@@ -61,12 +55,7 @@ class Store:
     def open(self, key: str, content: Record, resume: bool = True) -> None:
         """Make the folder or go on in it, alone; without `resume` take away the chunks that are in it.
 
-        Raises
-        ------
-        SweepError
-            If it belongs to another plan or is no folder of a sweep, or another program works in it.
-        OutputError
-            If it cannot be made.
+        SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         """
         try:
             self.folder.mkdir(exist_ok=True)

@@ -1,10 +1,12 @@
-"""`sweep`: motions over parameters and starts, as an xarray.Dataset."""
+"""`sweep`: motions over parameters and starts, as an xarray.Dataset; chunk by chunk, by whoever computes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import nullcontext
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,19 +15,30 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
 from symosc.arguments import public
-from symosc.display.progress import Report, reporting
-from symosc.errors import SweepError
+from symosc.display.progress import reporting
+from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
+from symosc.exact import whole_number
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps import output
-from symosc.sweeps.collected import Collected
-from symosc.sweeps.dataset import dataset_of, need_xarray
-from symosc.sweeps.grid import SWEPT_STARTS, read_grid, start_rows
-from symosc.sweeps.plan import SweepPlan, read_plan
-from symosc.sweeps.run import carried_out, engine
-from symosc.sweeps.store import Store, missing
+from symosc.sweeps.output import dataset_of, need_xarray
+from symosc.sweeps.plan import SWEPT_STARTS, SweepPlan, compute, kernels_hash, read_grid, read_plan, start_rows
+from symosc.sweeps.store import Columns, Store, missing
 
 if TYPE_CHECKING:
     import xarray
+
+#: Processor seconds that a chunk should take; less would be overhead, more would be lost when a program is killed.
+CHUNK_SECONDS = 4.0
+#: Motions of the first chunk, and how much larger or smaller than the one before a chunk may be.
+FIRST_CHUNK, MOST_GROWTH = 128, 16.0
+MOST_CHUNK = 1 << 18
+CONNECT_SECONDS = 10
+# Chunks in flight for each processor of an executor whose size is not known.
+AHEAD = 2
+
+Range = tuple[int, int]
+Chunk = tuple[Columns, float]
+Done = tuple[int, int, Columns]
 
 
 @public
@@ -81,49 +94,48 @@ def sweep(
     need_xarray()
     plan, given = planned(scene, over, record, t_end, skip, starts)
     target = None if path is None else output.output_path(path)
-    going_on, (who, under_way) = resume, engine(executor, workers)
+    going_on, (who, under_way) = resume, read_executor(executor, workers)
     if target is not None and _is_finished(plan, target, going_on):
         Store(target).remove(plan.key)  # stopped before it could do that itself
         return dataset_of(plan, output.read_columns(target), given)
     with Store(target) if target is not None else nullcontext() as store:
         if store is not None:
             store.open(plan.key, plan.content, going_on)
-        return _computed(plan, given, store, lambda gaps: carried_out(plan, gaps, who, under_way), progress)
+        columns: Columns = {}
+        there = []
+        for begin, end, chunk in store.chunks(plan.column_names) if store is not None else ():
+            _fill(columns, len(plan.grid), begin, end, chunk)
+            there.append((begin, end))
+        gaps = missing(there, len(plan.grid))
+        done = len(plan.grid) - sum(end - begin for begin, end in gaps)
+        with reporting(progress, done, len(plan.grid)) as report:
+            try:
+                for begin, end, chunk in carried_out(plan, gaps, who, under_way):
+                    if store is not None:
+                        store.write(begin, end, chunk)  # it is on disk before it counts
+                    _fill(columns, len(plan.grid), begin, end, chunk)
+                    done += end - begin
+                    report(done, len(plan.grid))
+            except SweepError as error:
+                if store is None:
+                    raise
+                kept = f"{done} of {len(plan.grid)} motions are kept in {store.folder}, and the same call goes on"
+                raise SweepError(f"{error}; {kept}") from error.__cause__
+        dataset = dataset_of(plan, columns, given)
+        if store is not None:
+            output.write_output(dataset, store.output, store.folder)
+            store.remove(plan.key)
+        return dataset
 
 
-def _computed(
-    plan: SweepPlan, given: dict[str, Any], store: Store | None, compute: Callable[..., Any], progress: Any
-) -> xarray.Dataset:
-    """Compute what is missing, and write the output."""
-    results, there = Collected(len(plan.grid)), []
-    for begin, end, columns in store.chunks(plan.column_names) if store is not None else ():
-        results.fill(begin, end, columns)
-        there.append((begin, end))
-    gaps = missing(there, results.count)
-    done = results.count - sum(end - begin for begin, end in gaps)
-    with reporting(progress, done, results.count) as report:
-        _fill(results, compute(gaps), store, done, report)
-    dataset = dataset_of(plan, results.columns(), given)
-    if store is not None:
-        output.write_output(dataset, store.output, store.folder)
-        store.remove(plan.key)
-    return dataset
-
-
-def _fill(results: Collected, chunks: Any, store: Store | None, done: int, report: Report) -> None:
-    """Take chunks in as they come; each is on disk before it counts."""
-    try:
-        for begin, end, chunk in chunks:
-            if store is not None:
-                store.write(begin, end, chunk.columns)
-            results.fill(begin, end, chunk.columns)
-            done += end - begin
-            report(done, results.count)
-    except SweepError as error:
-        if store is None:
-            raise
-        kept = f"{done} of {results.count} motions are kept in {store.folder}, and the same call goes on"
-        raise SweepError(f"{error}; {kept}") from error.__cause__
+def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) -> None:
+    """Put the columns of a chunk into their place among `count` cells."""
+    for name, values in chunk.items():
+        if name not in columns:
+            columns[name] = np.zeros((count, *values.shape[1:]), values.dtype)
+        if columns[name].dtype.itemsize < values.dtype.itemsize:  # longer texts
+            columns[name] = columns[name].astype(values.dtype)
+        columns[name][begin:end] = values
 
 
 def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any) -> tuple[SweepPlan, dict[str, Any]]:
@@ -142,6 +154,110 @@ def _is_finished(plan: SweepPlan, target: Path, going_on: bool) -> bool:
     if going_on and there not in (None, plan.key):
         raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
     return going_on and there is not None
+
+
+class Here(Executor):
+    """Computes in this process, each chunk when it is submitted; its motions run on all threads."""
+
+    def __init__(self, workers: int | None) -> None:
+        self.workers = workers
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Return a future that is done."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs, workers=self.workers))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
+    """Return who computes, None: this process, and how many chunks are under way at a time.
+
+    `workers` are threads of this process (default: all cores), or chunks under way in an executor.
+    """
+    count = None if workers is None else whole_number("workers", workers, 1)
+    if executor is None:
+        return Here(count), 1
+    if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):
+        cores = sum(executor.ncores().values())
+        return executor.get_executor(pure=False), count or AHEAD * max(cores, 1)
+    if not isinstance(executor, Executor):
+        allowed = "give an executor of concurrent.futures, or a Client of dask.distributed"
+        raise ParameterError("executor", type(executor).__name__, allowed)
+    known = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    return executor, count or AHEAD * known
+
+
+def dask_client(address: str) -> Any:
+    """Return a client of a dask cluster, by the address of its scheduler or the name of its scheduler file."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise MissingExtraError("a dask cluster", "sweep") from None
+    if address.endswith(".json"):
+        if not Path(address).is_file():  # dask would wait for it
+            raise ParameterError("executor", address, "there is no such scheduler file")
+        return Client(scheduler_file=address, timeout=CONNECT_SECONDS)
+    try:
+        return Client(address, timeout=CONNECT_SECONDS)
+    except (OSError, ValueError, TimeoutError) as error:
+        allowed = f"no scheduler of dask answers there ({_brief(error)})"
+        raise ParameterError("executor", address, allowed) from None
+
+
+def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int) -> Iterator[Done]:
+    """Compute the cells in `gaps` and yield them chunk by chunk, in the order in which they are done.
+
+    SweepError if a worker fails; the chunks that were yielded stand.
+    """
+    todo, size, pending = list(reversed(gaps)), FIRST_CHUNK, dict[Future[Chunk], Range]()
+    try:
+        while todo or pending:
+            while todo and len(pending) < under_way:
+                begin, end = _cut(todo, size, under_way)
+                with _worker_errors():
+                    future = executor.submit(partial(compute, plan.call(begin, end), kernels_hash()))
+                pending[future] = begin, end
+            done, _ = wait(pending, return_when=FIRST_COMPLETED)
+            for future in sorted(done, key=lambda each: each.cancelled() or each.exception() is not None):
+                begin, end = pending.pop(future)  # those that are whole are kept before an error is raised
+                with _worker_errors():
+                    columns, seconds = future.result()
+                growth = min(max(CHUNK_SECONDS / max(seconds, 1e-6), 1 / MOST_GROWTH), MOST_GROWTH)
+                size = int(min(max((end - begin) * growth, 1), MOST_CHUNK))
+                yield begin, end, columns
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def _cut(todo: list[Range], size: int, under_way: int) -> Range:
+    """Take the next chunk from what is to do; at the end all that is left is shared by those under way."""
+    left = sum(end - begin for begin, end in todo)
+    begin, end = todo.pop()
+    middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
+    if end - middle < (middle - begin) // 4:  # no crumbs
+        middle = end
+    if middle < end:
+        todo.append((middle, end))
+    return begin, middle
+
+
+@contextmanager
+def _worker_errors() -> Iterator[None]:
+    """Raise SweepError for what a worker, or a broken pool, raises; but for our own errors and a lack of memory."""
+    try:
+        yield
+    except (SymoscError, MemoryError):
+        raise
+    except Exception as error:
+        raise SweepError(f"a worker failed: {_brief(error)}") from error
+
+
+def _brief(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 class SweepStatus(NamedTuple):

@@ -290,16 +290,6 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
         assert_complete(followed(scene, digits), scene)
 
 
-@pytest.mark.campaign
-@pytest.mark.parametrize("digits", [None, 17])
-@pytest.mark.parametrize("mapping", NEIGHBOURS)
-@pytest.mark.parametrize("offset", OFFSETS)
-def test_many_touches_where_two_searches_meet(offset: float, mapping: str, digits: int | None) -> None:
-    for seed in range(100, 110):
-        scene = at_a_seam(random.Random(f"seam {mapping} {seed} {offset}"), mapping, offset)
-        assert_complete(followed(scene, digits), scene)
-
-
 # -- searches that fail ------------------------------------------------------------------------------------------------
 
 LIMITS = [
@@ -440,15 +430,6 @@ FOUND: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any]]] = {  # x0, v0, t_e
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("digits", DIGITS)
-@pytest.mark.parametrize("name", FOUND)
-def test_scenes_that_once_had_a_touch_too_many(name: str, digits: int | None) -> None:
-    numbers, (x0, v0, t_end) = FOUND[name]
-    trajectory = simulate(Parameters(**numbers), t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits)
-    assert list(trajectory.events) == []
-    assert trajectory.status in ("equilibrium", "t_end")
-
-
 REST = {"m": 1, "k": 1, "c": 3, "A0": 0, "B0": 0, "v1": -1, "v2": 0, "mu1": 0, "mu2": "3/10", "FN": 1}
 
 
@@ -505,20 +486,3 @@ def test_an_event_behind_a_tiny_drive() -> None:
         assert [event.kind for event in trajectory.events] == ["stick", "slip"]
         assert [float(event.t) for event in trajectory.events] == pytest.approx([24.9047818, 85.6285463], abs=1e-7)
         assert_errors_within_flights(trajectory)
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("flight", AHEAD)
-@pytest.mark.parametrize("seed", range(15))
-def test_many_creeping_motions(seed: int, flight: str) -> None:
-    for push in ("0", "1e-30", "1e-9", "0.3", "-1e-25", "-1e-13", "-1e-7", "-0.3"):
-        rng = random.Random(f"many {flight} {push} {seed}")
-        assert_right(to_a_belt_at_rest(rng, flight, Fraction(push), seed % 4 == 0 and Fraction(push) >= 0), None)
-        assert_right(to_a_limit_speed(rng, flight, abs(Fraction(push)) / 10), None)
-    for size in (3, 9, 16, 22):
-        scene = with_a_tiny_drive(random.Random(f"many {flight} {size} {seed}"), flight, size)
-        run = simulate_oracle(scene.p, 0, scene.x0, scene.v0, scene.t_end, 40 + 2 * size)
-        trajectory = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
-        for event, expected in zip(trajectory.events, run.events, strict=False):
-            assert_event_agrees(event, expected)
-        assert trajectory.status == "undecidable" or len(trajectory.events) == len(run.events), scene

@@ -14,13 +14,9 @@ from typing import Any
 
 import mpmath
 import pytest
-from mpmath.ctx_mp import MPContext
 from samples import sample_of
 
 from symosc import Parameters, find_orbit, grazing_start, grazing_window, jacobian, load_scene, simulate, solve_map
-from symosc.derive.document import chapter_items
-from symosc.derive.scope import Scope
-from symosc.derive.steps import Step
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.start import Start
 from symosc.kernels.multiprecision import mp_context
@@ -204,15 +200,6 @@ def test_trajectories() -> None:
     in_threads([lambda seed=seed: job(seed) for seed in range(24)])
 
 
-def test_the_digits_printed_stay_those_asked_for() -> None:
-    """Once, numbers of digits=35 had 58 digits for ever after."""
-    scene = load_scene("fig5")
-    with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(lambda n: simulate(scene, digits=(20, 35)[n % 2], max_events=2), range(16)))
-    x = simulate(scene, digits=35, max_events=2).events[1].x
-    assert 34 <= len(str(x).lstrip("-0.").replace(".", "")) <= 35
-
-
 @pytest.mark.slow
 def test_orbits_grazing_starts_and_windows() -> None:
     scene, fig8 = load_scene("fig9-orbit"), load_scene("fig8").parameters
@@ -253,33 +240,6 @@ def test_one_arithmetic_for_all_threads() -> None:
     basis, K, number = arithmetic.namespace["basis"], arithmetic.K, arithmetic.number
     jobs: list[Job] = [lambda n=n: basis(number(Fraction(n, 7)), K) for n in (1, 2, 20, 30)]
     in_threads(jobs + [lambda n=n: arithmetic.phase(Fraction(10**n, 3)) for n in (1, 9, 18)])
-
-
-@pytest.mark.slow
-def test_nothing_changes_the_precision_of_mpmath(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is the precision of all threads: not for derivations at 50 digits, not for mappings of its numbers."""
-    changes = []
-    for name in ("prec", "dps"):
-        usual = getattr(MPContext, name)
-
-        def change(context: Any, value: int, usual: property = usual) -> None:
-            changes.append((context, value))
-            usual.fset(context, value)  # type: ignore[misc]
-
-        monkeypatch.setattr(MPContext, name, property(usual.fget, change))
-    p = load_scene("fig9-orbit").parameters
-    jacobian(p, "P2", (mpmath.mpf(1), mpmath.mpf(2)), (mpmath.mpf(1), mpmath.mpf(7)))
-    _, items = chapter_items("orbits", Scope(load_scene("fig9")))
-    for step in [item for item in items if isinstance(item, Step)][:6]:
-        step.verify()
-    assert changes == []
-
-
-def test_linear_equations_are_solved_in_a_shared_context() -> None:
-    context = mp_context(40)
-    A, b = context.matrix([[1, 2, 0], [3, 4, 5], [0, 1, 7]]), [context.mpf(n) / 3 for n in (1, 2, 3)]
-    residual = A * context.lu_solve(A, b) - context.matrix(b)
-    assert max(map(abs, residual)) < 1e-39
 
 
 def test_a_shared_context_cannot_be_changed() -> None:

@@ -7,20 +7,17 @@ import random
 from fractions import Fraction
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 from agreement import BASE
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_constants import constants_of
-from touches import tenths
 
 from symosc import Parameters, load_scene, simulate, simulate_many
 from symosc.engine import first_exit as exits
 from symosc.engine import flow
 from symosc.engine.first_exit import (
-    MARCH_SLACK,
     belt_exit,
     first_exit,
     fourth_derivative_bound,
@@ -28,10 +25,8 @@ from symosc.engine.first_exit import (
     march,
     positive_on,
     safe_step,
-    slopes,
 )
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
-from symosc.engine.start import Start
 from symosc.engine.state import (
     HIT,
     NOTHING,
@@ -42,7 +37,6 @@ from symosc.engine.state import (
     State,
     Walls,
 )
-from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -52,7 +46,7 @@ def test_no_contact_is_passed_over() -> None:
     """Against the signs of a fine scan: an independent check that can only miss what is shorter than its step."""
     rng = random.Random(8)
     hits = 0
-    for _ in range(300):
+    for _ in range(100):
         K = constants_of(rng)
         v0, a0, theta = rng.uniform(-0.95, 0.95), rng.uniform(-9, 9), rng.uniform(0, 6.28)
         start = Launch(v0, a0, math.sin(theta), math.cos(theta))
@@ -64,15 +58,7 @@ def test_no_contact_is_passed_over() -> None:
         if code == HIT:
             hits += 1
             assert v0 + state_at(now.tau, start, K).dv == pytest.approx(side, abs=1e-13 * (1 + abs(a0)))
-    assert hits > 100
-
-
-def test_a_phase_turned_by_taylor() -> None:
-    for angle in (1e-3, -7e-4, 1e-9):
-        s, c = flow.turned(math.sin(1.2), math.cos(1.2), angle)
-        with mpmath.workdps(30):
-            assert abs(s - mpmath.sin(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
-            assert abs(c - mpmath.cos(mpmath.mpf(1.2) + angle)) < 3e-16 + abs(angle) ** 5
+    assert hits > 30
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, *functions: tuple[Any, str]) -> dict[str, int]:
@@ -171,58 +157,9 @@ def test_a_root_is_near_only_if_it_is_the_only_one_there() -> None:
     assert not exits.is_near(1.0, taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
 
 
-def test_a_root_is_close_if_taylor_reaches_it_and_clear_if_the_gap_is_deep_behind() -> None:
-    K = flow.constants(BASE)
-    edge = 12 * exits.NEAR / K.rate
-    assert exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[1]
-    assert not exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[1]
-    size, bend = 3.0, 2.0  # depth behind the root: slope^2/(2 bend)
-    slope = math.sqrt(2 * exits.CLEAR_DEPTH * size * bend)
-    assert exits.is_near(1e-6, taylor(1e-6, 1.01 * slope, bend), 4, 0.0, size, K)[2]
-    assert not exits.is_near(1e-6, taylor(1e-6, 0.99 * slope, bend), 4, 0.0, size, K)[2]
-    # a divided polynomial: the gap is root times it for each degree that is missing
-    far = 1e-3
-    slope = math.sqrt(2 * exits.CLEAR_DEPTH * size * bend / far)
-    assert exits.is_near(far, taylor(far, 1.01 * slope, bend), 3, 0.0, size, K)[2]
-    assert not exits.is_near(far, taylor(far, 0.99 * slope, bend), 3, 0.0, size, K)[2]
-
-
-def test_what_is_missing_counts_the_rest_of_the_polynomial() -> None:
-    """A root that Halley's method has not reached yet leaves a value, which counts like the bound."""
-    K = flow.constants(BASE)
-    off = 0.9 * exits.ISOLATED / K.rate
-    p0, *others = taylor(1.0, 1.0, 0.0)
-    assert exits.is_near(1.0, (p0 + off, *others), 4, 0.0, 1.0, K)[0]
-    assert exits.is_near(1.0, (p0 - off, *others), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(1.0, (p0 + 1.3 * off, *others), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(1.0, (p0 - 1.3 * off, *others), 4, 0.0, 1.0, K)[0]
-
-
-def test_a_quartic_start_has_no_root_where_it_says() -> None:
-    """g = j t^4/24 + ...: with five derivatives bounded, none before 4 j/M5; against the flow itself."""
-    rng = random.Random(3)
-    checked = 0
-    for _ in range(200):
-        p = BASE.replace(c=tenths(rng, 0, 60), k=tenths(rng, 1, 60), Omega=tenths(rng, 3, 40))
-        K = Motion(Start(p, Fraction(0), Fraction(0), Fraction(0), Fraction(1))).K
-        # F = G1 = G2 = 0 at theta = 3 pi/2 with the belt's speed v = B0 Omega/k
-        v, s0, c0 = K.fB / K.w0sq, -1.0, 0.0
-        _, w, j = flow.derivatives(v, 0.0, s0, c0, K)
-        assert abs(w) < 1e-9 * abs(j)
-        reach = exits.behind_flat_start(1e9, w, j, Launch(v, 0.0, s0, c0), K).tau
-        assert reach > 0
-        for part in (0.01, 0.3, 0.7, 1.0):
-            tau = reach * part
-            gain = flow.state_at(tau, Launch(v, 0.0, s0, c0), K).dv
-            expected = j * tau**4 / 24
-            assert gain * expected > 0
-            checked += abs(gain - expected) <= 0.9 * abs(expected)
-    assert checked > 600
-
-
 @pytest.mark.slow
 @given(st.tuples(*[COEFFICIENTS] * 5), st.floats(0.01, 3))
-@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=300)
+@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=100)
 def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[float, ...], s: float) -> None:
     values = np.polyval(p[::-1], np.linspace(0, s, 200))
     if positive_on(s, p):
@@ -234,7 +171,7 @@ def test_positive_bernstein_coefficients_mean_a_positive_polynomial(p: tuple[flo
 
 @pytest.mark.slow
 @given(st.floats(1e-6, 5), st.tuples(*[COEFFICIENTS] * 3), st.floats(0.01, 5))
-@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=500)
+@settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck), max_examples=150)
 def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float, ...], p4: float) -> None:
     p = (p0, *middle, -p4)
     step, root = safe_step(10.0, p)
@@ -261,7 +198,7 @@ def test_the_fourth_derivative_stays_within_its_bound() -> None:
 def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
     rng = random.Random(6)
     marched = 0
-    for _ in range(500):
+    for _ in range(200):
         K = constants_of(rng)
         if not K.apart:
             continue
@@ -280,7 +217,7 @@ def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
         marched += now.tau > 0
         for time in np.linspace(0, now.tau, 50):
             assert abs(v0 + state_at(time, start, K).dv) < 1
-    assert marched > 50
+    assert marched > 20
 
 
 def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, Flown]:
@@ -289,47 +226,6 @@ def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, 
     G1, G2, G3 = derivatives(v0, a0, s, c, K)
     now = Flown(0.0, 0.0, 0.0, a0, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
     return Launch(v0, a0, s, c), now
-
-
-def test_marching_ends_with_the_bound_there_and_only_where_it_must() -> None:
-    """It returns M4 of the point that it got to, and stops for the end, a wall in the next step, or patience."""
-    rng, ends = random.Random(12), {"end": 0, "wall": 0}
-    for _ in range(120):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
-        distance, tau_max = 10 ** rng.uniform(0, 0.7), min(K.chunk, 30 / K.rate)
-        walls = Walls(start.v + distance, distance - start.v, True, True, False, False)
-        found, M4_there, side, beyond = march(tau_max, start.v, now, walls, 0.0, K)
-        there = state_at(found.tau, start, K)
-        assert M4_there == pytest.approx(fourth_derivative_bound(there.G2, there.G3, there.s, there.c, K), rel=1e-9)
-        if found.tau + K.march.step >= tau_max:
-            ends["end"] += 1
-        elif side != 0:
-            ends["wall"] += 1
-            assert beyond.tau == found.tau + K.march.step
-            assert side * (start.v + beyond.dv) > distance > side * (start.v + found.dv)
-        elif not K.patient:  # seldom: two walls in one step, or a touch
-            gap, h = distance - abs(start.v + there.dv), K.march.step
-            assert gap < abs(there.F) * h + abs(there.G1) * h**2 / 2 + abs(there.G2) * h**3 / 6 + M4_there * h**4 / 24
-    assert min(ends.values()) > 10
-
-
-def test_marching_keeps_the_margin() -> None:
-    """What the start is uncertain by is kept free, beside the slack of the gap's size."""
-    rng, marched = random.Random(13), 0
-    for _ in range(150):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        start, now = launched(rng.uniform(-0.5, 0.5), rng.uniform(-3, 3), rng.uniform(0, 6.28), K)
-        walls, margin = Walls(start.v + 1, 1 - start.v, True, True, False, False), rng.uniform(0.05, 0.4)
-        found = march(K.chunk, start.v, now, walls, margin, K).now
-        marched += found.tau > 0
-        for tau in np.linspace(0, found.tau, 40)[1:]:
-            assert abs(start.v + state_at(tau, start, K).dv) < 1 - margin + MARCH_SLACK
-    assert marched > 20
 
 
 def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
@@ -353,30 +249,6 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
             assert beyond[-1]
             assert all(-found.side * (start.v + state_at(t, start, K).dv) < 1 for t in np.linspace(low, high, 60))
     assert min(sides.values()) > 10
-
-
-def test_a_wall_that_is_only_come_near_to_is_not_met() -> None:
-    """The lowest velocity of a flight is just above the wall, or below: only then it is met, at the end of the step."""
-    rng, sides = random.Random(21), {-1: 0, 0: 0}
-    for _ in range(150):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
-        tau_max = min(K.chunk, 30 / K.rate)
-        scan = [start.v + state_at(tau, start, K).dv for tau in np.linspace(0, tau_max, 60)]
-        if scan.index(min(scan)) in (0, 59):
-            continue
-        wall = min(scan) + rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
-        if start.v - wall < 0.01:
-            continue
-        walls = Walls(start.v - wall, 1e6, True, True, False, False)
-        found, _, side, beyond = march(tau_max, start.v, now, walls, 0.0, K)
-        if found.tau + K.march.step >= tau_max:
-            continue
-        sides[side] += 1
-        assert (side == 0) or start.v + beyond.dv < wall
-    assert min(sides.values()) > 3
 
 
 def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float = 0.0) -> State:
@@ -411,30 +283,6 @@ def test_constant_forces_never_end_a_stick(below: float) -> None:
     held = holding(below * belt.J, (below - 1) * belt.J, theta, math.sin(theta), math.cos(theta))
     end = belt_exit(K.period, held, belt, K)
     assert (end.code, end.tau, end.Delta) == (NOTHING, K.period, 0.0)
-
-
-def test_a_stick_that_lasts_has_no_side() -> None:
-    rng, lasts = random.Random(10), 0
-    for _ in range(200):
-        K = constants_of(rng, v1=round(rng.uniform(-2, 0.5), 3))
-        belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
-        below, tau_max = rng.uniform(0.01, 0.99) * belt.J, K.period * rng.choice([0.01, 0.3, 1.0])
-        hold = holding(below, below - belt.J, theta, math.sin(theta), math.cos(theta))
-        end = belt_exit(tau_max, hold, belt, K)
-        if end.code == NOTHING:
-            lasts += 1
-            assert (end.side, end.tau) == (0, tau_max)
-            assert end.Delta == pytest.approx(gain(tau_max, hold.s, hold.c, belt, K)[0], abs=1e-12 * (1 + abs(K.f0)))
-        else:
-            assert abs(end.side) == 1
-            Delta, s, c = gain(end.tau, hold.s, hold.c, belt, K)
-            slope, bend = slopes(s, c, belt, K)
-            phase = hold.theta + K.Om * end.tau
-            assert (end.s, end.c) == pytest.approx((math.sin(phase), math.cos(phase)), abs=4e-15)
-            size = (1 + abs(K.f0)) * (1 + K.Om) ** 2
-            assert (end.Delta, end.slope) == pytest.approx((Delta, slope), abs=1e-9 * size)
-            assert end.bend == pytest.approx(bend, abs=1e-5 * size)
-    assert lasts > 50
 
 
 def test_a_force_that_only_touches_0_is_a_touch() -> None:

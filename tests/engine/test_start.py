@@ -19,10 +19,9 @@ from touches import tenths
 
 from symosc import ParameterError, load_scene, simulate, simulate_many
 from symosc.engine import batch, start
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.next_event import creeps_for_ever
 from symosc.engine.start import Start, first_state
-from symosc.engine.state import State
 
 # -- exact starts ------------------------------------------------------------------------------------------------------
 
@@ -126,44 +125,6 @@ def test_the_errors_of_events_cover_that_of_the_start(mapping: str, digits: int 
         assert moved_x <= 1.001 * event.x_error <= 10 * (moved_x + abs(float(event.v)) * moved_t) + 1e-14
 
 
-def test_a_closer_look_does_not_forget_the_error_of_the_start() -> None:
-    """Behind a graze in doubles, which takes more digits, events are known no better than the start is."""
-    a = aimed("closer look", "P2")
-    errors, t_end = tuple(Fraction(n, 10**12) for n in (1, 3, 2)), a.t_m + 10
-    x0, v0 = text(a.x0, 80), text(a.v0, 80)
-    doubles, digits = (
-        simulate(a.p, t0=a.t0, x0=x0, v0=v0, t_end=t_end, start_error=errors, digits=n) for n in (None, 20)
-    )
-    assert doubles.events[0].kind == digits.events[0].kind == "graze"
-    assert len(doubles.events) == len(digits.events) > 3
-    for rough, fine in zip(doubles.events[1:], digits.events[1:], strict=True):
-        assert rough.t_error >= 0.9 * fine.t_error
-        assert rough.x_error >= 0.9 * fine.x_error
-
-
-def test_the_covariance_of_a_start_is_that_of_its_errors() -> None:
-    """An error of t0 moves x and v together: dx = -v dt, dv = -a dt."""
-    p, dt, dx, dv = NEAR, Fraction(1, 1000), Fraction(1, 500), Fraction(1, 300)
-    for x0, v0 in ((Fraction(3), Fraction(1, 4)), (Fraction(-3), Fraction(1, 4)), (Fraction(2), Fraction(-2))):
-        problem = Start(p, Fraction(1), x0, v0, Fraction(2), (dt, dx, dv))
-        state = first_state(problem, Arithmetic(p))
-        a = state.Fb
-        assert pytest.approx(3 * float(dx**2 + (v0 * dt) ** 2)) == state.S.S11
-        assert pytest.approx(3 * (float(dv**2) + (a * float(dt)) ** 2)) == state.S.S22
-        assert pytest.approx(3 * float(v0) * a * float(dt) ** 2) == state.S.S12
-        assert abs(state.S.S12) > 0
-
-
-def test_a_start_on_a_belt_has_its_speed_exactly() -> None:
-    """Off the belts v0 is rounded; on one it is what the belt's speed is rounded to."""
-    p = NEAR.replace(v1="-1/3", v2="1/3")
-    for v0, exact in ((p.v1, True), (p.v2, True), (p.v2 - Fraction(1, 7), False), (p.v1 - Fraction(1, 7), False)):
-        state = first_state(Start(p, Fraction(0), Fraction(1), v0, Fraction(1)), Arithmetic(p))
-        assert (state.S.S22 == 0) is exact
-        assert state.S.S11 > 0
-        assert state.S.S12 == 0
-
-
 @pytest.mark.full(3)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("boundary", few([1, 2], 2))
@@ -212,48 +173,7 @@ def test_a_start_error_is_a_number_or_three(error: Any) -> None:
         simulate_many(scene.parameters, [0, 0, 0], 1, start_error=error)
 
 
-def test_one_number_serves_for_all_three_and_zero_for_none() -> None:
-    scene = load_scene("fig5")
-    one, three = (simulate(scene, start_error=error).events for error in ("1e-6", ("1e-6", "1e-6", "1e-6")))
-    assert one == three
-    assert simulate(scene, start_error=0).events == simulate(scene, start_error=(0, 0, 0)).events
-    assert simulate(scene, start_error=0).events == simulate(scene).events
-    assert one[0].t_error > 1e-7 > simulate(scene).events[0].t_error
-
-
 # -- starts on a belt --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_clear_start_on_a_belt_needs_no_closer_look(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A wrong mode at the start would else be repaired by the closer look, and nobody would see it."""
-
-    def refuse(problem: Start, boundary: int) -> Any:
-        raise AssertionError(f"{problem} is clear")
-
-    monkeypatch.setattr(start, "_decided", refuse)
-    rng = random.Random(11)
-    seen: set[int] = set()
-    for _ in range(120):
-        p = NEAR.replace(v1=tenths(rng, -20, 5), v2=tenths(rng, 6, 20), mu1=tenths(rng, 1, 9), mu2=tenths(rng, 1, 9))
-        boundary = rng.choice([1, 2])
-        x0, v, t0 = tenths(rng, -99, 99), p.belt(boundary), tenths(rng, -50, 50)
-        forces = [
-            (p.A(alpha) - p.c * v - p.k * x0) / p.m + p.B0 / p.m * Fraction(mpmath.nstr(mpmath.cos(float(t0)), 15))
-            for alpha in (boundary, boundary + 1)
-        ]
-        if min(map(abs, forces)) < Fraction(1, 10**6):
-            continue
-        expected = boundary if forces[0] < 0 else boundary + 1 if forces[1] > 0 else 3 + boundary
-        for arithmetic in (Arithmetic(p), MpArithmetic(p, 20)):
-            state = first_state(Start(p, t0, x0, v, t0 + 1), arithmetic)
-            assert (state.mode, state.at) == (expected, boundary)
-            if expected <= 3:
-                assert float(state.Fb) == float(state.Fa) == pytest.approx(float(forces[expected - boundary]))
-            else:
-                assert [float(state.Fb), float(state.Fa)] == pytest.approx([float(force) for force in forces])
-        seen.add(expected)
-    assert seen == {1, 2, 3, 4, 5}
 
 
 def test_all_who_start_on_a_belt_start_alike() -> None:
@@ -274,14 +194,6 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         assert batch.row_of(state, 0.5, 0.0) == rows[0].tolist()
         seen.add(state.mode)
     assert seen == {1, 2, 3, 4, 5}
-
-
-def test_a_start_off_the_belts_is_in_its_domain() -> None:
-    for v0, mode in ((-1, 1), (0, 2), (1, 3)):
-        state = first_state(Start(NEAR, Fraction(0), Fraction(1), Fraction(v0), Fraction(1)), Arithmetic(NEAR))
-        assert isinstance(state, State)
-        assert (state.mode, state.at) == (mode, 0)
-        assert state.Fb == state.Fa == pytest.approx(float(NEAR.A(mode) + NEAR.B0 - NEAR.c * v0 - NEAR.k))
 
 
 def test_a_motion_that_creeps_to_its_rest_settles() -> None:

@@ -78,7 +78,7 @@ def errors(values: tuple[Any, ...], truth: list[Any], exactness: float = ULP) ->
 @pytest.mark.parametrize("regime", REGIMES)
 def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
     rng = random.Random(regime)
-    for _ in range(40):
+    for _ in range(20):
         p = parameters(regime, rng)
         longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)
         tau = Fraction(10 ** rng.uniform(-6, longest))
@@ -96,7 +96,7 @@ def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
     rng = random.Random(regime)
     context = mp_context(40)
     border = math.log10(MP_SERIES_BELOW)
-    for n in range(18):
+    for n in range(9):
         p = parameters(regime, rng)
         K = MpArithmetic(p, 40).K
         longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)
@@ -126,24 +126,11 @@ def cheap(tau: float, p: Parameters) -> tuple[float, ...]:
     return basis_apart(*arguments, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
-def test_the_closed_form_fails_where_it_is_not_used() -> None:
-    """Beyond both borders the cheap formula loses digits and what is used instead does not."""
-    p = Parameters(m=1, c="0.2", k=1, A0=0, B0=1, Omega="1.7", v1=0, v2=1, mu1=0, mu2=0, FN=0)
-    short = Fraction(1, 1000)  # far below SERIES_BELOW / rate
-    assert max(errors(cheap(float(short), p), oracle(p, short))) > 1e4
-    assert max(errors(entire.basis(float(short), constants(p)), oracle(p, short))) < 12
-    resonant = p.replace(c="1e-9", Omega=1)
-    assert not constants(resonant).apart
-    later = Fraction(3)
-    assert max(errors(cheap(3.0, resonant), oracle(resonant, later))) > 1e4
-    assert max(errors(entire.basis(3.0, constants(resonant)), oracle(resonant, later))) < 12
-
-
 @pytest.mark.slow
 def test_the_closed_form_is_accurate_at_its_borders() -> None:
     rng = random.Random(7)
     tested = 0
-    for _ in range(100):
+    for _ in range(40):
         p = parameters("any", rng)
         K = constants(p)
         if not K.apart:

@@ -79,7 +79,7 @@ def numbers(count: int, seed: int) -> Iterator[Any]:
 
 
 @pytest.mark.slow
-@sample_of(1_000, 300_000)
+@sample_of(400, 300_000)
 def test_operators_are_right_to_a_few_units(count: int) -> None:
     given = zip(numbers(count, 1), numbers(count, 2), strict=True)
     worst = dict.fromkeys(OPERATORS, 0.0)
@@ -103,7 +103,7 @@ def test_operators_are_right_to_a_few_units(count: int) -> None:
 
 
 @pytest.mark.slow
-@sample_of(1_000, 300_000)
+@sample_of(400, 300_000)
 def test_cpython_gives_the_bits_of_compiled_code(count: int) -> None:
     bound = bind((pairs,), {"pair": pairs.pair_of})
     functions = [bound[pairs.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")]
@@ -124,7 +124,7 @@ def test_cpython_gives_the_bits_of_compiled_code(count: int) -> None:
 
 
 @pytest.mark.slow
-@sample_of(3_000, 300_000)
+@sample_of(1_000, 300_000)
 def test_functions_are_as_exact_as_their_docstrings_say(count: int) -> None:
     worst = dict.fromkeys(("sin", "cos", "exp", "expm1", "sqrt"), 0.0)
     for number in numbers(count, 3):

@@ -16,7 +16,7 @@ import pytest
 from symosc import simulate_many, sweep
 from symosc.engine import arithmetic
 from symosc.simulation import batch
-from symosc.sweeps import run
+from symosc.sweeps import sweep as run
 
 pytest.importorskip("numba")
 pytest.importorskip("xarray")

@@ -237,7 +237,7 @@ def test_a_section_has_the_larger_errors_of_the_two_ends() -> None:
     K = constants(p)
     rows = np.zeros((1, 16))
     for S11, S22, after in ((4e-20, 9e-20, (1e-20, 2e-20)), (1e-20, 2e-20, (4e-20, 9e-20))):
-        kept = tally.begun_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
+        kept = tally.new_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
         before = State(
             2, 0, 0, 6.0, 0.5, 0.2, 1.0, 1.0, Covariance(S11, 0.0, S22), 0.0, 0.0, math.sin(6), math.cos(6), 0.0
         )

@@ -70,7 +70,7 @@ def digests(workers: int | None = None) -> dict[str, str]:
 def stop(path: str) -> Any:
     """Begin a sweep and stop it after its first chunk, of five motions; return how many were done."""
     from symosc import sweep
-    from symosc.sweeps import run
+    from symosc.sweeps import sweep as run
 
     run.FIRST_CHUNK = 5
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from symosc import load_scene
-from symosc.sweeps.dataset import dataset_of
-from symosc.sweeps.grid import read_grid
-from symosc.sweeps.plan import read_plan
+from symosc.sweeps.output import dataset_of
+from symosc.sweeps.plan import read_grid, read_plan
 
 #: 24 motions of two periods each.
 SCENE, OVER = "fig9", {"Omega": "3:5:6", "FN": [5, 10, "12.5", 15]}
@@ -28,8 +27,8 @@ def identical(one: Any, other: Any) -> None:
 
 def in_small_chunks(monkeypatch: pytest.MonkeyPatch, motions: int = 4) -> None:
     """Let every chunk have so many motions."""
-    monkeypatch.setattr("symosc.sweeps.run.FIRST_CHUNK", motions)
-    monkeypatch.setattr("symosc.sweeps.run.MOST_CHUNK", motions)
+    monkeypatch.setattr("symosc.sweeps.sweep.FIRST_CHUNK", motions)
+    monkeypatch.setattr("symosc.sweeps.sweep.MOST_CHUNK", motions)
 
 
 def made_up(over: Any, *, starts: Any = None, **columns: Callable[[dict[str, np.ndarray]], Any]) -> Any:

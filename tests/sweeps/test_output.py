@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_sweeps import identical, made_up
+from small_sweeps import made_up
 
-from symosc import MissingExtraError, OutputError, SweepError
+from symosc import MissingExtraError, SweepError
 from symosc.sweeps import output
 
 xarray = pytest.importorskip("xarray")
@@ -132,14 +132,6 @@ def test_only_an_output_is_replaced(tmp_path: Path) -> None:
         (path / "a").unlink()
 
 
-def test_a_result_can_be_written_with_xarrays_own_functions(tmp_path: Path) -> None:
-    dataset = example(7)
-    dataset.to_netcdf(tmp_path / "mine.nc", engine="h5netcdf")
-    with xarray.open_dataset(tmp_path / "mine.nc", engine="h5netcdf") as found:
-        assert found.sizes == dataset.sizes
-    identical(dataset, example(7))
-
-
 def test_a_missing_package_is_named_before_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(xarray.backends, "list_engines", dict)
     for suffix in (".nc", ".zarr"):
@@ -147,8 +139,3 @@ def test_a_missing_package_is_named_before_the_work(monkeypatch: pytest.MonkeyPa
             output.output_path(f"map{suffix}")
     monkeypatch.setitem(sys.modules, "zarr", None)
     assert output.output_path("map.csv") == Path("map.csv")
-
-
-def test_a_folder_that_is_not_there() -> None:
-    with pytest.raises(OutputError, match="No such file or directory"):
-        output.output_path("no/such/map.nc")

@@ -1,21 +1,124 @@
-"""The plan of a sweep: what it is named by, what it sends to workers, and what is refused."""
+"""What is swept and how: axes and tables, the plan and its calls, the columns of the result."""
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
+from fractions import Fraction
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from bad_values import refused
+from bad_values import NO_NUMBERS, refused
+from small_sweeps import OPTIONS, OVER, SCENE, identical, made_up
 
-from symosc import load_scene
-from symosc.sweeps import motions
-from symosc.sweeps.grid import read_grid
-from symosc.sweeps.plan import SweepPlan, read_duration, read_plan, read_record
+import symosc
+from symosc import load_scene, sweep
+from symosc.scenes.quantities import QUANTITIES
+from symosc.simulation.tables import SUMMARY_COLUMNS
+from symosc.sweeps import plan as plans
+from symosc.sweeps.plan import (
+    SWEPT_NAMES,
+    SweepPlan,
+    compute,
+    cycles,
+    kernels_hash,
+    read_axis,
+    read_duration,
+    read_grid,
+    read_plan,
+    read_record,
+)
 
+pytest.importorskip("xarray")
 FIG9 = load_scene("fig9")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_are_all_combinations_in_c_order(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    axes = {name: rng.uniform(1, 20, rng.integers(1, 6)) for name in rng.permutation(["k", "FN", "x0"])}
+    grid = read_grid(FIG9, axes)
+    assert grid.shape == tuple(map(len, axes.values()))
+    mesh = np.meshgrid(*axes.values(), indexing="ij")
+    begin, end = sorted(rng.integers(0, len(grid) + 1, 2))
+    for (name, column), expected in zip(grid.columns(begin, end).items(), mesh, strict=True):
+        assert np.array_equal(column, expected.ravel()[begin:end]), name
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_even_values_are_the_doubles_nearest_to_the_exact_ones(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low, high, count = Fraction(int(rng.integers(-99, 99)), 7), Fraction(int(rng.integers(100, 900)), 3), 17
+    exact = [low + (high - low) * i / (count - 1) for i in range(count)]
+    assert read_axis("A0", f"{low}:{high}:{count}").tolist() == [float(value) for value in exact]
+
+
+def test_a_table_has_a_row_for_each_set() -> None:
+    rows = [{"Omega": 3, "FN": "1/3"}, {"Omega": "3.5", "FN": 2}, {"Omega": 3, "FN": 2}]
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"Omega": [3.0, 3.5, 3.0], "FN": [1 / 3, 2.0, 2.0]})
+    for table in (rows, frame):
+        grid = read_grid(FIG9, table)
+        assert (grid.sizes, grid.is_table()) == ({"set": 3}, True)
+        assert grid.columns(1, 3)["Omega"].tolist() == [3.5, 3]
+        assert grid.columns(0, 1)["FN"].tolist() == [1 / 3]
+
+
+def test_several_starts_are_one_more_dimension() -> None:
+    grid = read_grid(FIG9, {"FN": [1, 2]}, [(0, 1, 2), (0, 3, 4), ("1/2", 5, 6)])
+    assert grid.sizes == {"FN": 2, "start": 3}
+    assert grid.columns(2, 5)["x0"].tolist() == [5, 1, 3]
+    assert grid.columns(2, 5)["FN"].tolist() == [1, 2, 2]
+
+
+@pytest.mark.parametrize("value", NO_NUMBERS[:6], ids=lambda value: repr(value)[:20])
+def test_what_is_no_number(value: Any) -> None:
+    refused(lambda: read_axis("FN", [1, value]), "FN")
+    refused(lambda: read_grid(FIG9, [{"FN": value}]), "FN")
+
+
+BAD_AXES: list[Any] = ["1:6", "1:6:1", "1:6:2.5", "6:1:5", "a:2:3", "1:2:٣", [], 5, [1, 2, 1], np.zeros((2, 2)), {1: 2}]
+
+
+@pytest.mark.parametrize("values", [*BAD_AXES, "1:2:9999999999"], ids=lambda value: repr(value)[:20])
+def test_what_is_no_axis(values: Any) -> None:
+    refused(lambda: read_axis("FN", values), "FN")
+
+
+BAD_OVER: list[Any] = [None, {}, [], 5, "Omega=1:6:5", {"omega": [1]}, {"t_end": [1]}, [{}], [{"FN": 1}, {"k": 1}]]
+BAD_OVER += [dict.fromkeys(("m", "c", "k", "FN"), "1:2:2"), dict.fromkeys(("m", "c", "k"), np.arange(1.0, 2000.0))]
+
+
+@pytest.mark.parametrize("over", BAD_OVER, ids=lambda value: repr(value)[:20])
+def test_what_cannot_be_swept(over: Any) -> None:
+    refused(lambda: read_grid(FIG9, over), "over")
+
+
+@pytest.mark.parametrize(
+    ("over", "name"),
+    [
+        ({"m": [1, 0]}, "m"),
+        ({"Omega": "-1:1:5"}, "Omega"),
+        ({"FN": [3, -1, 2]}, "FN"),
+        ({"v1": [1, 26]}, "v1"),
+        ({"v2": [0.5, 30]}, "v1"),
+        ({"v1": [0, 3], "v2": [2, 5]}, "v1"),
+        ([{"v1": 0, "v2": 1}, {"v1": 3, "v2": 3}], "v1"),
+        ([{"k": 1}, {"k": -1}], "k"),
+    ],
+)
+def test_values_that_the_model_does_not_allow_are_found_before_the_work(over: Any, name: str) -> None:
+    refused(lambda: read_grid(FIG9, over), name)
+
+
+@pytest.mark.parametrize("starts", [5, [], [1, 2], [(1, 2)], [[(1, 2, 3)]], "abc", [(1, 2), (3,)]])
+def test_what_are_no_starts(starts: Any) -> None:
+    refused(lambda: read_grid(FIG9, {"FN": [1]}, starts), "starts")
+    refused(lambda: read_grid(FIG9, {"x0": [1]}, [(0, 0, 0), (0, 0, 1)]), "starts")
+    assert len(read_grid(FIG9, [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 4}])) == 2  # rows are judged one by one
 
 
 def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
@@ -49,29 +152,36 @@ def test_the_name_is_that_of_the_content() -> None:
 
 
 def test_changed_sources_and_versions_make_another_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    root = Path(symosc.__file__).parent
+    assert all((root / name).exists() for name in plans.DECISIVE)
     before = planned().key
-    monkeypatch.setattr("symosc.sweeps.plan.kernels_hash", lambda: "another")
+    monkeypatch.setattr(plans, "kernels_hash", lambda: "another")
     changed = planned().key
     monkeypatch.setattr("symosc.__version__", "99")
     assert len({before, changed, planned().key}) == 3
 
 
-def test_the_hash_of_the_sources_sees_the_engine_and_the_kernels() -> None:
-    assert motions.kernels_hash() == motions.kernels_hash.__wrapped__()
-    assert {"engine", "kernels", "simulation"} <= {*motions.DECISIVE}
-
-
-def test_what_is_sent_has_the_exact_scene_and_the_cells() -> None:
-    share = planned(t_end="9T", skip="4T").share(2, 5)
-    assert share.motions == 3
-    assert share.columns["k"] == FIG9.parameters.k
-    assert share.columns["FN"].tolist() == [1, 2, 2]
-    assert share.columns["Omega"].tolist() == [4, 3, 3.5]
-    assert share.starts == (FIG9.t0, FIG9.x0, FIG9.v0)
+def test_the_call_of_a_chunk_has_the_exact_scene_and_the_cells() -> None:
+    call = planned(t_end="9T", skip="4T").call(2, 5)
+    assert call["parameters"]["k"] == FIG9.parameters.k
+    assert call["parameters"]["FN"].tolist() == [1, 2, 2]
+    assert call["parameters"]["Omega"].tolist() == [4, 3, 3.5]
+    assert call["starts"] == {"t0": FIG9.t0, "x0": FIG9.x0, "v0": FIG9.v0}
     period = 2 * pi / np.array([4, 3, 3.5])
-    assert share.t_end == pytest.approx(float(FIG9.t0) + 9 * period, rel=1e-15)
-    assert share.skip == pytest.approx(4 * period, rel=1e-15)
-    assert planned(t_end="1/3", skip="0.1").share(0, 1).t_end == planned(t_end="1/3").t_end.value
+    assert call["t_end"] == pytest.approx(float(FIG9.t0) + 9 * period, rel=1e-15)
+    assert call["skip"] == pytest.approx(4 * period, rel=1e-15)
+    assert planned(t_end="1/3", skip="0.1").call(0, 1)["t_end"] == Fraction(1, 3)
+
+
+def test_a_call_can_be_sent_and_cut_anywhere() -> None:
+    whole = planned(over={"FN": "1:20:9"}, record=tuple(SUMMARY_COLUMNS), t_end="5T", skip="3T")
+    columns, seconds = compute(pickle.loads(pickle.dumps(whole.call(2, 6))), kernels_hash())
+    assert {*columns} == {*SUMMARY_COLUMNS}
+    assert seconds > 0
+    parts = [compute(whole.call(begin, begin + 1), kernels_hash())[0] for begin in range(2, 6)]
+    for name, column in columns.items():
+        assert column.tobytes() == np.concatenate([part[name] for part in parts]).astype(column.dtype).tobytes(), name
+        assert column.dtype.kind in "Uif"
 
 
 @pytest.mark.parametrize(
@@ -81,7 +191,7 @@ def test_times_are_numbers_or_periods(given: Any, text: str) -> None:
     assert str(read_duration("t_end", given)) == text
 
 
-@pytest.mark.parametrize("given", ["T", "xT", "-1T", "9 periods", "", None, [], "1e12T", "nanT", True])
+@pytest.mark.parametrize("given", ["T", "-1T", "9 periods", "", None, [], "1e12T", True])
 def test_what_is_no_time(given: Any) -> None:
     refused(lambda: read_duration("t_end", given), "t_end")
 
@@ -115,3 +225,77 @@ def test_a_section_has_a_number_of_points() -> None:
     assert read_record("section:64") == (("section",), 64)
     assert read_record(["x", "section"])[1] > 1
     assert read_record("word") == (("word",), 0)
+
+
+@pytest.mark.parametrize("word", ["P32", "P4645", "P3212", "P1", "P112233", ""])
+def test_a_cycle_has_one_word(word: str) -> None:
+    labels = word[1:]
+    rotations = [word[:1] + labels[i:] + labels[:i] for i in range(max(len(labels), 1))]
+    found = cycles(np.array([*rotations, "P7"]))
+    assert len({*found[:-1]}) == 1
+    assert found[0] in rotations
+    assert found[-1] == "P7"
+
+
+def test_words_that_are_no_rotations_stay_apart() -> None:
+    words = np.array(["P3212", "P3221", "P32", "P3232", ""])
+    assert len({*cycles(words)}) == len(words)
+    assert cycles(np.array(["P23", "P12"])).tolist() == ["P32", "P21"]
+
+
+def test_coordinates_names_and_units() -> None:
+    assert {*QUANTITIES} - {"t_end"} == {*SWEPT_NAMES}
+    found = sweep(SCENE, OVER, **OPTIONS)
+    assert found.word.dims == ("Omega", "FN")
+    assert found.section.dims == ("Omega", "FN", "period", "component")
+    assert found.component.values.tolist() == ["x", "v"]
+    assert found.period.values.tolist() == [-2, -1]
+    assert found.FN.values.tolist() == [5, 10, 12.5, 15]
+    assert found.FN.attrs == {"long_name": "normal force", "dimension": "force"}
+    assert found.events.attrs == {"long_name": "number of events", "units": "1"}
+    assert "status" in found
+
+
+def again(found: Any) -> Any:
+    """Return what the attribute `call` of a result gives."""
+    names = {name: getattr(symosc, name) for name in ("Parameters", "Scene", "sweep")}
+    return eval(found.attrs["call"], names | {"dataset": found})
+
+
+ROWS = [{"k": 3, "x0": "1/3"}, {"k": 0.1, "x0": -2}, {"k": 3, "x0": 0}]
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(
+    ("over", "options"),
+    [
+        (OVER, OPTIONS),
+        (ROWS, {"record": ("x", "v"), "skip": "1/3T"}),
+        ({"k": [2, 3]}, {"starts": [(0, "1/3", 0), (0, 1, 2)], "record": "x"}),
+        ({"FN": np.linspace(1, 2, 7)}, {"record": "section:3", "t_end": "9T"}),
+    ],
+)
+def test_the_call_gives_the_same_bits(over: Any, options: Any) -> None:
+    found = sweep(load_scene("fig9"), over, **options)
+    identical(again(found), found)
+
+
+def test_the_call_refers_to_coordinates_that_are_too_long_to_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.sweeps.output.MOST_WRITTEN", 5)
+    found = sweep("fig9", {"FN": np.linspace(1, 2, 7)}, record="x", t_end=2)
+    assert "dataset['FN'].values" in found.attrs["call"]
+    assert again(found).x.values.tolist() == found.x.values.tolist()
+
+
+def test_the_scenes_exact_numbers_and_error_are_in_the_call() -> None:
+    scene = load_scene("fig7-exact")
+    found = sweep(scene, {"FN": [float(scene.parameters.FN)]}, t_end="1T")
+    assert symosc.exact.show(scene.x0) in found.attrs["call"]
+    assert scene.start_error is not None
+    assert "start_error=" in found.attrs["call"]
+    identical(again(found), found)
+
+
+def test_a_result_of_columns_alone() -> None:
+    found = made_up({"k": "1:2:3", "x0": "0:1:2"}, word=lambda cells: np.where(cells["k"] > 1, "P32", "P2"))
+    assert found.word.values.tolist() == [["P2", "P2"], ["P32", "P32"], ["P32", "P32"]]

@@ -1,27 +1,36 @@
-"""`sweep`: the same bits however it is computed, stopped and resumed; and what it refuses."""
+"""`sweep`: the same bits however and by whomever it is computed, stopped and resumed; its page, and a published map."""
 
 from __future__ import annotations
 
-import errno
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from math import cos, pi, sin, sqrt, tan
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from bad_values import refused
+from cli_runs import good
+from effort import PATIENCE
 from samples import sample_of
+from scipy.optimize import minimize_scalar
 from small_sweeps import OPTIONS, OVER, SCENE, identical, in_small_chunks
 
-from symosc import OutputError, SceneError, SweepError, simulate, sweep, sweep_status
+from symosc import OutputError, Parameters, Scene, SweepError, simulate, sweep, sweep_status
 from symosc.errors import MissingExtraError, brief
 from symosc.scenes import load_scene
-from symosc.sweeps import run
+from symosc.sweeps import sweep as chunks
 from symosc.sweeps.store import Store
+from symosc.sweeps.sweep import Here, carried_out, dask_client, planned, read_executor
 
 pytest.importorskip("xarray")
 
@@ -51,7 +60,7 @@ def test_a_finished_output_is_read_and_not_computed_again(
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, True)
-    monkeypatch.setattr(run, "computed", None)
+    monkeypatch.setattr(chunks, "compute", None)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
 
 
@@ -74,7 +83,7 @@ def stopped_at(call: int, function: Callable[..., Any], after: bool) -> Callable
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("after", [False, True])
-@pytest.mark.parametrize("target", ["os.replace", "os.mkdir", "numpy.savez", "symosc.sweeps.run.computed"])
+@pytest.mark.parametrize("target", ["os.replace", "os.mkdir", "numpy.savez", "symosc.sweeps.sweep.compute"])
 def test_wherever_it_is_stopped_it_goes_on_to_the_same_bits(
     whole: Any, target: str, after: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,12 +110,12 @@ def test_wherever_it_is_stopped_it_goes_on_to_the_same_bits(
 
 KILLED = """
 import os, signal, sys
-from symosc.sweeps import run
+from symosc.sweeps import sweep as chunks
 from symosc.sweeps.store import Store
 from symosc import sweep
 sys.path[:0] = [{support!r}]
 from small_sweeps import OPTIONS, SCENE
-run.FIRST_CHUNK = run.MOST_CHUNK = 1
+chunks.FIRST_CHUNK = chunks.MOST_CHUNK = 1
 files, calls = map(int, sys.argv[1:])  # when it is killed: so many calls after its n-th step with its files
 def step(event, arguments):
     global files
@@ -152,20 +161,11 @@ def test_an_output_of_another_sweep_is_not_touched(whole: Any, tmp_path: Path) -
     assert sweep(SCENE, {"k": [3]}, path=path).sizes == {"k": 1}
 
 
-def test_a_file_that_is_no_output_is_not_touched(tmp_path: Path) -> None:
-    for suffix in (".nc", ".zarr", ".csv"):
-        path = tmp_path / f"mine{suffix}"
-        path.write_text("my data\n")
-        with pytest.raises(SweepError, match="is no output of a sweep"):
-            sweep(SCENE, OVER, **OPTIONS, path=path)
-        assert path.read_text() == "my data\n"
-
-
 def test_chunks_of_another_sweep_are_not_touched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     in_small_chunks(monkeypatch, 5)
     path = tmp_path / "map.nc"
     with monkeypatch.context() as patch:
-        patch.setattr(run, "computed", stopped_at(3, run.computed, False))
+        patch.setattr(chunks, "compute", stopped_at(3, chunks.compute, False))
         with pytest.raises(Stopped):
             sweep(SCENE, OVER, **OPTIONS, path=path)
     there = sweep_status(SCENE, OVER, **OPTIONS, path=path)
@@ -176,39 +176,14 @@ def test_chunks_of_another_sweep_are_not_touched(tmp_path: Path, monkeypatch: py
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == there
 
 
-@pytest.mark.slow
-def test_a_full_disk_keeps_what_is_finished(whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    in_small_chunks(monkeypatch, 5)
-    path = tmp_path / "map.nc"
-
-    def full(call: int, function: Callable[..., Any]) -> Callable[..., Any]:
-        stopping = stopped_at(call, function, False)
-
-        def filling(*args: Any, **kwargs: Any) -> Any:
-            try:
-                return stopping(*args, **kwargs)
-            except Stopped:
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) from None
-
-        return filling
-
-    for target, call, done in (("savez", 3, 10), ("savez", 2, 15)):
-        with monkeypatch.context() as patch:
-            patch.setattr(np, target, full(call, np.savez))
-            with pytest.raises(OutputError, match="No space left on device"):
-                sweep(SCENE, OVER, **OPTIONS, path=path)
-        assert sweep_status(SCENE, OVER, **OPTIONS, path=path).done == done
-    identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
-
-
 LIMITED = """
 import resource, sys
 sys.path[:0] = [{support!r}]
 from small_sweeps import OPTIONS, OVER, SCENE
 from symosc import OutputError, sweep
-from symosc.sweeps import run
+from symosc.sweeps import sweep as chunks
 from symosc.sweeps.store import Store
-run.FIRST_CHUNK = run.MOST_CHUNK = 5
+chunks.FIRST_CHUNK = chunks.MOST_CHUNK = 5
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 try:
     sweep(SCENE, OVER, **OPTIONS, path={path!r})
@@ -332,6 +307,218 @@ def test_what_is_no_output(path: str) -> None:
         sweep(SCENE, OVER, path=path)
 
 
-def test_an_unknown_scene() -> None:
-    with pytest.raises(SceneError):
-        sweep("fig99", OVER)
+# -- who computes ---
+
+
+class Delayed(ThreadPoolExecutor):
+    """Begins each chunk after a random delay, so that they are done in another order."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        delay = np.random.default_rng(self._work_queue.qsize()).uniform(0, 0.05)
+
+        def later() -> Any:
+            time.sleep(delay)
+            return fn(*args, **kwargs)
+
+        return super().submit(later)
+
+
+def test_the_order_of_the_chunks_does_not_matter(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    in_small_chunks(monkeypatch, 2)
+    with Delayed(3) as threads:
+        identical(sweep(SCENE, OVER, **OPTIONS, executor=threads, workers=3), whole)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_cell_is_computed_once(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the chunks' times and whatever is there already."""
+    rng = np.random.default_rng(seed)
+    plan, _ = planned(SCENE, {"Omega": "1:6:50", "FN": "1:20:40"}, "word", 3, 0, None)
+    cuts = np.sort(rng.choice(2000, 8, replace=False)).tolist()
+    gaps = [(cuts[i], cuts[i + 1]) for i in range(0, 8, 2)]
+    monkeypatch.setattr(chunks, "compute", lambda *_, **__: ({}, float(rng.exponential(3))))
+    seen = np.zeros(2000, dtype=int)
+    for begin, end, _ in carried_out(plan, gaps, Here(1), int(rng.integers(1, 4))):
+        seen[begin:end] += 1
+    expected = np.zeros(2000, dtype=int)
+    for begin, end in gaps:
+        expected[begin:end] = 1
+    assert seen.tolist() == expected.tolist()
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_loses_nothing_that_is_finished(
+    whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process of a pool is killed in the middle; the pool is broken, the same call goes on with another one."""
+    in_small_chunks(monkeypatch, 4)
+    path = tmp_path / "map.nc"
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+
+        def kill(done: int, _: int) -> None:
+            if done == 8:
+                pool.submit(os._exit, 1)
+
+        with pytest.raises(SweepError, match=r"a worker failed.* motions are kept in .*map\.nc\.parts"):
+            sweep(SCENE, OVER, **OPTIONS, path=path, executor=pool, workers=1, progress=kill)
+        assert sweep_status(SCENE, OVER, **OPTIONS, path=path).done >= 8
+        with pytest.raises(SweepError, match="a worker failed"):  # it stays broken
+            sweep(SCENE, OVER, **OPTIONS, path=path, executor=pool)
+    with ThreadPoolExecutor(2) as threads:
+        identical(sweep(SCENE, OVER, **OPTIONS, path=path, executor=threads), whole)
+
+
+def test_an_error_of_a_worker_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise ZeroDivisionError("of\nsome kind")
+
+    monkeypatch.setattr(chunks, "compute", broken)
+    with pytest.raises(SweepError) as caught:
+        sweep(SCENE, OVER)
+    assert str(caught.value) == "a worker failed: ZeroDivisionError: of some kind"
+
+
+def test_what_is_done_beside_an_error_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of chunks that end together, the whole ones come first."""
+    plan, _ = planned(SCENE, {"Omega": "1:6:50"}, "word", 3, 0, None)
+    in_small_chunks(monkeypatch, 10)
+
+    class Together(ThreadPoolExecutor):
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            ended: Future[Any] = Future()
+            if not made:
+                ended.set_exception(ZeroDivisionError("of some kind"))
+            else:
+                ended.set_result(({}, 1.0))
+            made.append(ended)
+            return ended
+
+    made: list[Future[Any]] = []
+    chunks = carried_out(plan, [(0, 50)], Together(1), 5)
+    begins = [next(chunks)[0]]
+    begins += [next(chunks)[0] for _ in range(len(made) - 2)]
+    assert min(begins) > 0
+    assert len(begins) == 4
+    with pytest.raises(SweepError, match="ZeroDivisionError"):
+        next(chunks)
+
+
+def test_a_worker_with_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symosc.sweeps.sweep.kernels_hash", lambda: "another")
+    with pytest.raises(SweepError, match="another version of symosc"):
+        sweep(SCENE, OVER)
+
+
+@pytest.mark.slow
+def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
+    whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two processes of dask; one is killed after the first chunks, its work is done again."""
+    distributed = pytest.importorskip("distributed")
+    in_small_chunks(monkeypatch, 1)
+    options: dict[str, Any] = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(**options, processes=True) as cluster, distributed.Client(cluster) as client:
+        before = client.run(os.getpid)
+        killed: list[int] = []
+
+        def kill(done: int, _: int) -> None:
+            if done >= 6 and not killed:
+                killed.append(next(iter(before.values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        path = tmp_path / "map.nc"
+        identical(sweep(SCENE, OVER, **OPTIONS, path=path, executor=client, progress=kill), whole)
+        assert killed
+        monkeypatch.setattr(chunks, "CONNECT_SECONDS", PATIENCE)
+        with dask_client(cluster.scheduler_address) as again, again.get_executor() as executor:
+            few = {"Omega": [3], "FN": [5, 10]}
+            identical(sweep(SCENE, few, **OPTIONS, executor=executor, workers=2), sweep(SCENE, few, **OPTIONS))
+
+
+@pytest.mark.parametrize("executor", [5, "dask", object(), ThreadPoolExecutor])
+def test_what_is_no_executor(executor: Any) -> None:
+    refused(lambda: read_executor(executor, None), "executor")
+
+
+def test_no_scheduler_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(chunks, "CONNECT_SECONDS", 0.2)
+    refused(lambda: dask_client("tcp://127.0.0.1:9"), "executor")
+    refused(lambda: dask_client(str(tmp_path / "none.json")), "executor")
+
+
+# -- the page, and a published map ---
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "sweeps.md").read_text(encoding="utf-8")
+COMMANDS = [
+    command for block in re.findall(r"^```console\n\$ symosc (.*?)\n```$", PAGE, re.M | re.S) for command in [block]
+]
+EXAMPLES = re.findall(r"^```python\n(.*?)^```$\s*prints\s*^```text\n(.*?)^```$", PAGE, re.M | re.S)
+COULOMB = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=1, v1=0, v2=1000, mu1=0, mu2=0, FN=1)
+WALL = Scene("wall", COULOMB, t0=0, x0=0, v0=0, t_end=1)
+
+
+def test_every_picture_is_made_by_a_command() -> None:
+    pictures = re.findall(r"\]\((sweeps/[^)]+)\)", PAGE)
+    assert {Path(name).name for name in pictures} <= {shlex.split(command)[-1] for command in COMMANDS}
+    assert {path.name for path in (DOCS / "sweeps").iterdir()} == {Path(name).name for name in pictures}
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: shlex.split(command)[-1])
+def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    short = re.sub(r"(--over \w+=[^:]+:[^:]+):\d+", r"\1:3", command)
+    assert short != command
+    printed = good(*shlex.split(short))
+    assert re.search(r" [39] motions", printed)
+    assert {path.suffix for path in tmp_path.iterdir()} == ({".nc", ".png"} if "--plot" in command else set())
+
+
+@pytest.mark.slow
+@pytest.mark.full(1)  # a cluster is in test_run.py too
+@pytest.mark.parametrize("number", range(len(EXAMPLES)))
+def test_example(number: int, tmp_path: Path) -> None:
+    code, expected = EXAMPLES[number]
+    if "distributed" in code:
+        pytest.importorskip("distributed")
+    calm = os.environ | {"DASK_LOGGING__DISTRIBUTED": "error"}  # on a slow machine it warns that a worker ends late
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=calm, capture_output=True, text=True)
+    assert (result.stderr, result.stdout) == ("", expected)
+
+
+def largest_friction(r: float) -> float:
+    """Return F/P on the border of motions without stops for the frequency ratio r, with Coulomb friction.
+
+    Den Hartog (Trans. ASME 53, 1931), in the form of Hong and Liu (J. Sound Vib. 229, 2000); all but c are 1.
+    """
+    V, U = 1 / (1 - r * r), tan(pi / (2 * r)) / r
+
+    def S(u: float) -> float:
+        return r * r * (sin(u / r) / r + U * (cos(u) - cos(u / r))) / sin(u)
+
+    grid = np.linspace(0, pi, 402)[1:-1]
+    best = grid[np.argmax([S(u) for u in grid])]
+    near = minimize_scalar(
+        lambda u: -S(u), bounds=(max(best - 0.01, 1e-6), min(best + 0.01, pi - 1e-6)), method="bounded"
+    )
+    largest = max(1.0, -near.fun)  # at both ends of (0, pi) it tends to 1 at least
+    return abs(V) / sqrt(U * U + (largest / r**2) ** 2)
+
+
+@pytest.mark.slow
+def test_the_border_of_the_map_is_the_formulas() -> None:
+    assert largest_friction(1.5) == pytest.approx(0.64657909, abs=1e-8)  # published
+    assert largest_friction(0.8) == pytest.approx(0.81740639, abs=1e-8)
+    over = {"Omega": "0.65:2:6", "mu1": "0.42:0.9:13"}
+    found = sweep(WALL, over, record="sticks", t_end="61T", skip="60T")
+    step = 0.04
+    for ratio in found.Omega.values:
+        stops = found.sticks.sel(Omega=ratio)
+        free, stopping = stops.mu1.values[stops.values == 0], stops.mu1.values[stops.values > 0]
+        border = largest_friction(ratio)
+        assert free.max() < stopping.min()
+        assert free.max() < border + 1e-9, ratio
+        assert stopping.min() > border - 1e-9, ratio
+        assert stopping.min() - free.max() < 1.5 * step
