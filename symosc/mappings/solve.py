@@ -176,7 +176,7 @@ def _followed(state: State, arithmetic: Arithmetic) -> NextEvent:
     """Return the next event after a state."""
     advance, horizon = arithmetic.advance, MOST_MAP_PERIODS * arithmetic.K.period
     own, until = arithmetic.inward(state), arithmetic.inward((horizon, 0 * horizon))
-    K = arithmetic.constants(arithmetic.K)
+    K = arithmetic.inner_K
     before = arithmetic.enter()
     try:
         event = advance(own, *until, K)
