@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cache
 from math import inf
 from os.path import isfile
 from pathlib import Path
@@ -96,6 +97,8 @@ class Scene:
         for name in given:
             if name not in START_NAMES:
                 raise ParameterError(name, given[name], f"is not of a start; give {', '.join(START_NAMES)}")
+        if not given:
+            return self
         errors = self.start_error
         if errors is not None:
             t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
@@ -112,8 +115,18 @@ def scene_names() -> list[str]:
     >>> scene_names()[:4]
     ['fig5', 'fig6', 'fig7', 'fig7-exact']
     """
+    return list(_shipped_names())
+
+
+@cache
+def _shipped_names() -> tuple[str, ...]:
     names = [path.stem for path in SCENES_FOLDER.glob("*.toml")]
-    return sorted(names, key=lambda name: (figure_of(name) or inf, len(name), name))
+    return tuple(sorted(names, key=lambda name: (figure_of(name) or inf, len(name), name)))
+
+
+@cache
+def _shipped(name: str) -> Scene:
+    return _read_file(SCENES_FOLDER / f"{name}.toml", name)
 
 
 def figure_of(name: str) -> int | None:
@@ -147,20 +160,26 @@ def load_scene(name_or_path: SceneName) -> Scene:
     5 20 1/10
     """
     text = str(name_or_path)
-    path = SCENES_FOLDER / f"{text}.toml" if text in scene_names() else Path(text)
+    if text in _shipped_names():
+        return _shipped(text)
+    path = Path(text)
     if "\0" in text:
         raise SceneError(repr(text), "is not a file name")
     if path.suffix != ".toml" and not isfile(path):
         known = f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file"
         raise SceneError(text, known + meant(text, scene_names()))
+    return _read_file(path, text)
+
+
+def _read_file(path: Path, where: str) -> Scene:
     try:
         with path.open(encoding="utf-8-sig") as file:
             content = file.read(MOST_CHARACTERS + 1)
     except OSError as error:
-        raise SceneError(text, f"cannot be read: {error.strerror or error}") from None
+        raise SceneError(where, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise SceneError(text, "is not UTF-8 text") from None
-    return read_scene(content, text)
+        raise SceneError(where, "is not UTF-8 text") from None
+    return read_scene(content, where)
 
 
 def read_scene(text: str, where: str) -> Scene:

@@ -115,15 +115,13 @@ def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], st
         scene = load_scene(scene)
     if isinstance(scene, Scene):
         scene = scene.started({name: value for name, value in given.items() if value is not None})
-        parameters, given = scene.parameters, {name: getattr(scene, name) for name in given}
-        start_error = scene.start_error if start_error is None else start_error
-    else:
-        parameters = scene
+        error = scene.start_error if start_error is None else read_start_error(start_error)
+        return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
     for name, value in given.items():
         if value is None:
             raise ParameterError(name, value, "is needed with parameters")
     numbers = {name: read_exact(name, value) for name, value in given.items()}
-    start = Start(parameters, **numbers, start_error=read_start_error(start_error))
+    start = Start(scene, **numbers, start_error=read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
     return start
