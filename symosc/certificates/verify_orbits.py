@@ -85,13 +85,11 @@ def course(data):
     """Prove that the events follow each other, come back to the first, and that the word is theirs."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
-    found = [tuple(row[name] for name in ("kind", "boundary", "source", "target")) for row in rows]
+    found = [tuple(base.what(row)) for row in rows]
     for before, (kind, belt, source, target) in pairwise([found[-2], *found]):
         made = "slip" if source > 3 else "stick" if target > 3 else "cross"
-        right = (
-            (kind, source) == (made, before[3]) and source != target and {source, target} <= {belt, belt + 1, belt + 3}
-        )
-        check(right, "events that do not follow each other")
+        near = source != target and {source, target} <= {belt, belt + 1, belt + 3}
+        check(near and (kind, source) == (made, before[3]), "events that do not follow each other")
     check(found[0] == found[-1], "a last event that is not the first one again")
     labels = [LABELS.get((belt, mode, after[1])) for (_, belt, _, mode), after in pairwise(found)]
     word, shown = data["word"], "".join(map(str, reversed(labels)))
@@ -143,17 +141,14 @@ def orbit(data, source, limits):
     rows, turn = data["events"], 2 * periods * arb.pi() / arb(problem.p["Omega"])
     centre, widths = ([arb((row[1] + sign * row[0]) / 2) for row in (rows[0]["t"], rows[0]["x"])] for sign in (1, -1))
     widths = [arb(each) for each in data["alone_within"]]
-    check(
-        min(*data["alone_within"]) > 0 <= min(row["reach"] for row in rows), "alone_within, or reach out of range", BAD
-    )
+    right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
+    check(right, "alone_within, or reach out of range", BAD)
     whole = list(zip(centre, widths, strict=True))
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
-        reached = [
-            row | {"t": (row["t"][0] - row["reach"] * scale, row["t"][1] + row["reach"] * scale)} for row in rows
-        ]
-        box = centre, widths
-        motions = base.follow(problem, reached, box, base.Motion if scale == 1 else Within)
-        u, D = base.fixed_point(motions, box, turn)
+        spare = [row["reach"] * scale for row in rows]
+        wide = [row | {"t": (row["t"][0] - by, row["t"][1] + by)} for row, by in zip(rows, spare, strict=True)]
+        motions = base.follow(problem, wide, (centre, widths), base.Motion if scale == 1 else Within)
+        u, D = base.fixed_point(motions, (centre, widths), turn)
         for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
             require(width - abs(each), "that an orbit is in the box, and only one")
             check(scale == 1 or abs(c - about) + width < most, "a smaller box in the other", OPEN)
@@ -182,10 +177,8 @@ def orbit(data, source, limits):
         margins = 1 - abs(d), 1 + d - abs(T)
         for margin in margins:
             require(abs(margin), "whether it is stable")
-        check(
-            data["stable"] is all(margin > 0 for margin in margins),
-            "an orbit that is not as stable as it is said to be",
-        )
+        stable = all(margin > 0 for margin in margins)
+        check(data["stable"] is stable, "an orbit that is not as stable as it is said to be")
     kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
     first = f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one within"
     first += " {} in t and {} in x".format(*source["alone_within"])
@@ -505,9 +498,8 @@ def branch(data, source, limits):
             between = (shown["inside"], shown["outside"])[::side]
             first += "; {} between {} and {}: {}".format(end["kind"], *between, end["inequality"])
     stable = "stable for every value" if data["stable"] else "nothing is said of its stability"
-    about = base.about(
-        source["parameters"] | {name: "(varies)"}, f"{periods} forcing period{'s' * (periods != 1)}", stable
-    )
+    whole = f"{periods} forcing period{'s' * (periods != 1)}"
+    about = base.about(source["parameters"] | {name: "(varies)"}, whole, stable)
     note = [f"that {end['inequality']} is the first to fail is not proven" for end in data["ends"] if "at" in end]
     shown = [f"{row['value'][0]} <= {name} <= {row['value'][1]}: {pairs(row)}" for row in source["boxes"]]
     return [first, about, *note, *base.table(source["events"]), *shown]

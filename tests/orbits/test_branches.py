@@ -35,10 +35,11 @@ FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
 
 @pytest.mark.slow
 def test_as_dict_holds_everything():
-    branch = branch_of(FIG9, "P32", "Omega", (3, 5))
+    begin = FIG9.replace(Omega="3.29")
+    branch = branch_of(begin, "P32", "Omega", ("3.28", "3.3"))
     data = json.loads(json.dumps(branch.as_dict()))
     assert (data["word"], data["parameter"], data["periods"]) == ("P32", "Omega", 1)
-    assert Parameters(**data["parameters"]) == FIG9
+    assert Parameters(**data["parameters"]) == begin
     np.testing.assert_array_equal(data["values"], branch.values)
     np.testing.assert_array_equal(data["points"], branch.points)
     np.testing.assert_array_equal(np.array(data["multipliers"]) @ [1, 1j], branch.multipliers)
@@ -361,7 +362,7 @@ def test_a_shift_of_the_whole_orbit_takes_no_steps(p, word, low, high):
 @pytest.mark.slow
 def test_a_range_ends_where_it_was_asked_to_end():
     rng = random.Random(3)
-    for _ in range(4):
+    for _ in range(2):
         low, high = f"{rng.uniform(0.1, 6):.4g}", f"{rng.uniform(10.1, 13):.4g}"
         branch = continue_orbit(FIG9, "P32", "FN", (low, high))
         assert (branch.values[0], branch.values[-1]) == (float(low), float(high))
