@@ -238,16 +238,8 @@ def warm() -> list[Warmed]:
         K, none = pair_constants(scene.parameters), states.astype(complex)
         begin, follow = compiled_pairs()
         begin(none, K)
-        follow(
-            nothing,
-            nothing,
-            none,
-            batch_of(states),
-            event_buffer(0),
-            K,
-            no_tally(),
-            PairLimits(1, 1.0, 0, table, table),
-        )
+        limits, batch = PairLimits(1, 1.0, 0, table, table), batch_of(states)
+        follow(nothing, nothing, none, batch, event_buffer(0), K, no_tally(), limits)
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
