@@ -119,7 +119,7 @@ class Motion:
         self._paths = paths = self.arithmetic
         state = first_state(start, self.arithmetic)
         self.t0, self.first_at = state.t, state.at
-        self.K = paths.constants(self.arithmetic.K)
+        self.K = paths.inner_K
         if (
             self.digits and start.start_error
         ):  # rounding is far below the error of the start, which is no standard error
