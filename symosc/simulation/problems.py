@@ -59,7 +59,7 @@ class NumberColumn:
         self.name, self._exact = name, dict[int, Fraction]()
         self._given: Any = given if getattr(given, "shape", ()) else [given]
         plain = not self.single and given.dtype == np.float64
-        self.hi, self.lo = self._of_doubles(self._given) if plain else self._of_any(self._given)
+        self.hi, self.lo = self._of_doubles(given) if plain else self._of_any(self._given)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
