@@ -126,15 +126,15 @@ def follow_batch(
     most: int,
     accuracy: float,
     table: np.ndarray,
-    room: EventRows | None = None,
+    buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield the rows of its events, copied out of `room`, which is used again."""
-    room, tally, begin = room or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
+    """Follow a batch to its end; yield the rows of its events, copied out of `buffer`, which is used again."""
+    buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
-        begin, filled = follow(begin, batch, most, accuracy, room, tally, table)
+        begin, filled = follow(begin, batch, most, accuracy, buffer, tally, table)
         filled = 0 if len(tally.floats) else filled
-        yield EventRows(*(copied(columns[:, :filled]) for columns in room))
+        yield EventRows(*(copied(columns[:, :filled]) for columns in buffer))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
@@ -180,9 +180,9 @@ def in_chunks(
 
     def one(rows: slice) -> Result:
         cancel.check()
-        if not hasattr(own, "room"):
-            own.room = event_buffer(CAPACITY)
-        return work(rows, own.room, cancel)
+        if not hasattr(own, "buffer"):
+            own.buffer = event_buffer(CAPACITY)
+        return work(rows, own.buffer, cancel)
 
     if min(workers, len(chunks)) <= 1:
         results = []
@@ -238,16 +238,8 @@ def warm() -> list[Warmed]:
         K, none = pair_constants(scene.parameters), states.astype(complex)
         begin, follow = compiled_pairs()
         begin(none, K)
-        follow(
-            nothing,
-            nothing,
-            none,
-            batch_of(states),
-            event_buffer(0),
-            K,
-            no_tally(),
-            PairLimits(1, 1.0, 0, table, table),
-        )
+        limits, batch = PairLimits(1, 1.0, 0, table, table), batch_of(states)
+        follow(nothing, nothing, none, batch, event_buffer(0), K, no_tally(), limits)
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),

@@ -1,9 +1,9 @@
 """`simulate_many`: columns of motions in, columns of events or summaries out, on all cores.
 
-Motions are followed in chunks, each in doubles first. One that doubles leave open, or do not know accurately enough, is
-followed again from its exact start in pairs of doubles, where numba is installed, and doubles go on from there; what
-pairs leave open too is followed alone, as `symosc.simulation.simulate` does. So which arithmetic follows a motion
-depends on the motion alone.
+Motions are followed in chunks, each in doubles first. A motion with an event that doubles do not decide, or do not know
+accurately enough, is followed again from its exact start in pairs of doubles, where numba is installed, and doubles go
+on from there. What pairs do not decide either is followed alone, as `symosc.simulation.simulate` does. So which
+arithmetic follows a motion depends on the motion alone.
 """
 
 from __future__ import annotations
@@ -86,13 +86,13 @@ __all__ = ["EventTable", "Summary", "simulate_many"]
 
 # Digits between a start and a belt, or of its error, that pairs have to spare; and a gap of fewer.
 PAIR_SPARE, FAR_OFF = 8, 2e-8
-# Events that a motion is followed farther in pairs, at most, if doubles would leave it open again.
+# Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
 MOST_MORE = 64
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
 # A force on a belt that is this small beside others is computed from the exact start.
 SMALL_FORCE = 1e-6
-# Mappings of a period for which there is room at first, and sections that are kept of a motion, 64 bytes each.
+# Mappings of a period that are kept at first, and sections that are kept of a motion, 64 bytes each.
 USUAL_WORD, MOST_SECTIONS = 48, 100_000
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
 #: Columns of a summary that a tally has as they are.
@@ -184,7 +184,7 @@ class Task(NamedTuple):
 class Chunk:
     """Some of many motions, followed to their ends; here they are numbered from 0.
 
-    `room` is a buffer for events. `keep`, if given, returns the tally of motions from their numbers and their rows at
+    `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
     events in order of motion and time, `alone` the trajectories of motions that were followed alone.
     """
@@ -193,11 +193,11 @@ class Chunk:
         self,
         task: Task,
         rows: slice,
-        room: EventRows,
+        buffer: EventRows,
         cancel: CancelToken,
         keep: Callable[[Any, np.ndarray], Tally] | None = None,
     ) -> None:
-        self.task, self._first, self._room, self._cancel = task, rows.start, room, cancel
+        self.task, self._first, self._buffer, self._cancel = task, rows.start, buffer, cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
         if isinf(task.accuracy):
             self.table["sigmas"] = 0.0
@@ -226,7 +226,7 @@ class Chunk:
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
         task = self.task
-        for rows in follow_batch(task.loops.follow, batch, task.most, self._needed, self.table, self._room, tally):
+        for rows in follow_batch(task.loops.follow, batch, task.most, self._needed, self.table, self._buffer, tally):
             self._cancel.check()
             yield rows
 
@@ -240,7 +240,7 @@ class Chunk:
             if is_apart or fits_pairs(self.problem(i)):
                 groups.setdefault(self.task.problems.sets[self._first + i], []).append(i)
         for parameters, some in groups.items():
-            events = joined(self._climb(parameters, some))
+            events = joined(self._escalate(parameters, some))
             order = np.argsort(events.ints[0], kind="stable")
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
@@ -248,8 +248,8 @@ class Chunk:
             found |= {i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)}
         return found
 
-    def _climb(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set in pairs to an event that doubles leave open, and in doubles from there.
+    def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
+        """Follow motions of one parameter set in pairs to an event that doubles do not decide, then in doubles.
 
         Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         """
@@ -263,10 +263,10 @@ class Chunk:
             loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
             together = len(waiting) if loops is compiled_pairs() else TOGETHER
             active, waiting = waiting[:together], waiting[together:]
-            room = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
-            filled = loops.follow_pairs(active, wanted, pairs, batch, room, K, tally, going)
+            buffer = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
+            filled = loops.follow_pairs(active, wanted, pairs, batch, buffer, K, tally, going)
             PAIRS.events -= filled
-            yield rows_between(room, 0, min(filled, room.floats.shape[1]))
+            yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
             further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
             if len(active):
@@ -341,9 +341,9 @@ def pair_loops(events: int) -> PairLoops:
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
-def events_of(task: Task, rows: slice, room: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:
+def events_of(task: Task, rows: slice, buffer: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:
     """Return the events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
-    chunk = Chunk(task, rows, room, cancel)
+    chunk = Chunk(task, rows, buffer, cancel)
     for part in chunk.rows:
         part.ints[0] += rows.start
     return chunk.rows, chunk.status
@@ -383,10 +383,10 @@ class Asked:
 
 
 def summary_of(
-    task: Task, asked: Asked, rows: slice, room: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
+    task: Task, asked: Asked, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
 ) -> Record:
-    """Return the columns of a chunk; a motion whose word has no room is followed once more, with more of it."""
-    chunk = Chunk(task, rows, room, cancel, partial(asked.begun, longest))
+    """Return the columns of a chunk; a motion whose word is longer is followed once more."""
+    chunk = Chunk(task, rows, buffer, cancel, partial(asked.begun, longest))
     tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
     for i, trajectory in chunk.alone.items():
@@ -409,7 +409,7 @@ def summary_of(
         columns["word"] = words_of(tally)
         for i in np.flatnonzero(tally.ints[:, kept.LAST_LENGTH] > longest).tolist():
             row, length = rows.start + i, int(tally.ints[i, kept.LAST_LENGTH])
-            again = summary_of(task, asked, slice(row, row + 1), room, cancel, length)["word"]
+            again = summary_of(task, asked, slice(row, row + 1), buffer, cancel, length)["word"]
             columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again.dtype))
             columns["word"][i] = again[0]
     return {name: columns[name] for name in asked.names}

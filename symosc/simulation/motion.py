@@ -77,7 +77,7 @@ def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent
     search_row = loaded_search()
     if search_row is None:
         low = t_end_low - (t_end - t0) * K.Om_gain
-        return lambda state: advance(state, t_end, low, K)
+        return partial(advance, t_end=t_end, t_end_low=low, K=K)
     table = table_of([K])
 
     def search(state: State) -> NextEvent:

@@ -6,7 +6,7 @@ doubles do not decide about a start is left to `symosc.engine.start`, motion by 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Sized
+from collections.abc import Callable, Mapping, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
 from threading import Lock
@@ -49,15 +49,18 @@ class NumberColumn:
         given = _as_given(name, given)
         shape = getattr(given, "shape", None)
         self.single = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping)) or shape == ()
-        if not self.single and isinstance(given, np.ndarray) and given.ndim != 1:
+        if not self.single and not isinstance(given, np.ndarray):
+            given = np.asarray(list(given), dtype=object)
+        if not self.single and given.ndim != 1:
             raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
+        self.single = self.single or len(given) == 1
+        if not self.single and given.dtype == object and all(type(value) is float for value in given):
+            given = given.astype(float)
         self.name, self._exact = name, dict[int, Fraction]()
-        self._given: Any = [given] if self.single else given if isinstance(given, np.ndarray) else list(given)
-        if len(self._given) > 1 and all(type(value) is float for value in self._given):
-            self._given = np.array(self._given, dtype=float)
-        plain = isinstance(self._given, np.ndarray) and self._given.dtype == np.float64
-        self.hi, self.lo = self._of_doubles(self._given) if plain else self._of_any(self._given)
-        self.is_plain = plain or len(self._given) == 1  # then equal doubles are equal numbers
+        self._given: Any = given if getattr(given, "shape", ()) else [given]
+        plain = not self.single and given.dtype == np.float64
+        self.hi, self.lo = self._of_doubles(given) if plain else self._of_any(self._given)
+        self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         largest = f"must be at most {float(LARGEST):g} in size"
@@ -258,7 +261,7 @@ class Problems:
         self.sets = ParameterSets(parameters)
         self.start_error = start_error if start_error and max(start_error) > 0 else None
         self.t0, self.x0, self.v0 = _start_columns(starts)
-        self.t_end = NumberColumn("t_end", _one_row("t_end", t_end))
+        self.t_end = NumberColumn("t_end", t_end)
         starts_length = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
         lengths = {"parameters": len(self.sets), "starts": starts_length, "t_end": len(self.t_end)}
         self.count = common_length(lengths)
@@ -363,23 +366,9 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
         if rows.ndim != 2 or rows.shape[1] != 3:
             hint = f"must have shape (n, 3), rows of t0, x0, v0, or be a mapping of these names; it has {rows.shape}"
             raise ParameterError("starts", starts, hint)
-        columns = [_one_row(name, column) for name, column in zip(START_COLUMNS, rows.T, strict=True)]
+        columns = list(rows.T)
     t0, x0, v0 = (NumberColumn(name, column) for name, column in zip(START_COLUMNS, columns, strict=True))
     return t0, x0, v0
-
-
-def _one_row(name: str, given: Any) -> Any:
-    """Return a column; one of a single row is its number."""
-    column = _as_given(name, given)
-    if not isinstance(column, np.ndarray) and isinstance(column, Sequence) and not isinstance(column, (str, bytes)):
-        column = np.asarray(column, dtype=object)
-    if not isinstance(column, np.ndarray):
-        return column
-    if column.ndim != 1:
-        raise ParameterError(name, given, f"must be a number or have shape (n,); it has {column.shape}")
-    if column.dtype == object and len(column) > 1 and all(type(value) is float for value in column):
-        return column.astype(float)
-    return read_exact(name, column[0]) if len(column) == 1 else column
 
 
 def common_length(lengths: dict[str, int]) -> int:
