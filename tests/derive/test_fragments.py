@@ -256,6 +256,7 @@ def test_numbers_are_exact_or_rounded() -> None:
     exact, rounded = run("P1", "--set", "A0=1/3"), run("P1", "--set", "A0=1/3", "--digits", "4")
     assert r"\frac{1}{3}" in exact.stdout
     assert "0.3333" in rounded.stdout
+    assert ["--digits 4" in text for text in (rounded.stdout, exact.stdout)] == [True, False]  # how it was made
     assert "A_0" not in exact.stdout.replace("$A_0 = 1/3$", "")
     assert "- 17.962" in run("P1", "--scene", "fig5").stdout  # A_0 - c v_1 - (mu_1 - mu_2) F_N
 
