@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.bench.solvers import Late
+from symosc.bench.solvers import LazyEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
@@ -234,7 +234,7 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
-    def run() -> Late:
+    def run() -> LazyEvents:
         rows, count, outcome, last = follow(*arguments, duration)
         if outcome:
             where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
@@ -246,6 +246,6 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
             words = (EVENT_KINDS[int(kind)] for kind in kinds)
             return list(map(FoundEvents, (t0 + t for t in times), positions, words, map(int, boundaries)))
 
-        return Late(events)
+        return LazyEvents(events)
 
     return run

@@ -84,7 +84,7 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
     """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
 
-    Only what the call itself does is timed: events that it returns `Late` are read afterwards.
+    Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
     """
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
