@@ -92,8 +92,9 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
     angle = p.Omega * origin
     context = mp_context(40 + len(str(abs(angle.numerator))))
     theta = float(context.fmod(context.mpf(angle.numerator) / angle.denominator, 2 * context.pi))
-    forces = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
-    return Problem(*forces, float(p.B0) / m, Omega, stiffness, damping, float(p.v1), float(p.v2), period, theta)
+    A1, A2, A3 = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
+    v1, v2 = float(p.v1), float(p.v2)
+    return Problem(A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta)
 
 
 def from_now(q, t):
