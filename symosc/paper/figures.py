@@ -54,7 +54,7 @@ STICK_MARGIN, ORBIT_MARGIN = 1.2, 0.06
 START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
 
 
-# --- what is followed, and where the text puts dots and black curves ---
+# --- views: how long a motion is followed, and where the text puts dots and black curves ---
 
 
 def period(name: str) -> float:
@@ -83,9 +83,9 @@ def several_periods_view(name: str) -> View:
     """Return what Fig. 7(c), (d) show: several periods, start and end of the first one, a contact if there is one."""
     t0, T = start_time(name), period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
-    touching = first_contact(view)
+    contact = first_contact(view)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
-    marks += [] if touching is None else [_contact_mark(touching)]
+    marks += [] if contact is None else [_contact_mark(contact)]
     contacts = tuple(Contact(mark.t, mark.t, view.boundary) for mark in marks)
     return replace(view, marks=tuple(marks), contacts=contacts, magnified=(), belt_reach=LONG_REACH)
 
@@ -94,11 +94,11 @@ def several_periods_view(name: str) -> View:
 def grazing_view(name: str) -> View:
     """Return what Fig. 8 shows: a red contact with belt 1, later a stick on it."""
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
-    touching, stick = first_contact(view), later_stick(view)
-    assert touching is not None
+    contact, stick = first_contact(view), later_stick(view)
+    assert contact is not None
     onset, end = Mark("onset of stick", ONSET_COLOR, stick.since), Mark("end of stick", END_COLOR, stick.until)
-    marks = view.marks[0], _contact_mark(touching), onset, end
-    return replace(view, marks=marks, contacts=(touching, stick), magnified=(touching,), belt_reach=LONG_REACH)
+    marks = view.marks[0], _contact_mark(contact), onset, end
+    return replace(view, marks=marks, contacts=(contact, stick), magnified=(contact,), belt_reach=LONG_REACH)
 
 
 @lru_cache
@@ -159,8 +159,8 @@ def stick_figure(name: str, columns: int = 2) -> Figure:
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
     several, t0, T = several_periods_view(name), start_time(name), period(name)
-    touching = first_contact(view_of(several.trajectory, 1))
-    magnified = () if touching is None else (touching,)
+    contact = first_contact(view_of(several.trajectory, 1))
+    magnified = () if contact is None else (contact,)
     first = replace(crop(several, t0, t0 + FIRST_PERIOD * T), magnified=magnified)
     periods = partial(_velocity_of_periods, start=t0, period=T)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
@@ -253,8 +253,8 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
 
 # --- Theorem 7, eqs. (55) to (58) ---
 
-#: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
-#: the one that is about that belt.
+#: The scenes whose parameters are used: those that graze; for the mappings of belt 2, of which the paper shows no
+#: graze, the scene about that belt.
 WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
 
 
