@@ -62,7 +62,7 @@ OUR_TOLERANCE = 1e-12
 KNOWN = "known"
 
 
-def hard(quick: bool = False) -> list[ReferenceCase]:
+def hard_ones(quick: bool = False) -> list[ReferenceCase]:
     """Return the hard ones of the reference cases; with `quick` those that `symosc bench --quick` takes."""
     cases = [case for case in reference_cases() if case.group in GROUPS]
     return [case for case, each in zip(cases, hard_cases(), strict=True) if each.quick or not quick]
@@ -97,8 +97,8 @@ def run(
     def score(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:
         return Score(solver.name, tolerance, [judge_case(known[i], made[solver.name, i], tolerance) for i in numbers])
 
-    hard_ones = [i for i, case in enumerate(chosen) if case.group in GROUPS]
-    ours = [score(solver, hard_ones, OUR_TOLERANCE) for solver in able if solver in OURS]
+    judged = [i for i, case in enumerate(chosen) if case.group in GROUPS]
+    ours = [score(solver, judged, OUR_TOLERANCE) for solver in able if solver in OURS]
     violations = [
         f"{each.name}: {case.name}: {case.wrong[0] if case.wrong else case.note}"
         for each in ours

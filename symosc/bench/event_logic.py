@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.bench.solvers import Late
+from symosc.bench.solvers import LazyEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
@@ -92,8 +92,9 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
     angle = p.Omega * origin
     context = mp_context(40 + len(str(abs(angle.numerator))))
     theta = float(context.fmod(context.mpf(angle.numerator) / angle.denominator, 2 * context.pi))
-    forces = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
-    return Problem(*forces, float(p.B0) / m, Omega, stiffness, damping, float(p.v1), float(p.v2), period, theta)
+    A1, A2, A3 = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
+    v1, v2 = float(p.v1), float(p.v2)
+    return Problem(A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta)
 
 
 def from_now(q, t):
@@ -234,7 +235,7 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
-    def run() -> Late:
+    def run() -> LazyEvents:
         rows, count, outcome, last = follow(*arguments, duration)
         if outcome:
             where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
@@ -246,6 +247,6 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
             words = (EVENT_KINDS[int(kind)] for kind in kinds)
             return list(map(FoundEvents, (t0 + t for t in times), positions, words, map(int, boundaries)))
 
-        return Late(events)
+        return LazyEvents(events)
 
     return run

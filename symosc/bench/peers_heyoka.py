@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
-from symosc.bench.solvers import Late, Solver
+from symosc.bench.solvers import LazyEvents, Solver
 from symosc.model import NEIGHBOURS
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
@@ -60,7 +60,7 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
     return rates, (p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7])
 
 
-def prepare(scene: Scene, tolerance: float) -> Callable[[], Late]:
+def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare an integrator for one motion."""
     import heyoka as hy
 
@@ -112,7 +112,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Late]:
     duration = float(scene.t_end - scene.t0)
     most = MOST_HEYOKA_STEPS * (1 + int(duration / q.period))
 
-    def run() -> Late:
+    def run() -> LazyEvents:
         nonlocal now, append, item, state, p_now
         rows: list[tuple[Any, ...]] = []
         now, append, integrator.time = mode, rows.append, 0.0
@@ -122,7 +122,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Late]:
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
-        return Late(lambda: list(map(FoundEvents._make, rows)))
+        return LazyEvents(lambda: list(map(FoundEvents._make, rows)))
 
     return run
 

@@ -58,7 +58,7 @@ def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable
         return y[1], force(q, mode, t, y[0], y[1]) if mode < 4 else 0.0
 
     def margin_at(place: int, t: float, y: State) -> float:
-        return margins(q, mode, t, y[0], y[1])[place]  # type: ignore[no-any-return]
+        return margins(q, mode, t, y[0], y[1])[place]
 
     exits = [partial(margin_at, 0 if side < 0 else 1) for side in SIDES[mode]]
     jacobian = np.array([[0.0, 1.0], [-q.stiffness, -q.damping] if mode < 4 else [0.0, 0.0]])

@@ -39,7 +39,7 @@ FIRST_LIMIT = 600.0
 PROCESSES = min(2, os.cpu_count() or 1)
 
 
-class Late(Sequence[FoundEvents]):
+class LazyEvents(Sequence[FoundEvents]):
     """Events that become Python objects on first access: a solver that works in arrays is timed without that."""
 
     def __init__(self, make: Callable[[], Sequence[FoundEvents]]) -> None:
@@ -67,7 +67,7 @@ class Solver:
         What tables and plots call it.
     prepare : callable
         ``prepare(scene, tolerance)`` returns a function without arguments that follows the scene from its start to its
-        end and returns its events (`FoundEvents`), `Late` where they come in arrays. What a user would do once
+        end and returns its events (`FoundEvents`), `LazyEvents` where they come in arrays. What a user would do once
         (compile, build the integrator) is done in `prepare`.
     tolerances : tuple of float
         What a work-precision curve runs through, coarse to fine; one entry 0.0 for a solver without a tolerance.
@@ -95,10 +95,10 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvent
     """Prepare `simulate_many`; the tolerance is its `accuracy`, the estimated error that asks for more digits."""
     start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
-    def run() -> Late:
+    def run() -> LazyEvents:
         table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
         columns = (table.t, table.x, table.kind, table.boundary)
-        return Late(lambda: list(map(FoundEvents, *(column.tolist() for column in columns))))
+        return LazyEvents(lambda: list(map(FoundEvents, *(column.tolist() for column in columns))))
 
     return run
 

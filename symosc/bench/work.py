@@ -84,7 +84,7 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
     """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
 
-    Only what the call itself does is timed: events that it returns `Late` are read afterwards.
+    Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
     """
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
@@ -209,8 +209,8 @@ def _numbers(outcome: Outcome, span: Span) -> Record:
     timed, count = outcome.value, span.count
     times = timed.times_s or [timed.first_call_s]
     multiple = median(a / b for a, b in zip(times, timed.floors_s, strict=True)) / count
-    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, 1e6 / count * median(times))
-    values += (1e9 * min(timed.floors_s), multiple)
+    per_event, floor = 1e6 / count * median(times), 1e9 * min(timed.floors_s)
+    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, per_event, floor, multiple)
     comparison = compare(timed.found, span.reference, window_of(span.scene), float(span.scene.t0))
     errors = {name: getattr(comparison, name) for name in ERROR_KEYS}
     return about | dict(zip(TIME_KEYS, values, strict=True)) | errors
@@ -327,9 +327,9 @@ def figure(result: Record) -> Figure:
             ax.tick_params(labelbottom=True)
         drawing.supxlabel("time per event [µs]", fontsize=STYLE["axes.labelsize"])
         handles = [Line2D([], [], linewidth=0.7, label=name, **style) for name, style in styles.items()]
-        wrong = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 4}
+        wrong: Record = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 4}
         handles.append(Line2D([], [], label="events missed or invented", **wrong))
-        options = {"fontsize": 7.0, "frameon": False, "borderaxespad": 0.0, "labelspacing": 0.3}
+        options: Record = {"fontsize": 7.0, "frameon": False, "borderaxespad": 0.0, "labelspacing": 0.3}
         grid[-1, -1].legend(handles=handles, loc="upper left", **options)
     return drawing
 

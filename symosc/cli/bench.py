@@ -70,7 +70,7 @@ def bench(
     if readme is not None:
         result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
     elif hard_cases:
-        result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard(quick))
+        result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard_ones(quick))
     if readme is not None or (hard_cases and output is not None):
         result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
     written = [] if readme is None else results.write(readme, result)

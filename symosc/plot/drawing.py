@@ -21,6 +21,7 @@ from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import Bbox
 from numpy import isfinite
 
+from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
@@ -90,7 +91,7 @@ class PanelAxes(Axes):
         self.labels_of: dict[Any, tuple[tuple[float, ...], tuple[float, ...]]] = {}
         super().__init__(*args, **options)
 
-    def get_tightbbox(self, renderer: Any = None, **options: Any) -> Bbox | None:  # type: ignore[override]
+    def get_tightbbox(self, renderer: Any = None, **options: Any) -> Bbox | None:
         """Return the box of the axes with all that stands out of them."""
         ours = options.get("for_layout_only") and renderer and options.get("bbox_extra_artists") is None
         if not ours or not self.get_visible() or self.yaxis.get_offset_text().get_text():  # titles give way to it
@@ -159,7 +160,7 @@ def figure_of(ax: Any) -> Figure:
     return ax.figure  # type: ignore[return-value]
 
 
-def legend_entries(axes: Iterable[Axes]) -> dict[str, list[Any]]:
+def legend_entries(axes: Iterable[Axes]) -> Record:
     """Return handles and labels of a legend for several axes, each label once."""
     entries: dict[str, Any] = {}
     for ax in axes:

@@ -342,7 +342,7 @@ def _events(check: CrossCheck) -> Iterator[Record]:
     rows: list[tuple[float, str, str, Any]] = [
         (float(match.event.t), "right", f"{match.error:+.1e}", match.event) for match in check.matched
     ]
-    others = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
+    others: Record = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
     rows += [(float(event.t), verdict, "", event) for verdict, events in others.items() for event in events]
     for time, verdict, error, event in sorted(rows, key=lambda row: row[0]):
         way = f"{event.source} → {event.target}" if event.source else ""

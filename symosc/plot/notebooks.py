@@ -45,7 +45,7 @@ def trajectory_page(path: Trajectory) -> str:
 
 def _row(path: Trajectory, i: int) -> list[Any]:
     event = path.events[i]
-    numbers = (event.t, event.x, event.v)
+    numbers: tuple[Any, ...] = (event.t, event.x, event.v)
     texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
     return [*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"]
 

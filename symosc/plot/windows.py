@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
 START_COLOR, CONTACT_COLOR, GAP_COLOR = "#d7191c", "#1f3fd6", "0.85"
+SOLID: Any = "solid"
 DASHES: Any = (0, (4, 2))
 TURN = 2 * pi
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
@@ -484,7 +485,7 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
     if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
         return shown
     for style, hidden, label in (
-        ("solid", ~inside.closed, "border, inside"),
+        (SOLID, ~inside.closed, "border, inside"),
         (DASHES, inside.closed, "border, not inside"),
     ):
         part = np.ma.masked_where(hidden | (allowed.values < 0), inside.values)

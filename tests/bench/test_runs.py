@@ -182,7 +182,7 @@ def test_tables_and_the_picture_show_all_rows(measured: dict[str, Any]) -> None:
 @pytest.mark.compiled("doubles")
 def test_solvers_are_judged_and_the_page_says_how_it_was_made(tmp_path: Path) -> None:
     wanted = [solver for solver in all_solvers() if solver.name in ("symosc, compiled", "scipy DOP853")]
-    chosen = [*small_set()[:3], *(case for case in cases.hard() if case.name == "easy-fig9")]
+    chosen = [*small_set()[:3], *(case for case in cases.hard_ones() if case.name == "easy-fig9")]
     result = cases.run(solvers=wanted, cases=chosen, limit=PATIENCE)
     ours, theirs = result["scores"]
     assert [case.name for case in ours.cases] == [case.name for case in chosen]
@@ -251,7 +251,7 @@ def test_the_verdict_on_ours() -> None:
 
 @pytest.mark.slow
 def test_the_quick_hard_cases_are_some_of_each_group() -> None:
-    quick, every = cases.hard(quick=True), cases.hard()
+    quick, every = cases.hard_ones(quick=True), cases.hard_ones()
     assert {case.group for case in quick} == {case.group for case in every} == set(cases.GROUPS)
     assert len(quick) < len(every) / 2
 

@@ -64,7 +64,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         table = function.replace("measure_", "") + "_table" if function != "run" else "table"
         if hasattr(module, table):
             monkeypatch.setattr(module, table, lambda result, **options: f"table of {result['name']} {options}")
-    monkeypatch.setattr(cases, "hard", lambda quick: f"hard ones, {quick}")
+    monkeypatch.setattr(cases, "hard_ones", lambda quick: f"hard ones, {quick}")
     for module in (work, error_map):
         monkeypatch.setattr(module, "figure", drawn)
     return names

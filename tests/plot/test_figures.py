@@ -220,6 +220,13 @@ def test_other_suffixes_and_unwritable_paths_leave_nothing(tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == []
 
 
+def test_where_figures_of_scenes_end() -> None:
+    ends = {name: plot.simulated(load_scene(name)).t_end for name in ("fig5", "fig7", "fig10")}
+    assert (ends["fig5"], ends["fig7"]) == (9, 15.1)
+    orbit = load_scene("fig10")
+    assert (ends["fig10"] - float(orbit.t0)) * 1.75 / (2 * np.pi) == pytest.approx(2.5)  # periods
+
+
 @pytest.mark.slow
 def test_digits_and_an_undecided_end_can_be_drawn() -> None:
     assert plot.figure(simulate("fig8", t_end=4, digits=30)).axes

@@ -108,6 +108,9 @@ def test_what_is_drawn_thick_is_in_the_window(mapping: str) -> None:
                 theta = (np.arctan2(place[1], place[0]) if up == "sin" else place[0]) % TURN
                 speed = float(p.v1 if mapping in ("P2", "P3") else p.v2)
                 assert np.sin(theta) == pytest.approx(-float(p.k) * speed / float(p.B0 * p.Omega), abs=1e-9)
+                if up == "sin":  # the dashed line through it
+                    levels = [line.get_ydata() for line in circle.lines if np.ptp(line.get_xdata()) == 2.3]
+                    assert levels == [pytest.approx([np.sin(theta)] * 2, abs=1e-9)]
                 full = dot.get_markerfacecolor() == INSIDE_COLOR
                 assert full == (window.kind == EVERYTHING), across
                 dots += 1

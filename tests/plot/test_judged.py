@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from copy import copy
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -149,6 +150,7 @@ def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
 T = np.linspace(0, 12, 120)
 
 
+@cache
 def wrong() -> CrossCheck:
     p = load_scene("fig5").parameters
     return crosscheck(p, T, *simulate(p.replace(B0=9), t0=0, x0=0, v0=0, t_end=12)(T))
