@@ -1,7 +1,7 @@
 """All solvers on the reference cases: what `symosc score` would say of each, and whether symosc keeps its bound.
 
 A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
-other work on the machine changes no score. In the hard cases (`symosc.reference.hard_cases`) symosc's own errors must
+other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must
 be within
 
     max(1e-12, 100 * condition * 1e-16)

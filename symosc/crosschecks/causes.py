@@ -62,7 +62,7 @@ class Diagnosis:
     share : float
         Part of the wrong steps that it explains, at most 1.
     alternatives : tuple of Diagnosis
-        What explains the samples as well: they cannot tell these apart.
+        Other causes that explain the samples as well.
 
     Examples
     --------

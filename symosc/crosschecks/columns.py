@@ -175,9 +175,9 @@ def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.nd
     t, x = s.t[first:], s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
     ends = np.column_stack([time, x[:-1], 0.0 * time])
-    pairs = np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
+    pair_t, pair_x, pair_v = np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
     near = np.repeat(case.near[first:][:-1], 2)
-    found = follow_steps(case.parameters, *pairs, near, case.scales).defects[::2, 1]
+    found = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[::2, 1]
     return np.append(np.nan, found) if part > 0.0 else np.append(found, np.nan)
 
 

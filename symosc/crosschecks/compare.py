@@ -253,7 +253,7 @@ class Task:
     def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
         """Add the verdict on every n-th sample where the rounding hides in each step what is wrong over n steps."""
         spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
-        # A few spans tell no cause, and where most steps are wrong these show it themselves.
+        # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < FEW_SPANS or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
             return result
         kept = np.unique([*range(0, count, int(np.max(spans[:, 1] - spans[:, 0]))), count - 1])
@@ -327,7 +327,7 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return from where the exact motion starts, and what is to be said if that is not the scene's start.
+        """Return the start of the exact motion, and a note if it is not the scene's start.
 
         That is {} for the scene's own start, which may have more digits than the sample, or the first sample.
         """
@@ -342,7 +342,7 @@ class Task:
         off["v0"] = max(off["v0"], 0.0 if samples.v_off is None else float(samples.v_off[0]))
         if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
             return {}, ""
-        if samples.v_off is not None:  # positions tell the first velocity less well
+        if samples.v_off is not None:  # positions show the first velocity less well
             slack["v0"] += UNKNOWN_SPEED * max(1.0, fastest_rate(self.parameters)) * off["v0"]
             if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
                 return start, ""
@@ -356,7 +356,7 @@ class Task:
         return start, f"the solution starts at {first}; {scene.name} starts at {its}"
 
     def _early_end(self, trajectory: Trajectory) -> str:
-        """Return what is to be said if the solution ends before the motion does."""
+        """Return a note if the solution ends before the motion does, else ""."""
         scene, t = self.by.scene, self.samples.t
         if isinstance(scene, Parameters) or trajectory.status == "equilibrium":
             return ""

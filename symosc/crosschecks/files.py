@@ -485,7 +485,8 @@ def _hdf5_value(item: Any, depth: int = 0) -> Any:
     if kind.endswith("struct"):
         return {name: _hdf5_value(each, depth + 1) for name, each in value.items()}
     if kind.endswith("range"):
-        return _octave_range(*value[()].tolist(), int(value.attrs["OCTAVE_RANGE_NELEM"]))
+        base, limit, increment = value[()].tolist()
+        return _octave_range(base, limit, increment, int(value.attrs["OCTAVE_RANGE_NELEM"]))
     if "OCTAVE_EMPTY_MATRIX" in item.attrs:
         return np.empty(0)
     if kind.endswith("string"):

@@ -1,6 +1,6 @@
 """Read solutions from Python objects: tables of any package, results of solvers, arrays, functions, lists of these.
 
-None of the packages is imported: the attributes of an object tell what it is. `run_solver` calls somebody's function.
+None of the packages is imported: the attributes of an object show what it is. `run_solver` calls somebody's function.
 """
 
 from __future__ import annotations

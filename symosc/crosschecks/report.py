@@ -66,7 +66,7 @@ class CrossCheck(Drawable, Reportable):
         Events of wrong steps, or of a given list, that the exact motion does not have at their time.
     unresolved : tuple of Event or FoundEvent
         Events on one side only, though each step is right. The samples are on a neighbouring path, within the global
-        error, or the tolerance cannot tell whether there is such an event.
+        error, or the tolerance does not decide whether there is such an event.
     decisions : tuple of Fault
         Wrong steps that stick, slip or pass where the exact motion does something else.
     faults : tuple of Fault
@@ -84,7 +84,7 @@ class CrossCheck(Drawable, Reportable):
         How the columns "t", "x", "v" and the times of the list, "events", were rounded, such as "6 decimals".
     notes : tuple of str
     modes : (n,) int array
-        What the samples do, by the codes of `symosc.model.MODE_NAMES`; 0 where they only pass or touch a belt.
+        What the samples do, by the codes of `symosc.model.MODE_NAMES`; 0 where they only pass or graze a belt.
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.

@@ -5,7 +5,7 @@ each domain, and on a belt that of the belt. The velocity of a motion does not j
 sample between them, both are in one piece, and that is its velocity. Steps with an event in them agree with none; the
 exact motion leads over them from the sample before.
 
-Rounded positions tell nothing of the velocity over short steps. If an exact motion is within their rounding at all
+Rounded positions show nothing of the velocity over short steps. If an exact motion is within their rounding at all
 times, their velocities are those of that motion: the scene's own, or one whose start is fitted.
 """
 
@@ -40,7 +40,7 @@ MOST_ROUNDS = 100
 # Velocities may be off by so many times the error of the positions that half of the steps show.
 NOISE_FACTOR = 20.0
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
-LONGEST_TOLD = 1.0
+LONGEST_FLIGHT = 1.0
 # So many pairs of short steps, none of which agree, are not all spoilt by events.
 MANY_PAIRS = 20
 # A start is fitted to positions over a time that grows from 1/rate by this factor, with so many changes each time.
@@ -88,9 +88,9 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
         v = _agreed(starts, ends, left, right, pairs[:1])
     if np.isnan(v).all():
         raise ParameterError("v", None, "is missing, and the positions are too far apart to tell it: give velocities")
-    known = int(np.argmax(~np.isnan(v)))  # an event before it leaves open with which velocity the first step began
+    known = int(np.argmax(~np.isnan(v)))  # before it an event hides the velocity at which the first step began
     notes = (*samples.notes, NOTE) if known == 0 else (*samples.notes, NOTE, f"{NO_FIRST}: {known}")
-    v = _led_on(K, t, x, v, theta)
+    v = _continued(K, t, x, v, theta)
     off = np.where((v == K.belt1.v) | (v == K.belt2.v), 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
@@ -196,8 +196,8 @@ def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tup
     NaN where a step cannot be such.
     """
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
-    usable = (tau > 0.0) & (K.rate * tau < LONGEST_TOLD)
-    E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_TOLD / K.rate), K)
+    usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
 
     def flown(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
         a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
@@ -247,7 +247,7 @@ def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.nd
     return v
 
 
-def _led_on(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
+def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """Return all velocities: where none is known the exact motion leads there from the sample before, or a guess."""
     for _ in range(MOST_ROUNDS):
         open_ends = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))

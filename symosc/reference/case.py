@@ -71,7 +71,7 @@ class KnownEvent(NamedTuple):
 
     @property
     def middle(self) -> tuple[Fraction, Fraction]:
-        """Time and position in the middle of what is known."""
+        """Time and position in the middle of the known interval."""
         t, x = ((Fraction(low) + Fraction(high)) / 2 for low, high in (self.t, self.x))
         return t, x
 

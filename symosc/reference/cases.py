@@ -321,11 +321,11 @@ GRAZE_HARD = (
     "a double root of the velocity: a step sees no change of sign, and rounding of the start makes two roots or none"
 )
 GRAZE_SOURCE = "Theorem 7 of the paper (symosc.grazing_start): the flow back from the tangency"
-#: Digits of a start. Half of them are left at the touch, where the gap is a square.
-TOUCH_DIGITS = 95
+#: Digits of a start. Half of them remain at the graze, where the gap is a square.
+GRAZE_DIGITS = 95
 #: The exact v0 is within so many units of the last digit: those of x0 and its own.
 UNITS_OF_V0 = 5
-#: How long before the touch a motion starts, and how long it is followed.
+#: How long before the graze a motion starts, and how long it is followed.
 BEFORE, FOLLOWED = Fraction(3, 10), 8
 
 GRAZING = Parameters(m=1, c=1, k=2, A0=0, B0=4, Omega=1, v1=-1, v2="1/2", mu1="0.3", mu2="0.2", FN=5)
@@ -338,18 +338,18 @@ DAMPED: dict[str, dict[str, NumberLike]] = {
     "near resonance": {"c": "1e-6", "k": 1},
     "weak spring": {"k": "1e-3"},
 }
-#: Times of the touches: in the window of Theorem 7, with a flight of `BEFORE` to them.
-TOUCHES = {"P2": "1.1", "P3": "3.3", "P5": "0.55", "P6": "3.85"}
+#: Times of the grazes: in the window of Theorem 7, with a flight of `BEFORE` to them.
+GRAZE_TIMES = {"P2": "1.1", "P3": "3.3", "P5": "0.55", "P6": "3.85"}
 
 
 def grazes() -> Iterator[ReferenceCase]:
     """Yield the cases."""
     for regime, changes in DAMPED.items():
         p = GRAZING.replace(**changes)
-        for mapping, t_m in TOUCHES.items():
+        for mapping, t_m in GRAZE_TIMES.items():
             boundary, domain = place(mapping).boundary, place(mapping).domain
             t0 = Fraction(t_m) - BEFORE
-            start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=TOUCH_DIGITS).start
+            start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=GRAZE_DIGITS).start
             error = UNITS_OF_V0 * start["start_error"][2]
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
             yield ReferenceCase(

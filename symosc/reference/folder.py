@@ -274,7 +274,9 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
         KnownEvent(
             (row["t_low"], row["t_high"]),
             (row["x_low"], row["x_high"]),
-            **{word: row[word] for word in EVENT_WORD_COLUMNS} | {"boundary": int(row["boundary"])},
+            row["kind"],
+            int(row["boundary"]),
+            *(row[word] for word in ("source", "target", "word")),
         )
         for row in rows
     )

@@ -19,9 +19,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from html import escape
-from itertools import chain
 from math import inf, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from tabulate import tabulate
 
@@ -317,11 +316,8 @@ def group_cell(cases: Sequence[CaseScore]) -> str:
         return next((case.note for case in cases if case.note), NO_RESULT)
     units = [case.units for case in right if case.units is not None]
     largest = f": {short_number(max(units))}" if units else ""
-    return f"{len(right)} of {len(cases)}{largest}" + _absent(len(cases) - len(given))
-
-
-def _absent(count: int) -> str:
-    return f" ({count} without result)" if count else ""
+    absent = len(cases) - len(given)
+    return f"{len(right)} of {len(cases)}{largest}{f' ({absent} without result)' if absent else ''}"
 
 
 def short_number(value: float) -> str:
@@ -330,33 +326,25 @@ def short_number(value: float) -> str:
 
 
 def group_table(scores: Sequence[Score], form: str = "simple") -> str:
-    """Return one row per group, and one for all."""
+    """Return one row per group, one for all, and rows with the numbers of faults."""
     rows = []
     for group, cases in by_group(scores[0].cases):
         columns = [group_cell([case for case in score.cases if case.group == group]) for score in scores]
         rows.append([group, str(len(cases)), *columns])
     totals = [f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores]
     rows.append(["all", str(len(scores[0].cases)), *totals])
-    rows += _sums(scores)
-    return _tabulate(rows, ["group", "cases", *(score.name for score in scores)], form)
 
+    def total(score: Score, name: str) -> int:
+        return sum(getattr(case, name) for case in score.given)
 
-def _sums(scores: Sequence[Score]) -> list[list[str]]:
-    """Return rows with what all cases have together."""
     counts = {"events missed": "missed", "events invented": "invented", "wrong kinds": "kinds", "large errors": "late"}
-    rows = [
-        [title, "", *(str(sum(getattr(case, name) for case in score.given)) for score in scores)]
-        for title, name in counts.items()
-    ]
-    grazes = [
-        f"{sum(case.grazes_found for case in score.given)} of {sum(case.grazes for case in score.given)}"
-        for score in scores
-    ]
+    rows += [[title, "", *(str(total(score, name)) for score in scores)] for title, name in counts.items()]
+    grazes = [f"{total(score, 'grazes_found')} of {total(score, 'grazes')}" for score in scores]
     rows.append(["grazes reported", "", *grazes])
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
     if any(times):
         rows.append(["seconds", "", *(f"{sum(each):.3g}" if each else "" for each in times)])
-    return rows
+    return _tabulate(rows, ["group", "cases", *(score.name for score in scores)], form)
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
@@ -368,12 +356,9 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
             continue
         row = [case.name, str(case.events), f"{case.condition:.0e}" if case.condition else ""]
         row += [case_cell(score.cases[i]) for score in scores]
-        rows.append(row + [_small(value) for value in (case.error_t, case.error_x, case.seconds)] if alone else row)
+        numbers = ["" if value is None else f"{value:.0e}" for value in (case.error_t, case.error_x, case.seconds)]
+        rows.append(row + numbers if alone else row)
     return _tabulate(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
-
-
-def _small(value: float | None) -> str:
-    return "" if value is None else f"{value:.0e}"
 
 
 def faults(score: Score) -> list[str]:
@@ -409,27 +394,39 @@ def legend(score: Score) -> list[str]:
 
 def as_text(scores: Sequence[Score]) -> str:
     """Return everything for the terminal."""
-    found = list(chain.from_iterable(_listed(score) for score in scores))
-    parts = [case_table(scores, with_absent=False), group_table(scores), *found, "\n".join(legend(scores[0]))]
-    return "\n\n".join([*parts, "\n".join(verdict(score) for score in scores)])
+    found = [
+        [f"{score.name}, faults:", *(f"  {line}" for line in lines)] for score in scores if (lines := faults(score))
+    ]
+    parts = [case_table(scores, with_absent=False), group_table(scores), *map("\n".join, found)]
+    return "\n\n".join([*parts, "\n".join(legend(scores[0])), "\n".join(map(verdict, scores))])
 
 
-def _listed(score: Score) -> list[str]:
-    lines = faults(score)
-    return ["\n".join([f"{score.name}, faults:", *(f"  {line}" for line in lines)])] if lines else []
+def _page(
+    scores: Sequence[Score], title: str, version: int, form: str, more: Sequence[str], with_faults: bool
+) -> Iterator[tuple[str, Any]]:
+    """Yield the parts of a page by their HTML tags: text, lists of lines, tables in a form of tabulate."""
+    yield "h1", title
+    yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
+    yield "ul", [verdict(score) for score in scores]
+    yield from (("p", line) for line in legend(scores[0]))
+    yield "table", group_table(scores, form)
+    yield "h2", "All cases"
+    yield "table", case_table(scores, form)
+    for score in scores if with_faults else ():
+        if lines := faults(score):
+            yield "h2", f"Faults of {score.name}"
+            yield "ul", lines
 
 
 def as_markdown(
     scores: Sequence[Score], title: str, version: int, more: Sequence[str] = (), with_faults: bool = True
 ) -> str:
     """Return a page in Markdown."""
-    parts = [f"# {title}", f"Set of reference cases: version {version}.", *more]
-    parts += ["\n".join(f"- {verdict(score)}" for score in scores), *legend(scores[0])]
-    parts += [group_table(scores, "github"), "## All cases", case_table(scores, "github")]
-    for score in scores if with_faults else ():
-        lines = faults(score)
-        if lines:
-            parts += [f"## Faults of {score.name}", "\n".join(f"- {line}" for line in lines)]
+    marks = {"h1": "# ", "h2": "## "}
+    parts = [
+        "\n".join(f"- {line}" for line in content) if tag == "ul" else marks.get(tag, "") + content
+        for tag, content in _page(scores, title, version, "github", more, with_faults)
+    ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -440,24 +437,19 @@ tr:nth-child(even) { background: #f2f2f2 } th { border-bottom: 1px solid }"""
 
 def as_html(scores: Sequence[Score], title: str, version: int) -> str:
     """Return a page in HTML that needs no other file."""
-    parts = [f"<h1>{escape(title)}</h1>", f"<p>Set of reference cases: version {version}.</p>", "<ul>"]
-    parts += [*(f"<li>{escape(verdict(score))}</li>" for score in scores), "</ul>"]
-    parts += [f"<p>{escape(line)}</p>" for line in legend(scores[0])]
-    parts += [group_table(scores, "html"), "<h2>All cases</h2>", case_table(scores, "html")]
-    for score in scores:
-        lines = faults(score)
-        if lines:
-            items = "\n".join(f"<li>{escape(line)}</li>" for line in lines)
-            parts.append(f"<h2>Faults of {escape(score.name)}</h2>\n<ul>\n{items}\n</ul>")
+    parts = []
+    for tag, content in _page(scores, title, version, "html", (), True):
+        if tag == "ul":
+            parts += ["<ul>", *(f"<li>{escape(line)}</li>" for line in content), "</ul>"]
+        else:
+            parts.append(content if tag == "table" else f"<{tag}>{escape(content)}</{tag}>")
     head = f'<meta charset="utf-8">\n<title>{escape(title)}</title>\n<style>\n{STYLE_SHEET}\n</style>'
     body = "\n".join(parts)
     return f'<!DOCTYPE html>\n<html lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
 
 
 def _tabulate(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
-    if form == "github":  # a bar would end the cell
-        rows, heads = (
-            [[each.replace("|", "\\|") for each in row] for row in rows],
-            [h.replace("|", "\\|") for h in heads],
-        )
-    return tabulate(rows, heads, tablefmt=form, disable_numparse=True)
+    def cells(row: Sequence[str]) -> list[str]:  # in Markdown a bar would end the cell
+        return [each.replace("|", "\\|") if form == "github" else each for each in row]
+
+    return tabulate([cells(row) for row in rows], cells(heads), tablefmt=form, disable_numparse=True)

@@ -25,6 +25,7 @@ from symosc.reference.case import COMPUTED, PROVEN, conditions, shifted
 from symosc.reference.cases import (
     CASE_GROUPS,
     DAMPED,
+    GRAZE_TIMES,
     GRAZES,
     GROUPS,
     LATE_PERIODS,
@@ -33,7 +34,6 @@ from symosc.reference.cases import (
     PEAKS,
     RESTS,
     SET_VERSION,
-    TOUCHES,
     HardCase,
     amplitude,
     chosen,
@@ -176,7 +176,7 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
 
 
 @pytest.mark.quick(4)
-@pytest.mark.parametrize("mapping", TOUCHES)
+@pytest.mark.parametrize("mapping", GRAZE_TIMES)
 @pytest.mark.parametrize("regime", DAMPED)
 def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: object) -> None:
     case = CASES[f"graze-{regime.replace(' ', '-')}-{mapping}"]
