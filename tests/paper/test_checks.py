@@ -16,7 +16,7 @@ import pytest
 
 from symosc import Parameters, Scene, find_orbit, load_scene, simulate
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.paper.checks import exact, grazes, model, motions, orbits, sticks, theorem_7, theorems
+from symosc.paper.checks import exact, grazes, model, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.motions import SceneContact, Stick, Stretch, fly_again, judge, stretches_of
 from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, read_claims
 from symosc.paper.pictures import PICTURES
@@ -76,18 +76,18 @@ def rounded8() -> grazes.Graze:
 
 
 OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
-    "mu1 < mu2": (lambda: sticks.hypotheses((changed(FIG5, mu1="0.5"),)), NOT_AS_PRINTED),
-    "no weight": (lambda: sticks.weight((FIG9,)), NOT_AS_PRINTED),
-    "no stick": (lambda: sticks.force_products((FIG9,)), UNDECIDED),
-    "stick at once": (lambda: sticks.onset_later(FIG6, 2), NOT_AS_PRINTED),
-    "no forces of a stick": (lambda: sticks.forces_hold(FIG9, 1), NOT_AS_PRINTED),
-    "does not end below": (lambda: sticks.ends_below(FIG10, 2), NOT_AS_PRINTED),
-    "another domain": (lambda: sticks.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
-    "not followed": (lambda: sticks.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
-    "positive for ever": (lambda: sticks.product_after(sliding(), 1), CONFIRMED),
-    "passes at the start": (lambda: sticks.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
-    "sticks later": (lambda: sticks.sticks_at_start(FIG10, 2), CORRECTED),
-    "no stick appears": (lambda: sticks.stick_appears(FIG9, 1), NOT_AS_PRINTED),
+    "mu1 < mu2": (lambda: motions.hypotheses((changed(FIG5, mu1="0.5"),)), NOT_AS_PRINTED),
+    "no weight": (lambda: motions.weight((FIG9,)), NOT_AS_PRINTED),
+    "no stick": (lambda: motions.force_products((FIG9,)), UNDECIDED),
+    "stick at once": (lambda: motions.onset_later(FIG6, 2), NOT_AS_PRINTED),
+    "no forces of a stick": (lambda: motions.forces_hold(FIG9, 1), NOT_AS_PRINTED),
+    "does not end below": (lambda: motions.ends_below(FIG10, 2), NOT_AS_PRINTED),
+    "another domain": (lambda: motions.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
+    "not followed": (lambda: motions.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
+    "positive for ever": (lambda: motions.product_after(sliding(), 1), CONFIRMED),
+    "passes at the start": (lambda: motions.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
+    "sticks later": (lambda: motions.sticks_at_start(FIG10, 2), CORRECTED),
+    "no stick appears": (lambda: motions.stick_appears(FIG9, 1), NOT_AS_PRINTED),
     "grazes as given": (lambda: grazes.reaches_belt(load_scene("fig7-exact"), 1), CONFIRMED),
     "sticks as given": (lambda: grazes.reaches_belt(load_scene("fig7-corrected"), 1), NOT_AS_PRINTED),
     # At resonance the velocity rises to the belt's for ever, and never is equal to it.
@@ -135,8 +135,8 @@ def test_a_stick_beyond_its_end_or_behind_its_belt_is_noticed(
     stick = motions.sticks(FIG5)[0]
     assert stick.end is not None
     end = SceneContact(1, stick.end.t + longer, stick.end.x + further, stick.end.theta + longer)
-    monkeypatch.setattr(sticks, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
-    assert sticks.together(FIG5, 1).verdict == sticks.force_products((FIG5,)).verdict == expected
+    monkeypatch.setattr(motions, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
+    assert motions.together(FIG5, 1).verdict == motions.force_products((FIG5,)).verdict == expected
 
 
 def test_forces_are_looked_at_where_they_turn() -> None:

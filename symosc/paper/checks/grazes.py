@@ -21,7 +21,7 @@ from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import place
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
-from symosc.paper.checks import sticks
+from symosc.paper.checks import motions
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (
     LAST_HALF_UNIT,
@@ -349,10 +349,10 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, what: str) -> Evidence:
-    """Check what `sticks` has under a name, of the stick that follows the graze from the exact start."""
+    """Make the check of this name in `motions` on the stick that follows the graze from the exact start."""
     if what == "flight_after":
-        return sticks.flight_after(exact(figure, Fraction(10)), figure.belt, 2)
-    evidence: Evidence = getattr(sticks, what)(exact(figure), figure.belt)
+        return motions.flight_after(exact(figure, Fraction(10)), figure.belt, 2)
+    evidence: Evidence = getattr(motions, what)(exact(figure), figure.belt)
     return evidence
 
 
