@@ -39,10 +39,10 @@ from symosc.plot.panels import (
     Mark,
     Panel,
     View,
-    look,
+    mark_style,
     view_of,
 )
-from symosc.plot.sweep import sweep_figure
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -247,7 +247,7 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
     inset = ax.inset_axes((0.33, 0.39, 0.42, 0.2))
     inset.plot(view.x, view.v, color=MASS_COLOR, lw=1.3)
     inset.axhline(float(crossing.v), color=BELT_COLOR, lw=0.6)
-    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **look("end of stick", END_COLOR))
+    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **mark_style("end of stick", END_COLOR))
     inset.plot(*start, "D", **START_STYLE)
     inset.set_xlim(start[0] - 3 * distance, start[0] + 2 * distance)
     inset.set_ylim(start[1] - 40 * distance, start[1] + 20 * distance)
@@ -308,7 +308,7 @@ def window_sweep(mapping: str) -> Figure:
         Omega = float(window_parameters(mapping).Omega)
         # A phase that is 0 but for the error of its time is 0.
         theta, error = float(graze.theta), 10 * Omega * max(graze.t_error, EPS * abs(float(graze.t)))
-        style: dict[str, Any] = look("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
+        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
         axes.plot(float(graze.v), 0.0 if 2 * pi - theta <= error else theta, label="grazing point", **style)
     drawing.legends[0].remove()
     with rc_context(STYLE):

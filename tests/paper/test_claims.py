@@ -15,8 +15,7 @@ import pytest
 from project_files import ROOT
 from stand_in_claims import CLAIM
 
-from symosc.derive.errata import SEVERITIES, read_errata
-from symosc.derive.records import RecordsError
+from symosc.derive.errata import SEVERITIES, RecordsError, read_errata
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper import checks
 from symosc.paper.checks.motions import judge
