@@ -80,6 +80,7 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "no weight": (lambda: motions.weight((FIG9,)), NOT_AS_PRINTED),
     "no stick": (lambda: motions.force_products((FIG9,)), UNDECIDED),
     "stick at once": (lambda: motions.onset_later(FIG6, 2), NOT_AS_PRINTED),
+    "never together": (lambda: motions.together(FIG9, 1), NOT_AS_PRINTED),
     "no forces of a stick": (lambda: motions.forces_hold(FIG9, 1), NOT_AS_PRINTED),
     "does not end below": (lambda: motions.ends_below(FIG10, 2), NOT_AS_PRINTED),
     "another domain": (lambda: motions.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
@@ -108,9 +109,11 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "on the orbit": (lambda: orbits.start_on_orbit(changed(FIG9, t0="0.1817", x0="4.1549")), CONFIRMED),
     "on the stick orbit": (lambda: orbits.start_on_orbit(changed(FIG10, t0="0.4436", x0="3.0737")), CONFIRMED),
     "other order": (lambda: orbits.in_order(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
+    "products at sticks": (lambda: orbits.products_positive(FIG10, 2), NOT_AS_PRINTED),
     "no passages": (lambda: orbits.passes(FIG10, 2), NOT_AS_PRINTED),
     "it sticks": (lambda: orbits.never_sticks(FIG10), NOT_AS_PRINTED),
     "three sticks": (lambda: orbits.stick_parts(FIG10, "P4", 3), NOT_AS_PRINTED),
+    "no onsets": (lambda: orbits.onsets(FIG9, 2), NOT_AS_PRINTED),
     "no ends": (lambda: orbits.ends(FIG9, 2), NOT_AS_PRINTED),
     "conditions without closing": (lambda: orbits.closing_conditions(FIG10), CORRECTED),
     "conditions with closing": (lambda: orbits.closing_conditions(FIG9, True), CONFIRMED),
@@ -123,6 +126,14 @@ def test_other_motions_have_other_verdicts(name: str) -> None:
     check, expected = OTHER[name]
     evidence = check()
     assert evidence.verdict == expected, evidence.finding
+
+
+def test_products_are_checked_at_the_start_and_on_the_orbit_too() -> None:
+    numbers = orbits.products_positive(FIG9, 1).numbers
+    count = sum(event.boundary == 1 for event in motions.motion(FIG9).events) + 1 + 2
+    assert numbers["switching points (start, motion, periodic motion)"] == str(count)
+    lowest, highest = map(float, numbers["lowest and highest product"].split(", "))
+    assert 0 < lowest < highest
 
 
 @pytest.mark.parametrize(
@@ -220,7 +231,6 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 
 
 @pytest.mark.quick(8)
-@pytest.mark.full(26)
 @pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
 def test_another_statement_gets_another_verdict(
     module: Any, name: str, instead: Any, check: Any, verdict: str, monkeypatch: pytest.MonkeyPatch
