@@ -151,7 +151,7 @@ def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dic
 
 
 def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the call that a text such as "sticks.together(FIG5, 1)" says; names are those of the module."""
+    """Return the call that a text such as "motions.together(FIG5, 1)" says; names are those of the module."""
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:

@@ -1,8 +1,10 @@
-"""Figs. 5 to 10 in the paper's form, and Theorem 7: what is followed and shown, and how it is drawn.
+"""The paper's Figs. 1 to 10, and Theorem 7: what they show, and how it is drawn.
 
-Panels are in the paper's order and colours, with dots where its text puts them. Belts are black and the mass is red.
-Blue circles and green squares are onset and end of a stick (in Fig. 7 of the first period), red triangles switching
-points, red stars contacts. In Theorem 7's figures the phases at which a mapping grazes stand against its belt's speed.
+Fig. 1 is a drawing; Fig. 2 is computed from a set of parameters, the arrows of Fig. 3 from the accelerations (9), and
+every curve of Fig. 4 is a motion of one oscillator. Figs. 5 to 10 have the paper's panels, order and colours, with dots
+where its text puts them: belts are black and the mass is red; blue circles and green squares are onset and end of a
+stick (in Fig. 7 of the first period), red triangles switching points, red stars contacts. In the figures of Theorem 7
+the phases at which a mapping grazes stand against its belt's speed.
 """
 
 from __future__ import annotations
@@ -17,11 +19,13 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 from scipy.optimize import minimize_scalar
 
 from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
-from symosc.model import Parameters
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.plot.drawing import STYLE
 from symosc.plot.figures import assemble, default_end
 from symosc.plot.panels import (
@@ -41,7 +45,8 @@ from symosc.plot.panels import (
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Event
+from symosc.simulation.trajectory import Event, Trajectory
+from symosc.words import MAPS
 
 # In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
 WIDTHS = {2: 5.2, 1: 3.4}
@@ -310,3 +315,252 @@ def window_sweep(mapping: str) -> Figure:
         handles, labels = axes.get_legend_handles_labels()
         drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
     return drawing
+
+
+# --- Figs. 1 to 4 ---
+
+COLUMN_WIDTH = 3.6  # inches: one column of a page, and legible on a phone
+THIN, LINE, THICK = 0.6, 1.1, 2.4  # weights of lines
+GREY = "#666666"
+SHADES = ("#eef3fb", "#fdfdfd", "#fbf1ee")  # of domains 1, 2 and 3
+BOX = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+OUTSIDE: dict[str, Any] = {"loc": "outside lower center", "ncols": 2, "frameon": False, "borderpad": 0.1}
+CENTER: dict[str, Any] = {"ha": "center", "va": "center"}
+
+Edges = tuple[float, float]
+
+
+# --- Fig. 1 ---
+
+
+@rc_context(STYLE)
+def fig1() -> Figure:
+    """Return Fig. 1, the physical model: mass, spring, damper, the two belts, and the forces."""
+    drawing = Figure(figsize=(COLUMN_WIDTH, 2.0))
+    ax = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set(xlim=(-0.5, 11.7), ylim=(-3.4, 3.4), aspect="equal")
+    ax.set_axis_off()
+    _wall_spring_and_damper(ax)
+    mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
+    ax.add_patch(mass)
+    ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
+    _belt(ax, 1, 2)
+    _belt(ax, -1, 1)
+    _arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
+    ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
+    _arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
+    ax.text(7.75, -0.5, "$x$", ha="left", va="center")
+    return drawing
+
+
+def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
+    arrow: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 8.0, "lw": LINE, "shrinkA": 0.0, "shrinkB": 0.0}
+    ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
+
+
+def _wall_spring_and_damper(ax: Axes) -> None:
+    ax.plot([0.0, 0.0], [-1.1, 1.1], color="black", lw=LINE)
+    for low in np.linspace(-1.1, 0.8, 7):
+        ax.plot([-0.35, 0.0], [low, low + 0.3], color="black", lw=THIN)
+    # The spring at height 0.45, in six turns, from the wall to the mass.
+    x, y = np.linspace(0.6, 4.1, 25), 0.45 + 0.24 * np.sin(np.arange(25) * np.pi / 2)
+    x, y = np.concatenate([[0.0], x, [4.7]]), np.concatenate([[0.45], y, [0.45]])
+    ax.plot(x, y, color="black", lw=LINE, solid_joinstyle="round")
+    ax.text(1.3, 0.85, "$k$", ha="center", va="bottom")
+    # The damper at height -0.45: rod, pot, piston, rod.
+    y0, left, right, half = -0.45, 1.35, 2.35, 0.24
+    ax.plot([0.0, left], [y0, y0], color="black", lw=LINE)
+    ax.plot([right, left, left, right], [y0 + half, y0 + half, y0 - half, y0 - half], color="black", lw=LINE)
+    ax.plot([1.95, 1.95], [y0 - 0.17, y0 + 0.17], color="black", lw=1.6 * LINE)
+    ax.plot([1.95, 4.7], [y0, y0], color="black", lw=LINE)
+    ax.text(1.3, -0.8, "$c$", ha="center", va="top")
+
+
+def _belt(ax: Axes, side: int, number: int) -> None:
+    """Draw a belt above (side 1) or below (-1) the mass: its strand at the mass moves to the right."""
+    contact, radius, centres, mass = 0.9, 0.7, (3.6, 8.9), (4.7, 6.7)
+    middle, outer = side * (contact + radius), side * (contact + 2 * radius)
+    for centre in centres:
+        ax.add_patch(Circle((centre, middle), radius, facecolor="white", edgecolor=GREY, lw=THIN))
+        ax.plot([centre], [middle], "o", color=GREY, ms=1.8)
+        bend = 0.5 * radius * np.exp(1j * np.radians([205, 335]))
+        start, end = ((centre + z.real, middle + side * z.imag) for z in bend)
+        _arrow(ax, start, end, GREY, lw=THIN, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 60)
+    bows = [(centres[1], np.cos(turn), np.sin(turn)), (centres[0], -np.cos(turn), -np.sin(turn))]
+    rim = np.vstack([np.column_stack([x + radius * c, middle + radius * s]) for x, c, s in bows])
+    ax.add_patch(Polygon(rim, closed=True, fill=False, edgecolor=BELT_COLOR, lw=1.5, zorder=2))
+    # A shoe behind the strand presses the belt against the mass.
+    shoe = sorted((side * (contact + 0.07), side * (contact + 0.25)))
+    ax.add_patch(Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0))
+    _arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
+    ax.text(5.9, outer + side * 0.6, "$F_N$", ha="left", va="center")
+    _arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT_COLOR)
+    ax.text(7.4, side * (contact + 0.75), f"$v_{number}$", **CENTER)
+    ax.text(9.75, middle, f"belt {number}", ha="left", va="center")
+
+
+# --- Fig. 2 ---
+
+
+@rc_context(STYLE)
+def fig2(p: Parameters | None = None) -> Figure:
+    """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed (eq. (1))."""
+    p = load_scene("fig5").parameters if p is None else p
+    v1, v2 = float(p.v1), float(p.v2)
+    levels = [float(p.A0 - p.A(alpha)) for alpha in (1, 2, 3)]
+    names = (r"$-(\mu_1+\mu_2)F_N$", r"$(\mu_1-\mu_2)F_N$", r"$(\mu_1+\mu_2)F_N$")
+    reach, height = v2 - v1, max(map(abs, levels)) or 1.0
+    edges = v1 - reach, v1, v2, v2 + reach
+    drawing = Figure(figsize=(COLUMN_WIDTH, 2.7), layout="constrained")
+    ax = drawing.add_subplot()
+    ax.axhline(0.0, color=GREY, lw=THIN, zorder=1)
+    for alpha, (level, name) in enumerate(zip(levels, names, strict=True), 1):
+        low, high = edges[alpha - 1 : alpha + 1]
+        ax.plot([low, high], [level, level], color=MASS_COLOR, lw=1.6, solid_capstyle="butt", zorder=3, label=name)
+        side = -1 if alpha == 3 else 1
+        place = (low + high) / 2, level + 0.07 * side * height
+        ax.text(*place, f"{name}\n$= {level:.4g}$", ha="center", va="top" if side < 0 else "bottom")
+        ax.text(place[0], -1.3 * height, rf"$\Omega_{alpha}$", **CENTER, color=GREY)
+    for belt, speed in ((1, v1), (2, v2)):
+        ax.plot([speed, speed], levels[belt - 1 : belt + 1], color=ONSET_COLOR, lw=THICK, zorder=4)
+        ax.axvline(speed, color=GREY, lw=THIN, ls=":", zorder=1)
+    ax.set_xlim(edges[0], edges[-1])
+    ax.set_ylim(-1.5 * height, 1.25 * height)
+    ax.set_xticks([v1, v2], [f"$v_1 = {v1:g}$", f"$v_2 = {v2:g}$"])
+    ax.set_yticks([0.0], ["0"])
+    ax.set_xlabel(r"velocity $\dot{x}$")
+    ax.set_ylabel("friction force $F_f$")
+    key = [Line2D([], [], color=MASS_COLOR, lw=1.6), Line2D([], [], color=ONSET_COLOR, lw=THICK)]
+    words = ["slips: one value", "sticks: any value"]
+    ax.legend(key, words, loc="upper left", frameon=False, handlelength=0.9, handletextpad=0.5, borderaxespad=0.2)
+    return drawing
+
+
+# --- Fig. 3 ---
+
+
+@rc_context(STYLE)
+def fig3(scene: str = "fig5") -> Figure:
+    """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion at t = 0."""
+    p = load_scene(scene).parameters
+    v1, v2 = float(p.v1), float(p.v2)
+    zones = {belt: stick_zone(p, belt) for belt in (1, 2)}
+    left, right = min(zone[0] for zone in zones.values()), max(zone[1] for zone in zones.values())
+    x = left - 0.25 * (right - left), right + 0.25 * (right - left)
+    v = v1 - 0.9 * (v2 - v1), v2 + 0.9 * (v2 - v1)
+    width = x[1] - x[0]
+    drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
+    ax = drawing.add_subplot()
+    for alpha, (low, high) in enumerate(((v[0], v1), (v1, v2), (v2, v[1])), 1):
+        ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
+        _arrow_field(ax, p, alpha, x, (low, high), (x, v))
+        place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
+        ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
+    stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
+    for belt, speed in ((1, v1), (2, v2)):
+        lo, hi = NEIGHBOURS[belt]
+        ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)
+        ax.plot(zones[belt], [speed, speed], solid_capstyle="butt", zorder=3, **stick)
+        place = x[0] + 0.035 * width, speed
+        ax.text(*place, rf"$\partial\Omega_{{{lo}{hi}}}$", ha="left", va="center", bbox=BOX, zorder=5)
+    _phase_axes(ax, p, x, v)
+    key = [Line2D([], [], **stick), Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8)]
+    words = [r"sticks at $\Omega t = 0$", r"direction at $\Omega t = 0$"]
+    drawing.legend(key, words, columnspacing=1.2, **OUTSIDE)
+    return drawing
+
+
+def stick_zone(p: Parameters, belt: int) -> tuple[float, float]:
+    """Return the displacements at which the mass sticks to a belt at phase 0: F(above) < 0 < F(below) (Theorem 4)."""
+    ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
+    return float(ends[0]), float(ends[1])
+
+
+def _arrow_field(ax: Axes, p: Parameters, alpha: int, x: Edges, v: Edges, limits: tuple[Edges, Edges]) -> None:
+    """Draw arrows of one length in the direction of (x', F^(alpha)) at phase 0, as the axes show it."""
+    rows = max(1, round(7 * (v[1] - v[0]) / (limits[1][1] - limits[1][0])))
+    speeds = v[0] + (np.arange(rows) + 0.5) * (v[1] - v[0]) / rows
+    X, V = np.meshgrid(np.linspace(*x, 12)[1:-1], speeds)
+    F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
+    U, W = V / (limits[0][1] - limits[0][0]), F / (limits[1][1] - limits[1][0])
+    size = np.hypot(U, W)
+    ax.quiver(X, V, U / size, W / size, pivot="mid", color=GREY, width=0.004, scale=16, headwidth=4.5, zorder=1)
+
+
+def _phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
+    ax.set_xlim(x)
+    ax.set_ylim(v)
+    ax.set_xticks([])
+    ax.set_yticks([float(p.v1), float(p.v2)], ["$v_1$", "$v_2$"])
+    ax.tick_params(axis="y", length=0)
+    ax.set_xlabel("displacement $x$")
+    ax.set_ylabel(r"velocity $\dot{x}$")
+
+
+# --- Fig. 4 ---
+
+#: The oscillator of Fig. 4; where and when each mapping starts, x_i and t_i; and where its name stands, from the
+#: middle of its curve: alignment, and distance in points.
+MAPPING_PARAMETERS = Parameters(
+    m=1, c="0.1", k="0.4", A0=0, B0=20, Omega="2.5", v1=4, v2=8, mu1="0.7", mu2="0.5", FN="9.81"
+)
+MAPPINGS = {
+    "P1": ("-6.5", "1.59", ("center", "top", 0, -5)),
+    "P2": ("-11", "1.01", ("center", "top", 0, -3)),
+    "P3": ("-3", "0.25", ("center", "bottom", 0, 3)),
+    "P4": ("1.5", "1.97", ("center", "bottom", 0, 4)),
+    "P5": ("-9.5", "1.51", ("center", "top", 0, -3)),
+    "P6": ("-7.5", "2.51", ("center", "bottom", 0, 3)),
+    "P7": ("4.5", "0.59", ("left", "center", 5, 0)),
+    "P8": ("-14", "1.84", ("right", "center", -5, 0)),
+}
+#: Start and end of a mapping: shape and colour.
+ENDS = (("o", ONSET_COLOR), ("s", END_COLOR))
+
+
+def mapping_motion(label: str) -> Trajectory:
+    """Return the motion of Fig. 4 that is one mapping: it starts on the mapping's plane and ends at its first event."""
+    x, t, _ = MAPPINGS[label]
+    speed = MAPPING_PARAMETERS.belt(MAPS[label].start.boundary)
+    return simulate(MAPPING_PARAMETERS, t0=t, x0=x, v0=speed, t_end=float(t) + 3, max_events=1)
+
+
+@rc_context(STYLE)
+def fig4() -> Figure:
+    """Return Fig. 4, the basic mappings P1 to P8 in the phase plane, each a motion of the same oscillator."""
+    p = MAPPING_PARAMETERS
+    v1, v2 = float(p.v1), float(p.v2)
+    drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
+    ax = drawing.add_subplot()
+    for label in MAPPINGS:
+        _mapping(ax, label)
+    low, high = v1 - 0.8 * (v2 - v1), v2 + 0.85 * (v2 - v1)
+    left, right = ax.get_xlim()[0] - 1.0, ax.get_xlim()[1] + 1.8
+    for alpha, edges in enumerate(((low, v1), (v1, v2), (v2, high)), 1):
+        ax.axhspan(*edges, color=SHADES[alpha - 1], lw=0, zorder=0)
+        place = right - 0.025 * (right - left), sum(edges) / 2
+        ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11)
+    for speed in (v1, v2):
+        ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)
+    _phase_axes(ax, p, (left, right), (low, high))
+    marks = [Line2D([], [], ls="", marker=marker, ms=3.5, color=color) for marker, color in ENDS]
+    drawing.legend(marks, ["start", "end"], **OUTSIDE)
+    return drawing
+
+
+def _mapping(ax: Axes, label: str) -> None:
+    motion, count = mapping_motion(label), 200
+    x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
+    sticks = motion.segments[0].mode.startswith("belt")
+    weight = THICK if sticks else LINE
+    ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
+    for index, (marker, color) in zip((0, -1), ENDS, strict=True):
+        ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
+    returns = v[0] == v[-1] and not sticks
+    head = count // 4 if returns else count // 2
+    arrow = {"arrowstyle": "-|>", "color": MASS_COLOR, "lw": LINE, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
+    ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
+    across, up, dx, dy = MAPPINGS[label][2]
+    at = int(np.argmax(np.abs(v - v[0]))) if returns else count // 2
+    ax.annotate(f"$P_{label[1:]}$", (x[at], v[at]), (dx, dy), textcoords="offset points", ha=across, va=up, zorder=6)

@@ -19,7 +19,7 @@ from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
-from symosc.paper import drawings, figures
+from symosc.paper import figures
 from symosc.paper.figures import WINDOW_SCENES, period, printed_scene, start_time, stick_view
 from symosc.plot.panels import Contact, View, view_of
 from symosc.scenes import load_scene
@@ -116,7 +116,7 @@ def mappings_caption() -> str:
     return (
         "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and P3 return to "
         "belt 1, P5 and P6 to belt 2, P7 leads from belt 2 to belt 1 and P8 from belt 1 to belt 2. "
-        f"{listed_parameters(drawings.MAPPING_PARAMETERS)}."
+        f"{listed_parameters(figures.MAPPING_PARAMETERS)}."
     )
 
 
@@ -280,8 +280,8 @@ def _missing_phase(mapping: str) -> str:
 # --- all pictures ---
 
 # What draws and what describes each form of figure: as a whole, or for a scene.
-FIG1, FIG2 = (drawings.fig1, model_caption), (drawings.fig2, friction_caption)
-FIG3, FIG4 = (drawings.fig3, domains_caption), (drawings.fig4, mappings_caption)
+FIG1, FIG2 = (figures.fig1, model_caption), (figures.fig2, friction_caption)
+FIG3, FIG4 = (figures.fig3, domains_caption), (figures.fig4, mappings_caption)
 STICK = figures.stick_figure, stick_caption
 GRAZING_P2 = figures.grazing_figure_P2, grazing_P2_caption
 GRAZING_P3 = figures.grazing_figure_P3, grazing_P3_caption

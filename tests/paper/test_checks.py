@@ -16,7 +16,7 @@ import pytest
 
 from symosc import Parameters, Scene, find_orbit, load_scene, simulate
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.paper.checks import exact, grazes, model, motions, orbits, sticks, theorem_7, theorems
+from symosc.paper.checks import exact, grazes, model, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.motions import SceneContact, Stick, Stretch, fly_again, judge, stretches_of
 from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, read_claims
 from symosc.paper.pictures import PICTURES
@@ -76,18 +76,19 @@ def rounded8() -> grazes.Graze:
 
 
 OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
-    "mu1 < mu2": (lambda: sticks.hypotheses((changed(FIG5, mu1="0.5"),)), NOT_AS_PRINTED),
-    "no weight": (lambda: sticks.weight((FIG9,)), NOT_AS_PRINTED),
-    "no stick": (lambda: sticks.force_products((FIG9,)), UNDECIDED),
-    "stick at once": (lambda: sticks.onset_later(FIG6, 2), NOT_AS_PRINTED),
-    "no forces of a stick": (lambda: sticks.forces_hold(FIG9, 1), NOT_AS_PRINTED),
-    "does not end below": (lambda: sticks.ends_below(FIG10, 2), NOT_AS_PRINTED),
-    "another domain": (lambda: sticks.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
-    "not followed": (lambda: sticks.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
-    "positive for ever": (lambda: sticks.product_after(sliding(), 1), CONFIRMED),
-    "passes at the start": (lambda: sticks.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
-    "sticks later": (lambda: sticks.sticks_at_start(FIG10, 2), CORRECTED),
-    "no stick appears": (lambda: sticks.stick_appears(FIG9, 1), NOT_AS_PRINTED),
+    "mu1 < mu2": (lambda: motions.hypotheses((changed(FIG5, mu1="0.5"),)), NOT_AS_PRINTED),
+    "no weight": (lambda: motions.weight((FIG9,)), NOT_AS_PRINTED),
+    "no stick": (lambda: motions.force_products((FIG9,)), UNDECIDED),
+    "stick at once": (lambda: motions.onset_later(FIG6, 2), NOT_AS_PRINTED),
+    "never together": (lambda: motions.together(FIG9, 1), NOT_AS_PRINTED),
+    "no forces of a stick": (lambda: motions.forces_hold(FIG9, 1), NOT_AS_PRINTED),
+    "does not end below": (lambda: motions.ends_below(FIG10, 2), NOT_AS_PRINTED),
+    "another domain": (lambda: motions.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
+    "not followed": (lambda: motions.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
+    "positive for ever": (lambda: motions.product_after(sliding(), 1), CONFIRMED),
+    "passes at the start": (lambda: motions.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
+    "sticks later": (lambda: motions.sticks_at_start(FIG10, 2), CORRECTED),
+    "no stick appears": (lambda: motions.stick_appears(FIG9, 1), NOT_AS_PRINTED),
     "grazes as given": (lambda: grazes.reaches_belt(load_scene("fig7-exact"), 1), CONFIRMED),
     "sticks as given": (lambda: grazes.reaches_belt(load_scene("fig7-corrected"), 1), NOT_AS_PRINTED),
     # At resonance the velocity rises to the belt's for ever, and never is equal to it.
@@ -108,9 +109,11 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "on the orbit": (lambda: orbits.start_on_orbit(changed(FIG9, t0="0.1817", x0="4.1549")), CONFIRMED),
     "on the stick orbit": (lambda: orbits.start_on_orbit(changed(FIG10, t0="0.4436", x0="3.0737")), CONFIRMED),
     "other order": (lambda: orbits.in_order(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
+    "products at sticks": (lambda: orbits.products_positive(FIG10, 2), NOT_AS_PRINTED),
     "no passages": (lambda: orbits.passes(FIG10, 2), NOT_AS_PRINTED),
     "it sticks": (lambda: orbits.never_sticks(FIG10), NOT_AS_PRINTED),
     "three sticks": (lambda: orbits.stick_parts(FIG10, "P4", 3), NOT_AS_PRINTED),
+    "no onsets": (lambda: orbits.onsets(FIG9, 2), NOT_AS_PRINTED),
     "no ends": (lambda: orbits.ends(FIG9, 2), NOT_AS_PRINTED),
     "conditions without closing": (lambda: orbits.closing_conditions(FIG10), CORRECTED),
     "conditions with closing": (lambda: orbits.closing_conditions(FIG9, True), CONFIRMED),
@@ -125,6 +128,14 @@ def test_other_motions_have_other_verdicts(name: str) -> None:
     assert evidence.verdict == expected, evidence.finding
 
 
+def test_products_are_checked_at_the_start_and_on_the_orbit_too() -> None:
+    numbers = orbits.products_positive(FIG9, 1).numbers
+    count = sum(event.boundary == 1 for event in motions.motion(FIG9).events) + 1 + 2
+    assert numbers["switching points (start, motion, periodic motion)"] == str(count)
+    lowest, highest = map(float, numbers["lowest and highest product"].split(", "))
+    assert 0 < lowest < highest
+
+
 @pytest.mark.parametrize(
     ("longer", "further", "expected"),
     [(0, 0, CONFIRMED), (1e-12, 1e-12, NOT_AS_PRINTED), (0, -1e-15, NOT_AS_PRINTED)],
@@ -135,8 +146,8 @@ def test_a_stick_beyond_its_end_or_behind_its_belt_is_noticed(
     stick = motions.sticks(FIG5)[0]
     assert stick.end is not None
     end = SceneContact(1, stick.end.t + longer, stick.end.x + further, stick.end.theta + longer)
-    monkeypatch.setattr(sticks, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
-    assert sticks.together(FIG5, 1).verdict == sticks.force_products((FIG5,)).verdict == expected
+    monkeypatch.setattr(motions, "sticks", lambda *_: [Stick(1, stick.onset, end, "Omega1")])
+    assert motions.together(FIG5, 1).verdict == motions.force_products((FIG5,)).verdict == expected
 
 
 def test_forces_are_looked_at_where_they_turn() -> None:
@@ -220,7 +231,6 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 
 
 @pytest.mark.quick(8)
-@pytest.mark.full(26)
 @pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
 def test_another_statement_gets_another_verdict(
     module: Any, name: str, instead: Any, check: Any, verdict: str, monkeypatch: pytest.MonkeyPatch

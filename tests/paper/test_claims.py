@@ -67,6 +67,7 @@ def test_every_check_is_named_in_the_claims() -> None:
         ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "has a correction: its verdict is 'confirmed'"),
         ("says", 'see = ["fig11"]\nsays', "see = 'fig11': must be one of fig1, motion, "),
         ("says", 'see = "fig1"\nsays', "must be a list of texts"),
+        ("says", 'see = ["fig1", 3]\nsays', "must be a list of texts"),
         ("says", 'see = ["motion", "maps"]\nsays', "one chapter at most, not motion and maps"),
         ("says", 'note = "x"\nsays', "note is unknown; known are source, "),
         ('"1 < 2"', "3", "says = 3: must be text"),

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from symosc import find_orbit, load_scene, residual, simulate
-from symosc.paper import drawings
+from symosc.paper import figures
 from symosc.paper.figures import stick_view
 from symosc.paper.pictures import PICTURES, stick_signs
 from symosc.plot.panels import END_COLOR, ONSET_COLOR, Contact
@@ -224,7 +224,7 @@ LABELS = {
 
 @pytest.mark.parametrize("name", LABELS)
 def test_drawings_have_their_labels_on_the_page_and_apart(name: str) -> None:
-    drawing: Figure = getattr(drawings, name)()
+    drawing: Figure = getattr(figures, name)()
     drawing.draw_without_rendering()
     shown = [each for each in drawing.findobj(Text) if isinstance(each, Text) and each.get_visible()]
     boxes = [(each.get_text(), each.get_window_extent()) for each in shown if each.get_text()]
@@ -239,17 +239,17 @@ def test_drawings_have_their_labels_on_the_page_and_apart(name: str) -> None:
 def test_fig3_marks_where_the_mass_sticks() -> None:
     p = load_scene("fig5").parameters
     for belt in (1, 2):
-        low, high = drawings.stick_zone(p, belt)
+        low, high = figures.stick_zone(p, belt)
         for x, sticks in ((low + 0.01, True), (high - 0.01, True), (low - 0.01, False), (high + 0.01, False)):
             motion = simulate(p, t0=0, x0=x, v0=p.belt(belt), t_end="1e-6", max_events=1)
             assert (motion.mode(0.0) == f"belt{belt}") == sticks
 
 
 def test_fig4_shows_each_mapping() -> None:
-    ax = drawings.fig4().axes[0]
+    ax = figures.fig4().axes[0]
     curves = {str(line.get_label()): line for line in ax.lines if str(line.get_label()) in MAPS}
     assert set(curves) == set(MAPS)
-    p = drawings.MAPPING_PARAMETERS
+    p = figures.MAPPING_PARAMETERS
     for label, curve in curves.items():
         x, v = np.asarray(curve.get_xdata(), dtype=float), np.asarray(curve.get_ydata(), dtype=float)
         start, end = (float(p.belt(plane.boundary)) for plane in (MAPS[label].start, MAPS[label].end))
@@ -259,8 +259,8 @@ def test_fig4_shows_each_mapping() -> None:
         low, high = edges[domain - 1 : domain + 1] if domain else (start, start)
         assert np.all(v[1:-1] >= low - 1e-12)
         assert np.all(v[1:-1] <= high + 1e-12)
-        motion = drawings.mapping_motion(label)
+        motion = figures.mapping_motion(label)
         event = motion.events[0]
         phases = float(p.Omega) * motion.t_start, float(p.Omega) * event.t
-        assert (x[0], x[-1]) == pytest.approx((float(drawings.MAPPINGS[label][0]), event.x))
+        assert (x[0], x[-1]) == pytest.approx((float(figures.MAPPINGS[label][0]), event.x))
         assert residual(p, label, (x[0], phases[0]), (event.x, phases[1])) == pytest.approx((0.0, 0.0), abs=1e-9)

@@ -21,14 +21,15 @@ from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import place
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
-from symosc.paper.checks import sticks
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (
     LAST_HALF_UNIT,
     certificate_of,
+    flight_after,
     force_name,
     force_text,
     forces,
+    forces_hold,
     is_zero,
     mode_text,
     motion,
@@ -37,6 +38,7 @@ from symosc.paper.checks.motions import (
     subscripted,
     text,
     texts,
+    together,
 )
 from symosc.paper.checks.orbits import REACH, range_of
 from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, verdict
@@ -348,12 +350,10 @@ def sticks_later(figure: Graze) -> Evidence:
     return Evidence(verdict(held), finding, numbers)
 
 
-def stick_after(figure: Graze, what: str) -> Evidence:
-    """Check what `sticks` has under a name, of the stick that follows the graze from the exact start."""
-    if what == "flight_after":
-        return sticks.flight_after(exact(figure, Fraction(10)), figure.belt, 2)
-    evidence: Evidence = getattr(sticks, what)(exact(figure), figure.belt)
-    return evidence
+def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
+    """Make a check of sticks on the stick that follows the graze from the exact start."""
+    checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
+    return checks[check](exact(figure, Fraction(10) if domains else None), figure.belt, *domains)
 
 
 def curves_meet(figure: Graze) -> Evidence:

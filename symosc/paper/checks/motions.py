@@ -1,4 +1,4 @@
-"""What the checks of Figs. 5 to 10 share: motions in many digits, sticks, forces, and a second opinion on motions."""
+"""Motions in many digits, with a second opinion on them, and their sticks: Figs. 5 and 6, Section 6 on all."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import MpArithmetic
@@ -18,11 +19,12 @@ from symosc.engine.flow import BeltConstants
 from symosc.errors import MissingExtraError
 from symosc.exact import show
 from symosc.kernels._generated import acceleration
+from symosc.mappings.equations import residual
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.exact import flow
-from symosc.paper.claims import UNDECIDED, Evidence
-from symosc.scenes import Scene
+from symosc.paper.claims import UNDECIDED, Evidence, verdict
+from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import MAPS
@@ -345,3 +347,259 @@ def judge(check: Callable[[], Any]) -> Evidence:
     if all(opinion.agrees for opinion in opinions):
         return evidence
     return replace(evidence, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {evidence.finding}")
+
+
+# --- Figs. 5 and 6 ---
+
+FIG5, FIG6, FIG10 = map(load_scene, ("fig5", "fig6", "fig10"))
+PRINTED = tuple(load_scene(f"fig{number}") for number in range(5, 11))
+#: The figures with sticks, and how far they are followed for the force products.
+FOLLOWED = {"fig5": 40, "fig6": 20, "fig8": 9, "fig10": 15}
+WITH_STICKS = tuple(map(load_scene, FOLLOWED))
+PRODUCT_SAMPLES = 2000
+
+
+def first_stick(scene: Scene, belt: int) -> tuple[Stick, SceneContact] | None:
+    """Return the first stick on a belt that ends, and its end."""
+    return next(((s, s.end) for s in sticks(scene) if s.belt == belt and s.end is not None), None)
+
+
+def no_stick(scene: Scene, belt: int) -> Evidence:
+    """Return the evidence that a scene has no stick on a belt that ends."""
+    numbers = {"events": len(motion(scene).events), "followed until t": text(scene.t_end)}
+    return Evidence(verdict(False), f"There is no stick on belt {belt} that ends.", numbers)
+
+
+def onset_later(scene: Scene, belt: int) -> Evidence:
+    """Check that the first stick starts after t0, with F F < 0 (Theorem 4)."""
+    found = first_stick(scene, belt)
+    if found is None:
+        return no_stick(scene, belt)
+    onset, p = found[0].onset, scene.parameters
+    wait = onset.t - number(p, scene.t0)
+    finding = (
+        f"The stick on belt {belt} starts {text(wait, 11)} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
+    )
+    numbers = {
+        "t of the blue point": text(onset.t, 25),
+        "x of the blue point": text(onset.x, 25),
+        "ẋ₀, velocity of the belt": texts((scene.v0, p.belt(belt))),
+    }
+    return Evidence(verdict(wait > 0), finding, numbers | certificate_of(scene))
+
+
+def together(scene: Scene, belt: int) -> Evidence:
+    """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it: eqs. (2) to (4)."""
+    found = first_stick(scene, belt)
+    if found is None:
+        return no_stick(scene, belt)
+    (stick, end), p = found, scene.parameters
+    most = (p.mu1 if belt == 1 else p.mu2) * p.FN
+    grip, m = number(p, most), number(p, p.m)
+    # The force of (2) on the mass is m F^(below) - mu FN.
+    needed = [m * each.below - grip for each in forces_along(p, stick)]
+    lasts, way = end.t - stick.onset.t, end.x - stick.onset.x
+    apart = abs(way - number(p, p.belt(belt)) * lasts)
+    enough = max(abs(force) for force in needed) <= grip + NO_FORCE
+    used_up = is_zero(abs(needed[-1]) - grip)
+    grips = f"stays within μ{subscripted(belt)} F_N = {text(most)}" if enough else f"exceeds {text(most)}"
+    finding = (
+        f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction that "
+        f"this needs {grips}{'; it is used up at the green point' if used_up else ''}."
+    )
+    numbers = {
+        "t of the blue and of the green point": texts((stick.onset.t, end.t), 20),
+        "x of the blue and of the green point": texts((stick.onset.x, end.x), 20),
+        "way of the mass minus way of the belt": text(apart, 2),
+        f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": texts(needed, 10),
+    }
+    return Evidence(verdict(lasts > 0 and apart < NO_FORCE and enough), finding, numbers)
+
+
+def forces_hold(scene: Scene, belt: int) -> Evidence:
+    """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick; at its end one may be 0."""
+    found = first_stick(scene, belt)
+    if found is None:
+        return no_stick(scene, belt)
+    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
+    along = forces_along(scene.parameters, stick)
+    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in along[:-1])
+    held = held and along[-1].below > -NO_FORCE and along[-1].above < NO_FORCE
+    lowest, highest = min(each.below for each in along), max(each.above for each in along)
+    finding = (
+        f"From t = {text(stick.onset.t, 11)} to {text(end.t, 11)} {force_name(lo)} is at least {force_text(lowest)}, "
+        f"{force_name(hi)} at most {force_text(highest)}{', with 0 at the green point only' if held else ''}. Both are "
+        "monotone between the instants listed: this is decided for the whole stick, not at samples."
+    )
+    numbers = {
+        f"{force_names(belt)} at t = {text(stick.onset.t + each.elapsed)}": (
+            f"{force_text(each.below)}, {force_text(each.above)}"
+        )
+        for each in along
+    }
+    return Evidence(verdict(held), finding, numbers)
+
+
+def ends_below(scene: Scene, belt: int) -> Evidence:
+    """Check that the first stick ends by the force of the domain below while the other one still holds."""
+    found = first_stick(scene, belt)
+    if found is None:
+        return no_stick(scene, belt)
+    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
+    at = forces(scene.parameters, end)
+    held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
+    finding = (
+        f"At t = {text(end.t, 13)} {force_name(lo)} = {force_text(at.below)}, {force_name(hi)} = {text(at.above)}; "
+        f"the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants {force_name(hi)} = 0 there."
+    )
+    numbers = {"t of the green point": text(end.t, 25), force_name(lo): force_text(at.below)}
+    return Evidence(verdict(held), finding, numbers | {force_name(hi): text(at.above, 25)})
+
+
+def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
+    """Check that a flight in one of the domains follows the first stick and obeys (5) up to the next contact."""
+    found, p, path = first_stick(scene, belt), scene.parameters, motion(scene)
+    if found is None:
+        return no_stick(scene, belt)
+    (stick, end), at = found, scene_contacts(scene)
+    i = at.index(end)
+    if i + 1 == len(at):
+        return Evidence(UNDECIDED, "No contact follows.", {"followed until t": text(scene.t_end)})
+    flight, after, Omega = path.segments[i + 1], at[i + 1], number(p, p.Omega)
+    label = str(flight.label)
+    # The engine flies with gains from the contact; (54) is evaluated here from one contact to the next.
+    rest = [abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))]
+    lasts, domain = after.t - end.t, int(str(stick.into)[-1])
+    held = domain in domains and lasts > 0 and max(rest) < NO_FORCE
+    drag = p.A(domain) - p.A0
+    finding = (
+        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
+        f"{mode_text(flight.mode)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at "
+        f"belt {after.belt}."
+    )
+    numbers = {
+        "t from, to": texts((end.t, after.t), 20),
+        "friction force A_α − A₀": text(drag),
+        f"residuals f₁, f₂ of (54) for {subscripted(label)}": texts(rest, 2),
+    }
+    return Evidence(verdict(held), finding, numbers)
+
+
+def product_after(scene: Scene, belt: int) -> Evidence:
+    """Check the sign of the force product from the end of the first stick up to the next contact."""
+    found, path, (lo, hi) = first_stick(scene, belt), motion(scene), NEIGHBOURS[belt]
+    if found is None:
+        return no_stick(scene, belt)
+    end = found[1]
+    following = next((at for at in scene_contacts(scene) if at.t > end.t), None)
+    since, until = float(end.t), float(path.t_end if following is None else following.t)
+
+    def product(t: float) -> float:
+        return float(path.force(lo, t) * path.force(hi, t))
+
+    times = [since + (until - since) * (j + 1) / (PRODUCT_SAMPLES + 1) for j in range(PRODUCT_SAMPLES)]
+    products = [product(t) for t in times]
+    turn = next((j for j in range(1, PRODUCT_SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None)
+    numbers = {
+        "t of the green point": text(since),
+        "followed until t": text(until),
+        "product just after the green point": text(products[0], 6),
+        "lowest product": text(min(products), 6),
+    }
+    if following is not None:
+        numbers["product at the next contact"] = text(forces(scene.parameters, following).product)
+    if turn is None:
+        sign = "positive" if products[0] > 0 else "not positive"
+        finding = f"The product is {sign} from the green point until t = {text(until, 8)}."
+    else:
+        zero = brentq(product, times[turn - 1], times[turn], xtol=1e-14)
+        numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
+        finding = (
+            f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the green point: there "
+            f"ẋ has its extremum {path(zero)[1]:.7g} and {force_name(lo)} changes its sign. At the next contact, "
+            f"t = {text(until, 8)}, the product is {'negative' if products[-1] < 0 else 'positive'}."
+        )
+    return Evidence(verdict(min(products) > 0, products[0] > 0), finding, numbers)
+
+
+def sticks_at_start(scene: Scene, belt: int) -> Evidence:
+    """Check that the start is on the belt and holds (Theorem 4); a stick that only comes later is a correction."""
+    p, both = scene.parameters, forces(scene.parameters, start_contact(scene, belt))
+    held = scene.v0 == p.belt(belt) and both.below > NO_FORCE and both.above < -NO_FORCE
+    first = next((stick for stick in sticks(scene) if stick.belt == belt), None)
+    values = zip(NEIGHBOURS[belt], both[:2], strict=True)
+    where = f"At t₀ = {text(scene.t0)} " + ", ".join(f"{force_name(each)} = {text(value, 8)}" for each, value in values)
+    mode = mode_text(motion(scene).segments[0].mode)
+    numbers = {
+        f"{force_names(belt)} at the start": texts(both[:2]),
+        "ẋ₀, velocity of the belt": texts((scene.v0, p.belt(belt))),
+        "first mode of motion": mode,
+    } | certificate_of(scene)
+    if held:
+        return Evidence(verdict(True), f"{where}: the mass sticks at once (Theorem 4).", numbers)
+    if first is None:
+        return Evidence(verdict(False), f"{where}: the mass does not stick, nor later.", numbers)
+    numbers["t of the first stick"] = text(first.onset.t, 20)
+    finding = f"{where}: no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} only "
+    return Evidence(verdict(False, True), f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
+
+
+def stick_appears(scene: Scene, belt: int) -> Evidence:
+    """Check that a stick appears on a belt, at the start or later."""
+    at_start = sticks_at_start(scene, belt)
+    return Evidence(verdict(at_start.verdict != verdict(False)), at_start.finding, at_start.numbers)
+
+
+# --- what Section 6 says of all figures ---
+
+
+def _figure(scene: Scene) -> str:
+    return f"Fig. {scene.name.removeprefix('fig')}"
+
+
+def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
+    """Check what Section 2 and Theorem 7 assume of the parameters, in rational numbers."""
+    numbers, held = {}, True
+    for scene in scenes:
+        p = scene.parameters
+        held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
+        numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = texts((p.v2 - p.v1, p.mu1 - p.mu2))
+    how = "holds" if held else "does not hold"
+    finding = f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, {how} in all {len(scenes)} figures."
+    return Evidence(verdict(held), finding, numbers)
+
+
+def weight(scenes: tuple[Scene, ...]) -> Evidence:
+    """Compare FN with the weight m g: all captions list g = 9.81, and no equation contains it."""
+    weights = {_figure(scene): (scene.parameters.FN, scene.parameters.m * Fraction("9.81")) for scene in scenes}
+    equal = [name for name, (force, own) in weights.items() if force == own]
+    others = [name for name in weights if name not in equal]
+    finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
+    if others:
+        ratios = texts((float(weights[name][0] / weights[name][1]) for name in others), 4)
+        finding += f"; in {', '.join(others)} F_N is {ratios} times the weight"
+    numbers = {f"{name}: F_N, m g": texts(pair) for name, pair in weights.items()}
+    return Evidence(verdict(equal), f"{finding}.", numbers)
+
+
+def force_products(scenes: tuple[Scene, ...]) -> Evidence:
+    """Check F F < 0 where sticks start, and that F F = 0 where they vanish, for every stick of the scenes."""
+    numbers, held, count = {}, True, 0
+    for scene in scenes:
+        p = scene.parameters
+        found = [(s.onset, s.end) for s in sticks(scene, FOLLOWED.get(scene.name)) if s.end is not None]
+        if not found:
+            continue
+        starts = [forces(p, onset).product for onset, _ in found]
+        ends = [forces(p, end) for _, end in found]
+        held = held and max(starts) < 0 and all(is_zero(end.below) != is_zero(end.above) for end in ends)
+        count += len(found)
+        least = max(min(abs(end.below), abs(end.above)) for end in ends)
+        numbers[f"{_figure(scene)}: sticks"] = str(len(found))
+        numbers[f"{_figure(scene)}: product where they start"] = f"{text(min(starts), 8)} to {text(max(starts), 8)}"
+        numbers[f"{_figure(scene)}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
+    if not count:
+        return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})
+    every = "All" if held else "Not all"
+    finding = f"{every} {count} sticks start with a negative product and end with exactly one force 0."
+    return Evidence(verdict(held), finding, numbers)
