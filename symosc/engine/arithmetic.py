@@ -197,11 +197,12 @@ class Arithmetic:
 
     `K` are the constants of the parameters, `number` rounds a Fraction to such a number, and `namespace` is the
     engine's source bound to them. `advance`, `advance_near` (None for a search in all digits), `time_with_errors` and
-    `event_numbers` follow motions, perhaps in numbers of their own: `inward`, `constants` and `outward` convert, and
-    all arithmetic on those belongs between `enter` and `leave`.
+    `event_numbers` follow motions, perhaps in numbers of their own, to which `inner_K` belongs: `inward` and `outward`
+    convert, and all arithmetic on those belongs between `enter` and `leave`.
     """
 
     K: Constants
+    inner_K: Constants
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
     number: Callable[[Fraction], Number] = staticmethod(float)
     namespace = IN_DOUBLES
@@ -212,7 +213,7 @@ class Arithmetic:
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
-        self.K = _float_constants(parameters)
+        self.K = self.inner_K = _float_constants(parameters)
 
     def phase(self, t: Fraction) -> tuple[int, Number]:
         """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
@@ -237,10 +238,6 @@ class Arithmetic:
     def inward(self, value: Any) -> Any:
         """Return a number, or a tuple with some, as motions are followed by."""
         return value
-
-    def constants(self, K: Constants) -> Constants:
-        """Return the constants, those of these parameters, as motions are followed by."""
-        return K
 
     def outward(self, value: Any) -> Any:
         """Return what `inward` took."""
@@ -301,7 +298,11 @@ class MpArithmetic(Arithmetic):
             "basis": basis,
             "two_product": product_and_zero,
         }
-        self.namespace = bind(SOURCES, self._replaced, literal=context.mpf)
+
+    @cached_property
+    def namespace(self) -> dict[str, Any]:  # type: ignore[override]
+        """The engine's source bound to these numbers."""
+        return bind(SOURCES, self._replaced, literal=self.context.mpf)
 
     def number(self, value: Fraction) -> Number:
         """Round a Fraction to an mpf of this precision."""
@@ -359,13 +360,10 @@ class MpArithmetic(Arithmetic):
             self.leave(before)
 
     @cached_property
-    def _inner_constants(self) -> Constants:
+    def inner_K(self) -> Constants:  # type: ignore[override]
+        """The constants in the numbers by which motions are followed."""
         found: Constants = self.inward(self.K)
         return found
-
-    def constants(self, K: Constants) -> Constants:
-        """Return the constants, those of these parameters, as motions are followed by."""
-        return self._inner_constants
 
     def outward(self, value: Any) -> Any:
         """Return a number, or a tuple with some, as numbers of mpmath with all their digits."""

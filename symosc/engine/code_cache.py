@@ -1,4 +1,4 @@
-"""What numba keeps of compiled code on disk: with a checksum, and never a reason to fail.
+"""numba's disk cache of compiled code, with a checksum, and never a reason to fail.
 
 numba itself raises where no folder can be written, and where a file is damaged; changed code it would run.
 """
@@ -20,18 +20,16 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from symosc.errors import CodeCacheWarning
 
 DIGEST_SIZE = sha256().digest_size
-_said: set[str] = set()
+DAMAGED, NOT_KEPT = "is damaged", "cannot be kept"
+_warned: set[str] = set()
 
 
-def _say(what: str, reason: str) -> None:
+def _warn(problem: str, reason: str) -> None:
     """Warn, once in a program: there are dozens of functions, in several folders."""
-    if what not in _said:
-        _said.add(what)
-        warnings.warn(f"compiled code {what}: {reason}", CodeCacheWarning, stacklevel=2)
-
-
-def _not_kept(reason: str) -> None:
-    _say("cannot be kept", f"{reason}; each program compiles it; NUMBA_CACHE_DIR names another folder")
+    if problem not in _warned:
+        _warned.add(problem)
+        advice = "; each program compiles it; NUMBA_CACHE_DIR names another folder" if problem == NOT_KEPT else ""
+        warnings.warn(f"compiled code {problem}: {reason}{advice}", CodeCacheWarning, stacklevel=2)
 
 
 class _CheckedFiles(IndexDataCacheFile):
@@ -91,7 +89,7 @@ class _CheckedCache(FunctionCache):
         except OSError:  # there is nothing that could be read
             return None
         except Exception:  # whatever unpickling raises
-            _say("is damaged", f"it is compiled anew (in {self.cache_path})")
+            _warn(DAMAGED, f"it is compiled anew (in {self.cache_path})")
             with suppress(OSError):
                 os.unlink(self._cache_file._index_path)
             return None
@@ -100,7 +98,7 @@ class _CheckedCache(FunctionCache):
         try:
             super().save_overload(sig, data)
         except (OSError, pickle.UnpicklingError) as error:
-            _not_kept(f"{getattr(error, 'strerror', None) or error} (in {self.cache_path})")
+            _warn(NOT_KEPT, f"{getattr(error, 'strerror', None) or error} (in {self.cache_path})")
 
 
 def keep_on_disk(dispatcher: Any) -> Any:
@@ -108,5 +106,5 @@ def keep_on_disk(dispatcher: Any) -> Any:
     try:
         dispatcher._cache = _CheckedCache(dispatcher.py_func)
     except RuntimeError as error:  # the source is in no folder, or the environment names strange ones
-        _not_kept(str(error))
+        _warn(NOT_KEPT, str(error))
     return dispatcher

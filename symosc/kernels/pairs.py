@@ -257,17 +257,6 @@ for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "
     _operator(getattr(operator, _name), types.boolean, _comparison(_sign))
 
 
-@infer_global(operator.neg)
-class _MinusTyping(AbstractTemplate):
-    def generic(self, arguments: Any, keywords: Any) -> Any:
-        return signature(pair_type, pair_type) if arguments == (pair_type,) else None
-
-
-@lower_builtin(operator.neg, pair_type)
-def _minus(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-    return _packed(context, builder, *(builder.fneg(part) for part in _parts(builder, arguments[0])))
-
-
 # --- between pairs and other kinds of numbers; for mypy intrinsics are functions of what numba passes to them ---
 
 
@@ -332,6 +321,11 @@ def as_pair(z):
 
 
 # numba compares the signatures of these with those of what they return: so no annotations.
+
+
+@overload(operator.neg)
+def _minus(x):
+    return (lambda x: pair(-x.hi, -x.lo)) if x is pair_type else None
 
 
 @overload(abs)

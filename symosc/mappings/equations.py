@@ -423,7 +423,7 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
     state = arithmetic.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
     horizon = MOST_MAP_PERIODS * K.period
-    inner_K, until = arithmetic.constants(K), arithmetic.inward((horizon, 0 * horizon))
+    inner_K, until = arithmetic.inner_K, arithmetic.inward((horizon, 0 * horizon))
     before = arithmetic.enter()
     try:
         event = advance(state, *until, inner_K)

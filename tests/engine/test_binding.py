@@ -110,7 +110,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
 
     def made() -> Any:
-        monkeypatch.setattr(code_cache, "_said", set())
+        monkeypatch.setattr(code_cache, "_warned", set())
         return compile_modules((importlib.import_module("tiny"),))["twice"]
 
     yield made

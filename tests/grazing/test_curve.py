@@ -27,7 +27,7 @@ from symosc.grazing.curve import (
 )
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
-from symosc.plot.curve import figure_grazing_curve
+from symosc.plot.windows import figure_grazing_curve
 
 
 @pytest.mark.parametrize(("scene", "mapping"), [("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2")])
