@@ -308,6 +308,7 @@ def test_printed_windows_say_what_the_windows_are(mapping: str) -> None:
             assert one == pytest.approx(other, abs=1e-12)
 
 
+@pytest.mark.full(4)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
@@ -332,6 +333,7 @@ POINTS = [{GAMMA: g, A: a} for g in range(-3, 4) for a in range(-3, 4)]
 POINTS += [{GAMMA: sp.Rational(g, 2), A: a} for g in (-1, 1) for a in (-2, 2)]
 
 
+@pytest.mark.full(4)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
