@@ -2,11 +2,11 @@
 from . import plot as plot
 from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
+from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
-from .crosschecks.faults import Fault as Fault
-from .crosschecks.matching import Match as Match
+from .crosschecks.events import Match as Match
 from .engine.events import Event as Event
 from .errors import (
     MissingExtraError as MissingExtraError,
@@ -42,15 +42,17 @@ from .grazing.curve import (
 from .grazing.solve import GrazingSolutions as GrazingSolutions
 from .grazing.solve import solve_grazing as solve_grazing
 from .grazing.start import GrazingStart as GrazingStart
+from .grazing.start import GrazingVerdict as GrazingVerdict
 from .grazing.start import grazing_start as grazing_start
-from .grazing.state import GrazingVerdict as GrazingVerdict
-from .grazing.state import is_grazing as is_grazing
-from .grazing.sweep import WindowColumns as WindowColumns
-from .grazing.sweep import grazing_windows as grazing_windows
+from .grazing.start import is_grazing as is_grazing
 from .grazing.window import GrazingWindow as GrazingWindow
+from .grazing.window import WindowColumns as WindowColumns
 from .grazing.window import grazing_window as grazing_window
+from .grazing.window import grazing_windows as grazing_windows
 from .mappings.compiled import CompiledResidual as CompiledResidual
 from .mappings.compiled import compiled_residual as compiled_residual
+from .mappings.equations import MapError as MapError
+from .mappings.equations import MapPoint as MapPoint
 from .mappings.equations import (
     jacobian as jacobian,
 )
@@ -60,17 +62,15 @@ from .mappings.equations import (
 from .mappings.equations import (
     residual as residual,
 )
-from .mappings.solve import MapError as MapError
-from .mappings.solve import MapPoint as MapPoint
-from .mappings.solve import solve_map as solve_map
+from .mappings.equations import solve_map as solve_map
 from .mappings.theorem7_cases import Place as Place
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
+from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
-from .orbits.continuation import continue_orbit as continue_orbit
 from .orbits.find import find_orbit as find_orbit
 from .orbits.periodic_orbit import (
     Approach as Approach,
@@ -83,7 +83,7 @@ from .orbits.periodic_orbit import (
 )
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
-from .reference.sets import reference_cases as reference_cases
+from .reference.cases import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
@@ -96,26 +96,26 @@ from .simulation.trajectory import Trajectory as Trajectory
 from .sweeps.sweep import SweepStatus as SweepStatus
 from .sweeps.sweep import sweep as sweep
 from .sweeps.sweep import sweep_status as sweep_status
-from .symbolic.grazing_answers import (
+from .symbolic.inverse import (
     Answer as Answer,
 )
-from .symbolic.grazing_answers import (
+from .symbolic.inverse import (
     Answers as Answers,
 )
-from .symbolic.grazing_answers import GrazingQuestion as GrazingQuestion
-from .symbolic.grazing_answers import (
+from .symbolic.inverse import GrazingQuestion as GrazingQuestion
+from .symbolic.inverse import (
     ParameterRegion as ParameterRegion,
 )
-from .symbolic.grazing_answers import (
+from .symbolic.inverse import (
     ParameterValues as ParameterValues,
 )
-from .symbolic.grazing_queries import (
+from .symbolic.inverse import (
     values_containing as values_containing,
 )
-from .symbolic.grazing_queries import (
+from .symbolic.inverse import (
     values_empty as values_empty,
 )
-from .symbolic.grazing_queries import (
+from .symbolic.inverse import (
     values_everything as values_everything,
 )
 from .symbolic.theorem7 import Case as Case

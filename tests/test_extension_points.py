@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from scratch import Scratch
+
+from symosc import simulate
 
 pytestmark = pytest.mark.slow
 
@@ -52,3 +58,54 @@ def test_a_command(scratch: Scratch) -> None:
     lines = scratch.run("symosc", "energy", "fig5", "--set", "k=3", "--quiet").splitlines()
     assert lines[0].split() == ["t", "energy"]
     scratch.pytest("tests/cli/test_errors.py", "tests/test_readme.py", "tests/test_layers.py", "tests/test_project.py")
+
+
+REST = """    yield ReferenceCase(
+        "my-rest", RESTS, Scene("my-rest", CREEPER, 0, 0, 0, 30), "nothing happens", "my own work"
+    )
+"""
+
+
+def test_a_reference_case(scratch: Scratch) -> None:
+    pytest.importorskip("flint")
+    cases, tests, page = "symosc/reference/cases.py", "tests/reference/test_cases.py", "docs/cases.md"
+    scratch.replace(cases, "    yield from _on_a_belt()\n", f"    yield from _on_a_belt()\n{REST}")
+    scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
+    command = [sys.executable, "-m", "pytest", "-q", tests, "-k", "new_version", "-p", "no:cacheprovider"]
+    said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout
+    (found,) = set(re.findall(r"the sum of version 2 is (\w{64})", said))
+    scratch.replace(tests, "SUMS = {1: ", f'SUMS = {{2: "{found}", 1: ')
+    scratch.replace(
+        page, "There are 158, in version 1 of the set. Of 145 the", "There are 159, in version 2 of the set. Of 146 the"
+    )
+    scratch.replace(page, "| creeping and rest | 19 |", "| creeping and rest | 20 |")
+    listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--json")
+    assert json.loads(listed)["cases"][-1] | {"events": 0, "status": "proven"} == json.loads(listed)["cases"][-1]
+    scratch.pytest(tests, "tests/reference/test_folder.py")
+
+
+SOLVER = """
+def solve(p, t0, x0, v0, t_end):
+    t, x, v, h = [t0], [x0], [v0], (t_end - t0) / 400
+    for i in range(400):
+        force = p.A0 - p.c * v[-1] - p.k * x[-1]
+        x, v, t = [*x, x[-1] + h * v[-1]], [*v, v[-1] + h * float(force / p.m)], [*t, t0 + (i + 1) * h]
+    return {"t": t, "x": x, "v": v}
+"""
+
+
+def test_a_solver_to_check(scratch: Scratch) -> None:
+    """Its prints and its errors are its own; the results of another one are scored from a file."""
+    pytest.importorskip("flint")
+    scratch.write("mysolver.py", SOLVER)
+    command = [sys.executable, "-m", "symosc", "check", "fig9", "--solver", "mysolver:solve", "--t-end", "4"]
+    said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False)
+    assert (said.returncode, said.stderr) == (1, "")
+    assert "wrong steps: 400 of 400" in said.stdout
+    scratch.run("symosc", "cases", "-o", "cases", "--group", "easy", "--quiet")
+    rows = [
+        f"easy-fig9,{event.t!r},{event.x!r},{event.kind},{event.boundary}"
+        for event in simulate("fig9", t_end=10).events
+    ]
+    scratch.write("mine.csv", "\n".join(["case,t,x,kind,boundary", *rows, "easy-fig9,10,,end,"]))
+    assert "mine: right in 1 of 1 cases; 1 case without results" in scratch.run("symosc", "score", "cases", "mine.csv")

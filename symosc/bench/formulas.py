@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.grazing.sweep import grazing_windows
-from symosc.grazing.window import grazing_window
+from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
 from symosc.model import Parameters

@@ -30,9 +30,9 @@ from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, Worker
 from symosc.certificates.certify import Known, ProvenMiddle, known_events
 from symosc.engine.arithmetic import mp_context
+from symosc.reference.case import conditions
+from symosc.reference.cases import HardCase, hard_cases
 from symosc.reference.compare import REFERENCE_DIGITS, FoundEvents, compare, relative_error, window_of
-from symosc.reference.condition import conditions
-from symosc.reference.hard_cases import HardCase, hard_cases
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 

@@ -10,8 +10,8 @@ from symosc.aliases import Record
 from symosc.bench.event_logic import PeerError
 from symosc.bench.machine import sentence
 from symosc.bench.time_limit import HANG
+from symosc.reference.cases import GROUPS
 from symosc.reference.compare import ERRORS
-from symosc.reference.hard_cases import GROUPS
 
 #: What a reference is.
 BY_PROOF, BY_DIGITS = "proven", "40 digits"

@@ -21,12 +21,11 @@ from symosc.bench.solvers import Solver
 from symosc.bench.time_limit import FIRST_LIMIT, HANG, Outcome, processor_limit
 from symosc.files import write_text
 from symosc.reference.case import ReferenceCase
+from symosc.reference.cases import SET_VERSION, reference_cases
 from symosc.reference.compare import SCORE_TOLERANCE
+from symosc.reference.folder import stored
 from symosc.reference.results import CaseResult, GivenEvent
-from symosc.reference.score import Score, judge_case
-from symosc.reference.score_table import as_markdown, case_table, group_table, legend, verdict
-from symosc.reference.sets import SET_VERSION, reference_cases
-from symosc.reference.stored import stored
+from symosc.reference.score import Score, as_markdown, case_table, group_table, judge_case, legend, verdict
 
 #: What is measured before a solver's results: a case as its files would have it.
 KNOWN = "known"

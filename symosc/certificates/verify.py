@@ -298,10 +298,29 @@ class Motion:
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is that of a row; return the motion behind it."""
+        """Prove that the next event is that of a row (3 above); return the motion behind it."""
         if row["kind"] == "graze":
             return self.graze(row, limits)
-        return self.contact(row) if self.mode.flies else self.slip(row)
+        p, mode, flies = self.problem.p, self.mode, self.mode.flies
+        end, belt = (row["boundary"],) * 2 if flies else (row["target"], self.belt)
+        if flies:
+            check(end in mode.ends, "an event at a belt that is not beside the domain")
+        else:
+            check(end in self.mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
+        times, *_, (_, slope, _) = self.around(end, row, -1)
+        require(
+            -slope, "that v meets a belt once at an event" if flies else "that F meets 0 once at the end of a stick"
+        )
+        when, kind, then, leaves = self.zero(end, 0, times), "slip", end, {belt: 2}
+        centre, columns, rest = self.arrive(end, belt, when)
+        if flies:
+            there = Motion(self.problem, mode.number, end, centre, columns, rest=rest).first
+            F, jump = (mode.M * there)[1, 0], arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
+            both = F * (F - jump if mode.number == end else F + jump)
+            require(abs(both), "F at a belt, and behind it")
+            kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
+        self.made(row, kind, then)
+        return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
         """Return times around an event, f > 0 at the first and turn * f > 0 at the last; f there and between them."""
@@ -331,32 +350,6 @@ class Motion:
         unknown = [sum((each[i].rad() for each in (centre, *sides[:count])), arb(0)).upper() for i in (0, 1)]
         rest = [*sides[count:], (unknown[0], arb(0), arb(0)), (arb(0), unknown[1], arb(0))]
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
-
-    def contact(self, row):
-        """Prove that a flight meets a belt next, and passes or sticks (3 above)."""
-        end, p, mode = row["boundary"], self.problem.p, self.mode
-        check(end in mode.ends, "an event at a belt that is not beside the domain")
-        times, *_, (_, slope, _) = self.around(end, row, -1)
-        require(-slope, "that v meets a belt once at an event")
-        when = self.zero(end, 0, times)
-        centre, columns, rest = self.arrive(end, end, when)
-        there = Motion(self.problem, mode.number, end, centre, columns, rest=rest).first
-        F, jump = (mode.M * there)[1, 0], arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
-        both = F * (F - jump if mode.number == end else F + jump)
-        require(abs(both), "F at a belt, and behind it")
-        kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
-        self.made(row, kind, then)
-        return type(self)(self.problem, then, end, centre, columns, leaves, None, rest)
-
-    def slip(self, row):
-        """Prove that a stick ends next, into a domain (3 above)."""
-        end = row["target"]
-        check(end in self.mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
-        times, *_, (_, slope, _) = self.around(end, row, -1)
-        require(-slope, "that F meets 0 once at the end of a stick")
-        self.made(row, "slip", end)
-        centre, columns, rest = self.arrive(end, self.belt, self.zero(end, 0, times))
-        return type(self)(self.problem, end, self.belt, centre, columns, {self.belt: 2}, None, rest)
 
     def graze(self, row, limits):
         """Prove that a flight touches a belt next, for one start between two limits, or exactly (4 above)."""
@@ -477,12 +470,16 @@ def about(p, *more):
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
+def what(row):
+    """Return the kind of an event, its belt, and the modes before and behind it."""
+    return [row[name] for name in WHAT]
+
+
 def table(rows):
     """Return events in words."""
-    names = ("kind", "boundary", "source", "target")
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
-        yield "; ".join([f"{i}: {{}} at belt {{}}, {{}} to {{}}".format(*(row[name] for name in names)), *ends])
+        yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
 
 
 def question(data, source):
@@ -553,8 +550,7 @@ def settled(data, source, limits):
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     for row in events:
         motion = motion.behind(row).within(row)
-    names = ("kind", "boundary", "source", "target")
-    ends = [[row[name] for name in names] for row in (events[-1], cycle[0], cycle[-1])]
+    ends = [what(row) for row in (events[-1], cycle[0], cycle[-1])]
     check(ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"), "a cycle from the last event on")
     motion.within(cycle[0])
 
@@ -579,7 +575,7 @@ def settled(data, source, limits):
     for back, row in enumerate(reversed(last)):
         gone, j = divmod(k - back, n)
         parts = [each / width + 2 * q**gone * arb(0, 1) for each, width in zip(u, widths, strict=True)]
-        check([row[name] for name in names] == [cycle[j][name] for name in names], "the kinds of the last events")
+        check(what(row) == what(cycle[j]), "the kinds of the last events")
         t, x = motions[j].from_centre(parts)
         inside(t + gone * turn, row["t"])
         inside(x, row["x"])
@@ -604,17 +600,11 @@ def keeps(bias, swing, low, high, problem):
 
 def window(data, source, limits):
     """Prove at which phases a contact with F = 0 grazes (7 above)."""
-    problem, where, ends, full = (
-        Problem(data["parameters"], limits),
-        data["grazes"],
-        data["ends"],
-        data["order"] == "full",
-    )
+    problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
     p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
-    check(
-        len(ends) == {"on an arc": 2, "everywhere but at one phase": 1}.get(where, 0), "two ends of an arc, or one", BAD
-    )
+    count = {"on an arc": 2, "everywhere but at one phase": 1}.get(where, 0)
+    check(len(ends) == count, "two ends of an arc, or one", BAD)
     one = swing != 0 and abs(bias) == abs(swing)  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
     if where == "on an arc":
         (a, b), (c, d) = ([arb(each) for each in end["phase"]] for end in ends)
@@ -623,7 +613,8 @@ def window(data, source, limits):
         keeps(bias, swing, b, c, problem)
         keeps(-bias, -swing, d, a + 2 * arb.pi(), problem)
     elif one:
-        right = "nowhere" if bias < 0 else "everywhere" if full else "everywhere but at one phase"
+        above = "everywhere" if data["order"] == "full" else "everywhere but at one phase"
+        right = "nowhere" if bias < 0 else above
         check(where == right, "a window that is not so at the phase where s is 0, or elsewhere")
     elif where == "nowhere" and not bias == swing == 0:
         keeps(-bias, -swing, *circle, problem)

@@ -123,7 +123,7 @@ def _proof(
     found = _orbit(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
-    from symosc.orbits.continuation import continue_orbit
+    from symosc.orbits.branch import continue_orbit
 
     name, limits = read_span(span, "--branch")
     branch = continue_orbit(found.parameters, found.word, name, limits, found)

@@ -125,7 +125,7 @@ def _named_scene(options: Record) -> str | Scene | None:
         return name
     if options["scene"] is not None:
         raise click.UsageError("give --scene or --case, not both")
-    from symosc.reference.sets import reference_case
+    from symosc.reference.cases import reference_case
 
     return reference_case(options["case"]).scene
 
@@ -147,7 +147,7 @@ def _scene_and_files(
 
 def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
     from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
-    from symosc.crosschecks.solver_runs import run_solver
+    from symosc.crosschecks.objects import run_solver
 
     tolerance = options["tolerance"]
     limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
@@ -186,8 +186,8 @@ def cases(output: str | None, group: str | None, as_json: bool) -> int:
       symosc cases --group "exact graze" --json
       symosc cases -o cases
     """
+    from symosc.reference.cases import chosen
     from symosc.reference.folder import write_cases
-    from symosc.reference.sets import chosen
 
     wanted = chosen(group)
     if output is not None:
@@ -249,11 +249,10 @@ def score(
     piped = goes_to_stdout(picture, "--plot", as_json)
     from symosc.files import write_text
     from symosc.reference.compare import SCORE_TOLERANCE
+    from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
-    from symosc.reference.score import read_tolerance
+    from symosc.reference.score import as_html, as_markdown, as_text, read_tolerance
     from symosc.reference.score import score as judged
-    from symosc.reference.score_table import as_html, as_markdown, as_text
-    from symosc.reference.stored import read_set
 
     form = "" if output is None else Path(output).suffix.lower()
     if output is not None and form not in (".md", ".html"):  # before the work

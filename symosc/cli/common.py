@@ -19,7 +19,7 @@ from symosc.exact import read_exact, read_start_error
 from symosc.files import STDOUT, drop_stdout
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
-from symosc.scenes.reading import half_unit, read_number
+from symosc.scenes.quantities import half_unit, read_number
 
 if TYPE_CHECKING:
     from symosc.simulation.trajectory import Trajectory

@@ -29,22 +29,36 @@ from symosc.cli.common import (
     write_json,
     wrote,
 )
+from symosc.derive.chapters import CHAPTERS
 from symosc.display.progress import VERBOSE, bar, level
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import write_text
-from symosc.symbolic.languages import LANGUAGES
+from symosc.symbolic.export import LANGUAGES
 
-FILES = (".tex", ".pdf", ".md", ".txt", ".csv", ".json", ".html")
+FILES = (".tex", ".pdf", ".txt", ".csv", ".json", ".html")
 
 
 def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
-    from symosc.derive.chapters import CHAPTERS
     from symosc.derive.fragments import FRAGMENTS
 
     return complete(["all", *CHAPTERS, *FRAGMENTS])(context, argument, begun)
 
 
-@click.command()
+HELP = f"""Derive SUBJECT step by step, checking each step before it is written.
+
+Chapters: {", ".join(CHAPTERS)}, or all. Fragments for a paper of your own, printed unless -o names a file: P1 to P8,
+friction, flow, stick, gfunctions, saltation, theorem4 to theorem7. A step is checked exactly, by a sign, or with 50
+digits; a step that fails ends with exit code 1 and nothing is written.
+
+\b
+Examples:
+  symosc derive all --pdf -o derived
+  symosc derive maps --scene fig9 --format html -o fig9
+  symosc derive P3 --form paper --set k=4 --set m=1 --set c=2/5 -o p3.tex
+"""
+
+
+@click.command(help=HELP)
 @click.argument("subject", shell_complete=_subjects)
 @click.option(
     "--scene",
@@ -63,9 +77,9 @@ def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> 
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["latex", "html", "markdown", "text"]),
+    type=click.Choice(["latex", "html"]),
     default="latex",
-    help="What to write. html: chapters only, one file.",
+    help="Chapters: LaTeX, or one HTML page. Fragments are LaTeX.",
 )
 @click.option(
     "--form",
@@ -79,20 +93,7 @@ def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> 
 @click.option("--alone", is_flag=True, help="Fragments: a document of its own.")
 @json_option
 def derive(subject: str, output: str | None, form: str, as_json: bool, **options: Any) -> int:
-    """Derive SUBJECT step by step, checking each step before it is written.
-
-    Chapters: motion, domains, sticks, switching, maps, jacobians, grazing, events, orbits, errata, literature,
-    certificates, or all. Fragments for a paper of your own, printed unless -o names a file: P1 to P8, friction,
-    flow, stick, gfunctions, saltation, theorem4 to theorem7. A step is checked exactly, by a sign, or with 50
-    digits; a step that fails ends with exit code 1 and nothing is written.
-
-    \b
-    Examples:
-      symosc derive all --pdf -o derived
-      symosc derive maps --scene fig9 --format text -o fig9
-      symosc derive P3 --form paper --set k=4 --set m=1 --set c=2/5 -o p3.tex
-    """
-    from symosc.derive.chapters import CHAPTERS
+    """Derive SUBJECT; see `HELP`."""
     from symosc.derive.fragments import FRAGMENTS
     from symosc.scenes import load_scene
 
@@ -105,7 +106,7 @@ def derive(subject: str, output: str | None, form: str, as_json: bool, **options
         if options["pdf"] or form == "html":
             raise click.BadParameter("is for chapters", param_hint="--pdf" if options["pdf"] else "--format html")
         problem = None if scene is None else load_scene(scene)
-        return _fragment(subject, problem, output, form, as_json, options)
+        return _fragment(subject, problem, output, as_json, options)
     for name, value in of_fragments.items():
         if value:
             raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=f"--{name}")
@@ -117,26 +118,23 @@ def _unknown(subject: str, chapters: list[str], fragments: list[str]) -> str:
     return known + meant(subject, [*chapters, *fragments])
 
 
-def _fragment(name: str, scene: Any, output: str | None, form: str, as_json: bool, options: dict[str, Any]) -> int:
-    from symosc.derive import fragment_pages as pages
-    from symosc.derive.fragment_scope import fragment_scope
+def _fragment(name: str, scene: Any, output: str | None, as_json: bool, options: dict[str, Any]) -> int:
+    from symosc.derive import fragments
+    from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
 
     printed = goes_to_stdout(output, "--output", as_json) or output is None
     settings = read_settings(options["settings"])
     scope = fragment_scope(settings, scene, options["motion"] or "entire", options["digits"])
     try:
-        fragment = pages.check_fragment(name, scope)
+        fragment = fragments.check_fragment(name, scope)
     except StepError as error:
         complain(f"check failed: {error}")
         return FAILED
-    if form == "latex":
-        prefix = pages.PREFIX if options["prefix"] is None else options["prefix"]
-        text = pages.as_latex(fragment, scope, prefix, options["tags"] == "paper", options["alone"])
-    else:
-        text = {"markdown": pages.as_markdown, "text": pages.as_text}[form](fragment, scope)
+    prefix = fragments.PREFIX if options["prefix"] is None else options["prefix"]
+    text = fragments.as_latex(fragment, scope, prefix, options["tags"] == "paper", options["alone"])
     if as_json:
-        write_json({"fragment": name, "text": text, "steps": pages.log(fragment)})
+        write_json({"fragment": name, "text": text, "steps": fragment.log()})
     elif printed:
         write(text, end="")
     if output is not None and not printed:

@@ -180,14 +180,14 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
 
 
 def _row(window: GrazingWindow) -> list[str]:
-    from symosc.grazing.window_text import critical_text, phases_text
+    from symosc.grazing.window import critical_text, phases_text
 
     numbers = [show(window.gamma), show(window.amplitude)]
     return [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
 
 
 def _data(window: GrazingWindow) -> Record:
-    from symosc.grazing.window_text import critical_text, phases_text
+    from symosc.grazing.window import critical_text, phases_text
 
     theta_cr, exact = None, critical_text(window)
     if exact != "none":
@@ -258,7 +258,7 @@ def _solve(
 
 
 def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
-    from symosc.symbolic.grazing_queries import values_containing, values_empty, values_everything
+    from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     if phases is None:
         return [values_empty(p, mapping, asked), values_everything(p, mapping, asked, order)]
@@ -269,7 +269,7 @@ def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None,
 
 
 def _answer_data(answer: Any) -> Record:
-    from symosc.symbolic.grazing_answers import Answers, ParameterRegion, condition_text, interval_text
+    from symosc.symbolic.inverse import Answers, ParameterRegion, condition_text, interval_text
 
     question = answer.question
     data: dict[str, Any] = {"map": question.mapping, "names": list(question.names), "question": question.text()}

@@ -90,7 +90,7 @@ def orbit(
         return FAILED
     branch = None
     if span is not None and found.admissible:
-        from symosc.orbits.continuation import continue_orbit
+        from symosc.orbits.branch import continue_orbit
 
         name, limits = read_span(span, "--continue")
         branch = continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)

@@ -14,8 +14,7 @@ from symosc.cli.common import goes_to_stdout, json_option, optional_scene, write
 from symosc.errors import OutputError
 from symosc.exact import show
 from symosc.files import write_text
-from symosc.scenes import START_NAMES, Scene, figure_of, load_scene, scene_names
-from symosc.scenes.writing import as_toml
+from symosc.scenes import START_NAMES, Scene, as_toml, figure_of, load_scene, scene_names
 
 
 @click.command()

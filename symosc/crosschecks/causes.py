@@ -1,14 +1,17 @@
-"""Causes that a diagnosis names, what it says about one, and the change that tests it."""
+"""Causes of wrong samples: their words, a guess for each wrong step, and the case on which alternatives are tried."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.model import Parameters
+from symosc.crosschecks.steps import ExactSteps, follow_steps
+from symosc.engine.flow import Constants
+from symosc.model import MODE_NAMES, Parameters
 
 #: Causes by name, in words.
 CAUSES = {
@@ -83,7 +86,7 @@ class Diagnosis:
 
 
 class Change(NamedTuple):
-    """What to change before a check is repeated: the system, or the columns t, x, v (v None: positions alone)."""
+    """A change before a check is repeated: other parameters, or other columns t, x, v (v None: positions alone)."""
 
     words: str
     parameters: Parameters | None = None
@@ -97,3 +100,381 @@ class Candidate(NamedTuple):
 
     diagnosis: Diagnosis
     change: Change | None = None
+
+
+# -- a guess for each wrong step ---------------------------------------------------------------------------------------
+
+#: Reasons by name, in words.
+REASONS = {
+    "jump": "a jump where two pieces are joined",
+    "wrong force": "wrong friction force",
+    "outlier": "a sample off by itself",
+    "event at the start": "an event at the start of the step",
+    "sign tolerance": "sign tolerance",
+    "drift on the belt": "drift on the belt",
+    "double root": "double root near a graze",
+    "crossing inside the step": "a crossing inside the step",
+    "undecidable": "a contact that cannot be decided",
+    "local error": "local error of the method",
+}
+# Another motion explains a step if its defect is this part of the exact motion's.
+EXPLAINS = 0.02
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A step that does not agree with the exact motion over it.
+
+    Attributes
+    ----------
+    step : int
+        From sample `step` to the next one.
+    t, t_next : float
+    defect_x, defect_v : float
+        Exact motion minus the next sample.
+    expected, found : str
+        Mode at the end of the step: of the exact motion, and of the samples ("" where they are passing a belt).
+    reason : str
+        A guess at the cause, one of REASONS.
+    words : str
+        The guess in words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> v[100] += 0.1
+    >>> crosscheck("fig5", t, x, v).first_wrong.words
+    'without sample 100 the step from 99 to 101 is right'
+    """
+
+    step: int
+    t: float
+    t_next: float
+    defect_x: float
+    defect_v: float
+    expected: str
+    found: str
+    reason: str
+    words: str
+
+    @property
+    def wrong_decision(self) -> bool:
+        """Whether the samples stick, slip or pass where the exact motion does something else."""
+        return self.found not in ("", self.expected)
+
+
+def explain(
+    steps: ExactSteps,
+    chosen: Sequence[int],
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+) -> tuple[Fault, ...]:
+    """Return the faults of steps.
+
+    `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
+    the distances from a belt that count as on it.
+    """
+    since = np.array(chosen, dtype=int)
+    misses = []  # of flights with the force of each domain, to the next sample and to the one after
+    for n in (1, 2):
+        until = np.minimum(since + n, len(steps.t) - 1)
+        gaps = np.array([steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)])
+        misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
+    found = []
+    for k, i in enumerate(since.tolist()):
+        reason, words = _guess(steps, i, modes, sizes, allowed, near, np.array([each[:, k] for each in misses]))
+        dx, dv = (float(value) for value in steps.defects[i])
+        expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
+        found.append(Fault(i, float(steps.t[i]), float(steps.t[i + 1]), dx, dv, expected, mode, reason, words))
+    return tuple(found)
+
+
+def _guess(
+    steps: ExactSteps,
+    i: int,
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+    misses: np.ndarray,
+) -> tuple[str, str]:
+    """Return a reason and its words; `misses` are those to the next sample, and to the one after, for each domain."""
+    if not np.isfinite(sizes[i]):
+        return "undecidable", "the exact motion over the step cannot be decided in double precision"
+    if steps.t[i + 1] == steps.t[i]:
+        return "jump", f"samples {i} and {i + 1} are at one time and differ"
+    first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
+    rows = steps.events.rows(i, i)
+    targets, times = steps.events.target[rows], steps.events.t[rows]
+    boundaries = steps.events.boundary[rows]
+    limit = max(1.0, EXPLAINS * float(sizes[i]))
+
+    fitting = [domain for domain in (1, 2, 3) if misses[0, domain - 1] <= limit]
+    gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
+    nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
+    here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
+    near_start = abs(gaps[nearest - 1, 0]) <= near[i]
+    if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
+        return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
+    if fitting and not len(times) and first <= 3:
+        return "wrong force", f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}"
+    if first > 3 and found <= 3:
+        return "event at the start", f"the mass sticks to belt {first - 3} here, the samples leave it ({here})"
+    if fitting and near_start and (not len(times) or times[0] - steps.t[i] <= 1e-6 * steps.K.period):
+        return "event at the start", f"the force of Omega{fitting[0]} explains the step ({here})"
+    if found <= 3 and first <= 3 and len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period:
+        return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
+    if found > 3 and last <= 3 and modes[i] == found:
+        return "sign tolerance", f"the mass leaves belt {found - 3}, the samples stay on it ({here})"
+    if len(times) and last == first and found == first:
+        what = f"the motion meets belt {boundaries[0]} at t = {times[0]:.10g} and is back at t = {times[-1]:.10g}"
+        return "double root", f"{what}; signs at the ends of the step do not show it"
+    if not len(times) and i + 2 < len(steps.t) and first <= 3 and misses[1, first - 1] <= limit:
+        part = "is right" if misses[1, first - 1] <= 1.0 else f"is off by {misses[1, first - 1] / sizes[i]:.0e} of that"
+        return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
+    if len(times):
+        force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
+        what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(targets[0])]} at t = {times[0]:.10g}"
+        return "crossing inside the step", what + force
+    what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
+    return "local error", what
+
+
+# -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
+
+# So many steps are tried, from shortly before the first wrong one.
+MOST_TRIED_STEPS, STEPS_BEFORE = 3_000, 300
+# A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named at this part.
+LEFT_OVER, FITS = 0.1, 1e-3
+FIT_ROUNDS = 8
+# Others that explain nearly as much as the best one are its alternatives. A change that makes all steps right is sure.
+AS_GOOD = 0.02
+SURE = 1.0 + AS_GOOD
+# Steps that miss by this many times the median are left out of the next round.
+TRIM = 5.0
+
+
+class Fit(NamedTuple):
+    """Numbers fitted to steps, their standard deviations, and the sizes of the defects that they leave."""
+
+    value: np.ndarray
+    error: np.ndarray
+    sizes: np.ndarray
+
+
+def tried_samples(check: Any) -> slice:
+    """Return on which samples of a `CrossCheck` alternatives are tried."""
+    first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
+    low = max(0, min(first - STEPS_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
+    return slice(low, low + MOST_TRIED_STEPS + 1)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Samples that do not agree with the exact motion, and the exact motion over their steps.
+
+    `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
+    count as on it.
+    """
+
+    steps: ExactSteps
+    offset: int
+    allowed: np.ndarray
+    scales: np.ndarray
+    near: np.ndarray
+    check: Any
+
+    @classmethod
+    def of(cls, check: Any) -> Case:
+        """Return the case of a `CrossCheck`: all samples, or many from shortly before the first wrong step."""
+        part = tried_samples(check)
+        allowed, scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
+        near = np.append(allowed[:1, 1], allowed[:, 1])
+        steps = follow_steps(check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales)
+        return cls(steps, part.start, allowed, scales, near, check)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters of the exact motion."""
+        return self.steps.parameters
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """Defects in units of the allowed ones, one for each step."""
+        return np.max(np.abs(self.steps.defects) / self.allowed, axis=1)
+
+    @cached_property
+    def wrong(self) -> np.ndarray:
+        """Which steps are wrong."""
+        return np.asarray(~(self.sizes <= 1.0))
+
+    @cached_property
+    def moving_wrong(self) -> np.ndarray:
+        """The wrong steps in which time passes."""
+        return np.flatnonzero(self.wrong & (np.diff(self.steps.t) > 0.0))
+
+    @cached_property
+    def domain(self) -> np.ndarray:
+        """The domain of each sample, 0 at a belt."""
+        v, K = self.steps.v, self.steps.K
+        at = np.minimum(np.abs(v - K.belt1.v), np.abs(v - K.belt2.v)) <= self.near
+        return np.where(at, 0, 1 + (v > K.belt1.v) + (v > K.belt2.v))
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """Steps that lie in one domain, for the samples and for the exact motion."""
+        before, after = self.domain[:-1], self.domain[1:]
+        inside = (before > 0) & (before == after) & (self.steps.first == before) & (self.steps.last == before)
+        inside[np.unique(self.steps.events.step)] = False
+        return np.flatnonzero(inside & (np.diff(self.steps.t) > 0.0) & np.isfinite(self.sizes))
+
+    @property
+    def inside_wrong(self) -> np.ndarray:
+        """The wrong ones of the steps inside a domain."""
+        return self.inside[self.wrong[self.inside]]
+
+    @cached_property
+    def sticks(self) -> bool:
+        """Whether there is any stick to be wrong about: of the exact motion, or two steps in a row of the samples."""
+        if any(part.mode.startswith("belt") and part.t_end > part.t_start for part in self.check.trajectory.segments):
+            return True
+        s, on = self.steps, self.domain == 0
+        same = np.abs(np.diff(s.v)) <= self.near[1:] + self.near[:-1]
+        stays = np.flatnonzero(on[1:] & on[:-1] & same & (np.diff(s.t) > 0.0))
+        return bool(np.any(np.diff(stays) == 1))
+
+    @property
+    def flights_wrong(self) -> float:
+        """Part of the steps inside a domain that are wrong; 0 if there is none."""
+        return float(np.mean(self.wrong[self.inside])) if len(self.inside) else 0.0
+
+    def limits(self, part: float = EXPLAINS) -> np.ndarray:
+        """Return how large the defects may be, in units of the allowed ones, if an alternative explains the steps."""
+        return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
+
+    def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
+        """Return which part of the wrong steps an alternative explains, less the right ones that it makes wrong.
+
+        `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is left.
+        """
+        chosen = slice(None) if of is None else of
+        wrong = self.wrong[chosen]
+        fits = sizes <= self.limits(part)[chosen]
+        return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
+
+    def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """Return by how much ends x, v of steps miss the next samples, in units of what is allowed."""
+        return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
+
+    def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """Return the larger one of both misses."""
+        return np.asarray(np.max(np.abs(self.misses(ends, steps)), axis=1))
+
+    def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
+        """Return the sizes of the defects with other parameters, or a clock that is ahead."""
+        s = self.steps
+        found = follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales)
+        return np.asarray(np.max(np.abs(found.defects) / self.allowed, axis=1))
+
+    def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+        """Return which part of the wrong steps other columns explain; they may have fewer rows."""
+        near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
+        found = follow_steps(self.parameters, t, x, v, near, self.scales)
+        left, wrong = np.max(np.abs(found.defects) / allowed, axis=1), self.sizes[self.wrong]
+        limit = max(1.0, EXPLAINS * float(np.median(wrong[np.isfinite(wrong)]))) if np.isfinite(wrong).any() else 1.0
+        return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
+
+    def some(self, chosen: np.ndarray, most: int) -> np.ndarray:
+        """Return at most so many of the chosen steps, evenly spread."""
+        if len(chosen) <= most:
+            return chosen
+        return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
+
+    def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
+        """Return the defects of a few steps with other parameters, in units of what is allowed, shape (steps, 2)."""
+        begin = np.column_stack([self.steps.t, self.steps.x, self.steps.v])[chosen]
+        return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
+
+    def between(
+        self, begin: np.ndarray, until: np.ndarray, near: np.ndarray, p: Parameters | None = None
+    ) -> np.ndarray:
+        """Return the exact motion from states t, x, v, one a row, minus the samples `until`; shape (rows, 2).
+
+        No row may begin before the one before ends.
+        """
+        end = np.column_stack([self.steps.t, self.steps.x, self.steps.v])[until]
+        found = begin[:, 1:] - end[:, 1:]
+        moving = begin[:, 0] < end[:, 0]
+        if np.any(moving):
+            t, x, v = np.stack([begin, end], axis=1)[moving].reshape(-1, 3).T
+            p = self.parameters if p is None else p
+            found[moving] = follow_steps(p, t, x, v, np.repeat(near[moving], 2), self.scales).defects[::2]
+        return np.asarray(found)
+
+    def flown(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
+        """Return the misses of flights inside domains with other constants or a turned phase of the drive."""
+        chosen, s = self.inside if chosen is None else chosen, self.steps
+        other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
+        return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
+
+
+def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
+    """Fit numbers to steps, of which some may be wrong for another reason; None if the steps do not show the numbers.
+
+    `misses` returns by how much the steps miss with given numbers, (steps, 2); `ticks` are changes for derivatives.
+    """
+    value = np.array(start, dtype=float)
+    kept, error = None, np.zeros(len(value))
+    for _ in range(FIT_ROUNDS):
+        here = misses(value)
+        slopes = [(misses(value + tick) - misses(value - tick)) / (2.0 * np.max(tick)) for tick in np.diag(ticks)]
+        J = np.stack(slopes, axis=-1)
+        finite = np.all(np.isfinite(here), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
+        if kept is None:
+            kept = finite
+            change = _median_change(here[finite], J[finite])
+        else:
+            change = _least_squares(here[kept & finite], J[kept & finite])
+        if change is None:
+            return None
+        value, error = value + change[0], change[1]
+        sizes = np.max(np.abs(misses(value)), axis=1)
+        if np.all(np.isnan(sizes)):  # there is no such system
+            return None
+        kept = sizes <= max(1.0, TRIM * float(np.nanmedian(sizes)))
+        if np.all(np.abs(change[0]) <= 1e-3 * error):
+            break
+    rest = np.sqrt(np.mean(misses(value)[kept] ** 2)) if np.any(kept) else np.inf
+    return Fit(value, error * max(1.0, float(rest)), sizes)
+
+
+def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the change of one number that most steps ask for; of several numbers, that of least squares."""
+    if J.shape[-1] > 1:
+        return _least_squares(here, J)
+    slopes = J[..., 0]
+    weights = np.sum(slopes * slopes, axis=1)
+    if not np.sum(weights) > 0.0:
+        return None
+    wanted = -np.sum(slopes * here, axis=1)[weights > 0.0] / weights[weights > 0.0]
+    weights = np.sqrt(weights[weights > 0.0])
+    order = np.argsort(wanted)
+    middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * np.sum(weights))
+    return wanted[order][[middle]], np.array([1.0 / np.sqrt(np.sum(weights**2))])
+
+
+def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
+    units = np.sqrt(np.sum(matrix**2, axis=0))
+    if not len(right) or not np.all(units > 0.0):
+        return None
+    normal = (matrix / units).T @ (matrix / units)
+    if np.linalg.cond(normal) > 1e10:
+        return None
+    change = np.linalg.lstsq(matrix / units, right, rcond=None)[0] / units
+    return change, np.sqrt(np.diag(np.linalg.inv(normal))) / units

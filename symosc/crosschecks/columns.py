@@ -1,117 +1,364 @@
-"""Which column of a table is the time, the position, the velocity, and whose sample it is."""
+"""Wrong columns as causes: signs, units, places, velocities made from x, uneven clocks, few digits, noise, outliers."""
 
 from __future__ import annotations
 
-import re
-import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import accumulate, islice
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from math import pi
+from typing import Any
 
-from symosc.crosschecks.samples import SAMPLE_COLUMNS, short, shown
+import numpy as np
+
+from symosc.crosschecks.causes import Candidate, Case, Change, Diagnosis
+from symosc.crosschecks.samples import Samples
+from symosc.crosschecks.steps import follow_steps
+from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
+from symosc.model import Parameters
 
-#: Columns that are asked for by name: of t, x, v and id; None: there is no such column.
-Asked = Mapping[str, str | None]
-
-#: Column that says which of several trajectories a row belongs to.
-ID_COLUMN = "id"
-#: What the columns are called where nothing else is said; in any case, units in brackets left out.
-USUAL_NAMES = {
-    "t": {"t", "time", "times", "ts"},
-    "x": {"x", "position", "positions", "pos", "displacement", "disp", "q", "xs"},
-    "v": {"v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot", "vx", "vs"},
-    ID_COLUMN: {"id", "ids", "trajectory", "trajectories", "traj", "run", "case", "motion", "trajectoryid", "runid"},
-}
-#: Entries of a file or a mapping that are no columns of samples.
-NO_COLUMNS = {"events"}
-#: Names of arrays that hold x and v together.
-BOTH_IN_ONE = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
-# Column names that a message lists.
-COLUMNS_LISTED, LONGEST_LIST = 12, 150
-NONE = "none"
-# Of a longer name only the beginning is read.
-LONGEST_NAME = 200
-IN_BRACKETS = re.compile(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}")
+# In other units x must be the way that v makes, to this factor.
+SAME_WAY = 5.0
+# Columns are made again if all but this part of the samples agree, to this part of the rest's differences.
+EXCEPTIONS, AGREES = 0.1, 0.02
+# Samples on straight lines: so many of three in a row, to this part of the largest value.
+COLLINEAR, STRAIGHT = 0.25, 1e-12
+# Times are an even grid up to this part of a step, or of themselves as a single-precision number.
+NEARLY_EVEN, SINGLE = 0.2, 2e-6
+CLOSER, SINGLE_ENOUGH = 0.2, 0.7
+FEWEST, FEWEST_ALONE = 8, 60
+# Noise makes the defects of neighbouring steps opposite: their correlation is about -0.5.
+NOISE_CORRELATION, FEW_NOISY = -0.25, 12
+Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
+# Cause, subject, words, the change in words, its number, and the function that makes the change.
+Transform = tuple[str, str, str, str, float | None, Callable[..., Columns]]
+POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, None))
 
 
-def asked_columns(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
-    """Return what was asked for by name: of t, x, v and id; "none" or None: there is no such column."""
-    if columns is not None and not isinstance(columns, Mapping):
-        raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
-    asked: dict[str, str | None] = {}
-    for name, column in dict(columns or {}).items():
-        if name not in USUAL_NAMES:
-            raise ParameterError("columns", shown(name), "only t, x and v are read, and id")
-        if column is not None and not isinstance(column, str):
-            raise ParameterError("columns", shown(column), f"must be text: the name of the column that holds {name}")
-        asked[name] = None if column is not None and column.lower() == NONE else column
-        if asked[name] is None and name in ("t", "x"):
-            raise ParameterError("columns", f"{name}={NONE}", "a time and a position are needed")
-    named = [column for column in asked.values() if column is not None]
-    named += [name for name in SAMPLE_COLUMNS if name not in asked]
-    if len(set(named)) < len(named):
-        raise ParameterError("columns", asked, "t, x and v must be three columns")
-    return asked
+# -- signs, places and units -------------------------------------------------------------------------------------------
 
 
-def plain(name: str) -> str:
-    """Return a name in small letters without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
-    text = unicodedata.normalize("NFKD", name[:LONGEST_NAME]).lower().replace("\u0307", "dot").replace("'", "prime")
-    text = IN_BRACKETS.sub("", text) or text
-    return "".join(letter for letter in text if letter.isalnum())
+def other_columns(case: Case) -> Iterator[Candidate]:
+    """Yield the columns of the table that explain the steps, each with the change that tests it."""
+    s = case.steps
+    for one in changed_columns(case.parameters, s.t, s.x, s.v):
+        columns = one.change.columns(s.t, s.x, s.v)  # type: ignore[union-attr,misc]
+        yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_of(*columns)))
 
 
-def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Tell whether a column may be one that is read; others need not be numbers. All are where `asked` is None."""
-    if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
-        return True
-    return name.lower() in {column.lower() for column in asked.values() if column} | NO_COLUMNS | set(BOTH_IN_ONE)
+def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
+    """Yield the columns of the table; those in other units only if x is about the way that v makes."""
+    for cause, subject, words, change, value, make in (*_signs_and_places(p), *_units(p)):
+        if value is None or 1.0 / SAME_WAY < _way(*make(t, x, v)) < SAME_WAY:
+            found = Diagnosis(cause, subject, words, "", value, None if value is None else 0.0)
+            yield Candidate(found, Change(change, columns=make))
 
 
-def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
-    """Raise ParameterError if a column that is read is there twice."""
-    seen: set[str] = set()
-    for name in names:
-        if name in seen and is_wanted(name, asked):
-            raise ParameterError("file", where, f"has {short(name)!r} twice")
-        seen.add(name)
+def _way(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+    """Return the way that x makes over the one that v makes."""
+    way = float(np.sum(np.abs(v[1:] + v[:-1]) * np.abs(np.diff(t))) / 2.0)
+    return float(np.sum(np.abs(np.diff(x)))) / way if way else np.inf
 
 
-def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
-    """Return the names of the columns t and x, and of v and id if they are there, of all that there are.
-
-    ParameterError if one is missing, or several may be meant; `where` is what the message calls the table.
-    """
-    missing = f"is missing in {where}; there are: {listed(there)}"
-    found: dict[str, str] = {}
-    taken = {column for column in asked.values() if column is not None}
-    for name, usual in USUAL_NAMES.items():
-        column = asked.get(name)
-        if column is not None:
-            same = [each for each in there if each == column] or [e for e in there if e.lower() == column.lower()]
-            if len(set(same)) != 1:
-                raise ParameterError("column", column, missing)
-            found[name] = same[0]
-        elif name not in asked:
-            free = [each for each in there if each not in taken]
-            fitting = [each for each in free if each == name][:1] or [each for each in free if plain(each) in usual]
-            if len(fitting) > 1 and name in SAMPLE_COLUMNS:
-                what = f"may be any of {listed(fitting)} in {where}; say which, such as {name}={fitting[0]}"
-                raise ParameterError("column", name, what)
-            if fitting:
-                found[name] = fitting[0]
-    for name in ("t", "x"):
-        if name not in found:
-            raise ParameterError("column", name, missing)
-    if "v" not in found and "v" not in asked and set(there) - {*found.values(), *NO_COLUMNS}:
-        raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
-    return found
+def _signs_and_places(p: Parameters) -> Iterator[Transform]:
+    yield "sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)
+    yield "sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)
+    yield "sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)
+    yield "columns", "x and v", "the columns x and v are swapped", "swapped", None, lambda t, x, v: (t, v, x)
+    for boundary in (1, 2):
+        speed = float(p.belt(boundary))
+        if speed:
+            yield ("columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
+                   lambda t, x, v, speed=speed: (t, x, v + speed))  # fmt: skip
+    yield ("columns", "v", "v is one sample late", "with v of the next sample", None,
+           lambda t, x, v: (t[:-1], x[:-1], v[1:]))  # fmt: skip
+    yield ("columns", "v", "v is one sample early", "with v of the sample before", None,
+           lambda t, x, v: (t[1:], x[1:], v[:-1]))  # fmt: skip
 
 
-def listed(names: Iterable[str]) -> str:
-    """Return names for a message."""
-    keys = [short(str(key)) for key in names]
-    ends = accumulate(len(key) + 2 for key in keys)
-    fit = sum(end <= LONGEST_LIST for end in islice(ends, COLUMNS_LISTED)) or 1
-    more = [f"and {len(keys) - fit} more"] if len(keys) > fit else []
-    return ", ".join(keys[:fit] + more) or "none"
+def _units(p: Parameters) -> Iterator[Transform]:
+    m, Om = float(p.m), float(p.Omega)
+    rows = [
+        (name, factor, f"{name} {'are' if ' ' in name else 'is'} {size}: other units")
+        for factor, size in ((1000.0, "1000 times too large"), (100.0, "100 times too large"),
+                             (0.01, "100 times too small"), (0.001, "1000 times too small"))
+        for name in ("x", "v", "x and v", "t")
+    ]  # fmt: skip
+    rows += [
+        ("v", m, "v is the momentum, m times the velocity"), ("v", 1.0 / Om, "v is dx/d(Omega t)"),
+        ("t", Om, "t is the phase Omega t of the drive"), ("t", Om / (2 * pi), "t is in periods of the drive"),
+        ("t", Om * 180 / pi, "t is the phase of the drive in degrees"), ("t", 1 / 60, "t is in minutes"),
+    ]  # fmt: skip
+    for name, factor, words in rows:
+        if factor != 1.0:
+            change = f"with {name} divided by {factor:.17g}"
+            yield "columns", name, words, change, factor, partial(_divided, name.split(" and "), factor)
+
+
+def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    t, x, v = (each / factor if name in names else each for name, each in (("t", t), ("x", x), ("v", v)))
+    return t, x, v
+
+
+# -- how the columns were made -----------------------------------------------------------------------------------------
+
+
+def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
+    """Return that the samples never move, if they do not."""
+    if np.ptp(x) or np.ptp(v):
+        return None
+    words, evidence = "x and v never change: the mass does not move", f"x = {x[0]:.10g}, v = {v[0]:.10g} in all samples"
+    return Diagnosis("columns", "x and v", words, evidence)
+
+
+def column_faults(case: Case) -> Iterator[Candidate]:
+    """Yield faults in how the columns were made."""
+    if len(case.steps.t) >= FEWEST:
+        yield from _velocity_column(case)
+        yield from _frozen(case)
+        yield from _resampled(case)
+
+
+def _velocity_column(case: Case) -> Iterator[Candidate]:
+    """Yield how v was made from right positions: by differences, or at times between the samples."""
+    s, h = case.steps, np.diff(case.steps.t)
+    if np.any(h <= 0.0):
+        return
+    slopes = np.diff(s.x) / h
+    made = {
+        "v is gradient(x): differences of neighbouring x": np.gradient(s.x, s.t),
+        "v is the difference of x to the sample before, over the step": np.append(np.nan, slopes),
+        "v is the difference of x to the next sample, over the step": np.append(slopes, np.nan),
+    }
+    for words, v in made.items():
+        off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
+        if np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)) >= 1.0 - EXCEPTIONS:
+            yield Candidate(Diagnosis("columns", "v", words, "repeats v to 9 digits"), POSITIONS_ALONE)
+            return
+    exact = _from_positions(case)
+    if exact is None:
+        return
+    first, v = exact
+    size = np.median(np.abs(v - s.v[first:])) if len(v) else 0.0
+    for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
+        there = _at_other_times(case, first, v, part)
+        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(AGREES * size, case.allowed[0, 1])
+        if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
+            found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
+            yield Candidate(found, POSITIONS_ALONE)
+            return
+
+
+def other_velocities(case: Case) -> Iterator[Candidate]:
+    """Yield that x alone is right, whatever v is."""
+    exact = _from_positions(case) if len(case.inside) >= FEWEST_ALONE else None
+    if exact is not None:
+        s, (first, v) = case.steps, exact
+        share = case.share_of(s.t[first:], s.x[first:], v)
+        found = Diagnosis("columns", "v", "v is not the velocity of x; the positions are right", "", share=share)
+        yield Candidate(found, POSITIONS_ALONE)
+
+
+def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
+    """Return the velocities that belong to the positions, from the first sample that has one on."""
+    s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
+    try:
+        found = with_velocities(Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance)
+    except ParameterError:
+        return None
+    return len(s.t) - len(found.t), found.v
+
+
+def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
+    """Return the exact velocity a part of a step before each sample (negative: after it); NaN where there is none."""
+    s = case.steps
+    t, x = s.t[first:], s.x[first:]
+    time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
+    ends = np.column_stack([time, x[:-1], 0.0 * time])
+    pairs = np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
+    near = np.repeat(case.near[first:][:-1], 2)
+    found = follow_steps(case.parameters, *pairs, near, case.scales).defects[::2, 1]
+    return np.append(np.nan, found) if part > 0.0 else np.append(found, np.nan)
+
+
+def _frozen(case: Case) -> Iterator[Candidate]:
+    """Yield positions that stand still in a stick, in which the belt carries the mass along."""
+    s, speeds = case.steps, (float(case.parameters.v1), float(case.parameters.v2))
+
+    def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+        held = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
+        total = np.cumsum(np.append(0.0, np.where(held, v[:-1] * np.diff(t), 0.0)))
+        runs = np.append(False, held)  # each sample of a run is moved by the way since the run began
+        begin = np.maximum.accumulate(np.where(runs, 0, np.arange(len(t))))
+        return t, x + np.where(runs, total - total[begin], 0.0), v
+
+    x = moved(s.t, s.x, s.v)[1]
+    still = np.flatnonzero((x != s.x)[1:])
+    if not len(still) or not any(speeds):
+        return
+    words = f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
+    share = case.share_of(s.t, x, s.v)
+    if share > 0.0:
+        change = Change("with x moved on by the belt", columns=moved)
+        yield Candidate(Diagnosis("columns", "x", words, "", share=share), change)
+    # A solver that goes on from where x stood: only the steps of the sticks are wrong.
+    inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
+    yield Candidate(Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside))
+
+
+def _resampled(case: Case) -> Iterator[Candidate]:
+    """Yield samples on straight lines between fewer samples."""
+    s = case.steps
+
+    def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
+        h = np.where(np.diff(t) > 0.0, np.diff(t), np.nan)
+        found = np.zeros(len(t) - 2, bool)
+        for values in columns:
+            limit = STRAIGHT * max(float(np.max(np.abs(values))), 1e-300) / h
+            found |= ~(np.abs(np.diff(np.diff(values) / h)) <= 2.0 * (limit[1:] + limit[:-1]))
+        return found
+
+    def knots(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+        kept = np.concatenate([[True], bends(t, x, v), [True]])
+        return t[kept], x[kept], v[kept]
+
+    bent = bends(s.t, s.x, s.v)
+    flat = np.diff(s.v)[:-1] == 0.0  # on a belt a line is right
+    straight = int(np.sum(~bent & ~flat))
+    if straight < COLLINEAR * np.sum(~flat) or straight < FEWEST // 2:
+        return
+    count = int(np.sum(bent)) + 2
+    words = f"the samples lie on straight lines between {count} others: linear interpolation"
+    evidence = f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
+    share = case.share_of(*knots(s.t, s.x, s.v)) if count < len(s.t) - FEWEST // 2 else 0.0
+    change = Change("with these alone", columns=knots) if share >= 0.9 else None
+    yield Candidate(Diagnosis("resampling", "", words, evidence), change)
+
+
+# -- the clock ---------------------------------------------------------------------------------------------------------
+
+
+def other_times(case: Case) -> Iterator[Candidate]:
+    """Yield times that are off by themselves, and belong to an even grid or are in single precision."""
+    if len(case.steps.t) >= FEWEST:
+        yield from _even_times(case)
+        yield from _single_times(case)
+
+
+def _even_times(case: Case) -> Iterator[Candidate]:
+    """Yield times that are an even grid, but written or added up with few digits."""
+    t = case.steps.t
+    h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
+    if np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= NEARLY_EVEN * step:
+        return
+    off = float(np.max(np.abs(t - np.linspace(t[0], t[-1], len(t)))))
+    if off <= 16.0 * np.spacing(np.max(np.abs(t))):
+        return
+    single = off <= 1e3 * np.spacing(np.float32(np.max(np.abs(t))))
+    words = f"the times are no even grid, by up to {off:.1e}" + (": single precision" if single else "")
+    for digits in (0, 7, 6, 5, 4, 3, 2, None):
+        even = _even(t, digits)
+        if np.max(np.abs(even - t)) <= max(0.5 * step, SINGLE * float(np.max(np.abs(t)))):
+            share = case.share_of(even, case.steps.x, case.steps.v)
+            change = f"with even times, {even[1] - even[0]:.10g} apart,"
+            columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
+            yield Candidate(Diagnosis("columns", "t", words, "", share=share), Change(change, columns=columns))
+
+
+def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
+    """Return an even grid; the step may be rounded to so many digits (0: none is), or both ends (None)."""
+    if not digits:
+        ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
+        return np.linspace(*ends, len(t))
+    step = float(f"{(t[-1] - t[0]) / (len(t) - 1):.{digits}g}")
+    return np.asarray(float(f"{t[0]:.6g}") + step * np.arange(len(t)))
+
+
+def _single_times(case: Case) -> Iterator[Candidate]:
+    """Yield times that are each off by themselves: in single precision, a shift of each explains its step."""
+    s, chosen = case.steps, case.inside
+    if not np.array_equal(s.t.astype(np.float32).astype(float), s.t) or np.array_equal(s.t, np.rint(s.t)):
+        return
+    if not len(chosen):
+        return
+    force = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[chosen] - 1]
+    v = s.v[chosen + 1]
+    a = force + s.K.f0 * np.cos(s.theta[chosen + 1]) - s.K.w0sq * s.x[chosen + 1] - s.K.cm * v
+    slopes = np.column_stack([v, a]) / case.allowed[chosen]
+    misses = s.defects[chosen] / case.allowed[chosen]
+    shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
+    within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
+    left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
+    part = case.share(np.where(within, left, np.inf), chosen, CLOSER)
+    largest = float(np.max(np.abs(shift[within]), initial=0.0))
+    evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
+    # Numbers of single precision in all samples are no chance.
+    share = 1.0 if part >= SINGLE_ENOUGH else part
+    yield Candidate(Diagnosis("columns", "t", "the times are in single precision", evidence, largest, share=share))
+
+
+# -- the numbers themselves, and the list of events --------------------------------------------------------------------
+
+
+def listed(check: Any) -> Iterator[Diagnosis]:
+    """Yield the faults of a list of events where the samples are right."""
+    missed, invented = check.missed, check.invented
+    evidence = "the samples are right"
+    if missed and len(missed) == len(invented) and [e.kind for e in missed] == [e.kind for e in invented]:
+        worst = max((found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)), key=abs)
+        words = f"{len(missed)} events of the list are at wrong times, by up to {worst:.3g}"
+        yield Diagnosis("event times", "", words, evidence, worst, None)
+        return
+    for cause, events, what in (
+        ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,"),
+    ):  # fmt: skip
+        if events:
+            first = f"{events[0].kind} at t = {float(events[0].t):.10g}"
+            words = f"the list {what} {len(events)} event{'s' if len(events) > 1 else ''}, first: {first}"
+            yield Diagnosis(cause, "", words, evidence, float(len(events)), 0.0)
+
+
+def outliers(case: Case) -> Iterator[Candidate]:
+    """Yield samples that are off by themselves: without them the steps are right."""
+    check = case.check
+    off = [fault for fault in check.faults if fault.reason == "outlier"]
+    if off:
+        explained = {step for fault in off for step in (fault.step, fault.step + 1)} & set(check.wrong_steps.tolist())
+        words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {off[0].step + 1}"
+        size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
+        found = Diagnosis("outlier", "", words, "", size, None, len(explained) / len(check.wrong_steps))
+        rows = [fault.step + 1 for fault in off]
+        without = "without them" if len(off) > 1 else "without it"
+        yield Candidate(found, Change(without, columns=lambda *columns: tuple(np.delete(c, rows) for c in columns)))
+
+
+def noise(case: Case) -> Iterator[Diagnosis]:
+    """Yield noise: the error of a sample is in the defect before it, and carried on in the defect after it."""
+    inside = case.inside_wrong
+    pairs = inside[:-1][np.diff(inside) == 1]
+    if len(pairs) < FEW_NOISY:
+        return
+    s, defects = case.steps, case.steps.defects
+    # The effect of the error of a sample in between, minus the defect before it, on the next step.
+    moved = replace(s, x=s.x.copy(), v=s.v.copy())
+    moved.x[pairs + 1] += defects[pairs, 0]
+    moved.v[pairs + 1] += defects[pairs, 1]
+    domain = case.domain[pairs + 1]
+    effect = moved.flight(domain, pairs + 1, pairs + 2) - s.flight(domain, pairs + 1, pairs + 2)
+    after = defects[pairs + 1]
+    products = np.sqrt(np.sum(effect**2, axis=0) * np.sum(after**2, axis=0))
+    x, v = (np.sum(effect * after, axis=0) / products).tolist()
+    if max(x, v) < 0.0 and min(x, v) < NOISE_CORRELATION:
+        sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
+        words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
+        evidence = f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
+        error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
+        yield Diagnosis("noise", "", words, evidence, float(sizes[1]), error, 0.99 * case.flights_wrong)
+
+
+def few_digits(check: Any) -> Iterator[Diagnosis]:
+    """Yield how few digits the columns have."""
+    if check.rounded:
+        columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())
+        words, evidence = f"the samples are rounded: {columns}", "all numbers of these columns fit that grid"
+        yield Diagnosis("precision", ", ".join(check.rounded), words, evidence, share=0.0)

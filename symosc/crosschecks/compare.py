@@ -12,20 +12,23 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import NumberLike, Progress, Record, SolutionLike
 from symosc.arguments import public
-from symosc.crosschecks.allowed import double_rounding, looseness, propagated
-from symosc.crosschecks.events import WINDOW, FoundEvent, find_events, given_events, labels
-from symosc.crosschecks.faults import Fault, explain
-from symosc.crosschecks.files import given_solutions
-from symosc.crosschecks.functions import dense_note
-from symosc.crosschecks.many import CrossChecks, check_all
-from symosc.crosschecks.matching import Match, Matcher, Matching
-from symosc.crosschecks.other_models import own_start as start_of
-from symosc.crosschecks.reach import Reach
-from symosc.crosschecks.report import CrossCheck
-from symosc.crosschecks.rounding import Rounding, find_rounding
-from symosc.crosschecks.samples import Samples, check_joints
-from symosc.crosschecks.solver_times import with_times
-from symosc.crosschecks.steps import ExactSteps, follow_steps
+from symosc.crosschecks.causes import Fault, explain
+from symosc.crosschecks.events import (
+    WINDOW,
+    FoundEvent,
+    Match,
+    Matcher,
+    Matching,
+    Reach,
+    find_events,
+    given_events,
+    labels,
+)
+from symosc.crosschecks.files import read_solutions
+from symosc.crosschecks.objects import SolverTask, dense_note, of_function
+from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.samples import Rounding, Samples, check_joints, checked, checked_events, find_rounding
+from symosc.crosschecks.steps import ExactSteps, double_rounding, follow_steps, propagated, sample_errors
 from symosc.crosschecks.velocities import fastest_rate, with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
@@ -54,7 +57,7 @@ LAST_STEP = 0.05
 DRIFT = 1e-4
 # Two samples of one time may differ by this part of the largest |x| and |v|: pieces joined at an event.
 SAMPLE_JUMP = 1e-4
-# Wrong steps that are looked at one by one.
+# Wrong steps that are explained one by one.
 MOST_FAULTS = 500
 # The exact motion is followed for this many events.
 FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
@@ -131,14 +134,30 @@ def crosscheck(
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
     judge = Judge(scene, allowed, limit, own_start, partial)
-    found = given_solutions(scene, (t, x, v), events, columns)
+    if x is None and v is None:
+        found = read_solutions(t, columns, SolverTask.of(scene))
+    elif callable(x) and not hasattr(x, "__array__"):
+        found = [of_function(x, SolverTask.of(scene), t)]
+    else:
+        found = [checked(t, x, v, events)]
+    if events is not None:
+        if len(found) > 1:
+            raise ParameterError("events", "given", f"can be listed for one solution; there are {len(found)}")
+        found = [replace(found[0], events=checked_events(events))]
     read_workers(workers)
     return judge(found[0]) if len(found) == 1 else check_all(judge, found, workers, progress)
 
 
+def _positive(name: str, value: object) -> float:
+    number = float(read_exact(name, value))
+    if not number > 0.0:
+        raise ParameterError(name, value, "must be > 0")
+    return number
+
+
 @dataclass(frozen=True)
 class Judge:
-    """What samples are held against, and how strictly; see `crosscheck`. Called with samples, it returns a verdict."""
+    """The motion that samples are compared with, and how strictly; called with samples, it returns a verdict."""
 
     scene: Scene | Parameters
     tolerance: float
@@ -150,6 +169,12 @@ class Judge:
     def parameters(self) -> Parameters:
         """Parameters of the exact motion."""
         return self.scene if isinstance(self.scene, Parameters) else self.scene.parameters
+
+    @property
+    def start(self) -> tuple[float, float, float] | None:
+        """Start t0, x0, v0 of the scene; None for Parameters."""
+        scene = self.scene
+        return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
 
     @property
     def limit(self) -> float:
@@ -171,8 +196,8 @@ class Judge:
         p, scene = self.parameters, self.scene
         if samples.lacks_v:
             samples = with_velocities(samples, scene, self.tolerance)
-        t0 = None if isinstance(scene, Parameters) else float(scene.t0)
-        return Task(self, p, samples, find_rounding(samples, (float(p.v1), float(p.v2)), t0)).verdict()
+        rounding = find_rounding(samples, (float(p.v1), float(p.v2)), self.start[0] if self.start else None)
+        return Task(self, p, samples, rounding).verdict()
 
 
 @dataclass(frozen=True)
@@ -199,7 +224,7 @@ class Task:
         samples, rounding = self.samples, self.rounding
         units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
         jump = max(SAMPLE_JUMP, self.by.tolerance)
-        check_joints(samples, jump, *looseness(self.parameters, samples, units).T)
+        check_joints(samples, jump, *sample_errors(self.parameters, samples, units).T)
         result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
         if result.ok or not rounding.texts:
             return result
@@ -238,18 +263,10 @@ class Task:
         return replace(result, coarser=few.judge(half[:, kept], listed))
 
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
-        """Compare the samples with the exact motion.
-
-        Parameters
-        ----------
-        rounding : (3, n) array
-            How far t, x and v of the samples may be off as numbers.
-        listed : array
-            How far the times of the list of events are rounded.
-        """
+        """Compare the samples with the exact motion."""
         samples, p, tolerance = self.samples, self.parameters, self.by.tolerance
         notes = self._notes(rounding, listed)
-        loose = looseness(p, samples, rounding)
+        loose = sample_errors(p, samples, rounding)
         start, other_start = self._start(loose[0], rounding[:, 0])
         trajectory = self._simulate(float(samples.t[-1]), start)
         errors, scales = _global_errors(trajectory, samples)
@@ -304,7 +321,7 @@ class Task:
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
-            own_start=start_of(self.by.scene),
+            own_start=self.by.start,
             _task=replace(self, samples=replace(self.samples, dense=None)),
             wrong_start=refused,
         )
@@ -403,7 +420,7 @@ class Task:
         if events is None:
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
             matcher = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
-            return with_times(matcher.match(), matcher, [t for t in times if t <= until])
+            return matcher.with_times(matcher.match(), [t for t in times if t <= until])
         order = sorted((i for i, (t, _) in enumerate(events) if not ended or t <= until), key=lambda i: events[i][0])
         pairs, reach = [events[i] for i in order], replace(reach, listed=reach.listed[order])
         exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
@@ -423,13 +440,6 @@ class Task:
         return simulate(self.by.scene, t_end=t_end, max_events=most, **start)
 
 
-def _positive(name: str, value: object) -> float:
-    number = float(read_exact(name, value))
-    if not number > 0.0:
-        raise ParameterError(name, value, "must be > 0")
-    return number
-
-
 def _global_errors(trajectory: Trajectory, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples minus the exact motion, shape (n, 2), NaN after its end; and the units of x and v."""
     times, until = samples.t, float(trajectory.t_end)
@@ -442,7 +452,7 @@ def _global_errors(trajectory: Trajectory, samples: Samples) -> tuple[np.ndarray
 
 
 def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
-    """Tell whether a list of events is not in order of time, and note where."""
+    """Return whether a list of events is not in order of time, and note where."""
     for (before, _), (time, kind) in pairwise(events):
         if time < before:
             notes.append(f"the list is not in order of time: {kind} at t = {time:.10g} comes after t = {before:.10g}")

@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks import (
-    alternatives,
-    column_clues,
-    data_clues,
-    event_clues,
-    friction_clues,
-    method_clues,
-    other_models,
-    stick_clues,
+from symosc.crosschecks import columns, friction, methods, models
+from symosc.crosschecks.causes import (
+    AS_GOOD,
+    EXPLAINS,
+    REASONS,
+    SURE,
+    Candidate,
+    Case,
+    Change,
+    Diagnosis,
+    tried_samples,
 )
-from symosc.crosschecks.causes import Candidate, Change, Diagnosis
-from symosc.crosschecks.clues import AS_GOOD, SURE, Clues, clue_samples
-from symosc.crosschecks.faults import EXPLAINS, REASONS
-from symosc.crosschecks.other_models import ENOUGH
-from symosc.crosschecks.rounding import find_rounding
-from symosc.crosschecks.smoothed_flights import smoothed_flights
+from symosc.crosschecks.models import ENOUGH
+from symosc.crosschecks.samples import find_rounding
 from symosc.crosschecks.velocities import with_velocities
 from symosc.engine.next_event import TWO_PI
 from symosc.errors import ParameterError
 
 # A cause that explains less of the wrong steps is not named.
 NAMED = 0.3
-# Forcing periods of which no sample is needed. Longer steps hold so many events that they tell nothing of a cause, and
-# each cause would take long to try.
+# Forcing periods of which no sample is needed. Longer steps hold so many events that they show no cause, and each cause
+# would take long to try.
 UNSEEN_PERIODS = 200.0
 # Of causes that explain the samples alike, so many are tested by a check with the change, and named.
 MOST_NAMED = 6
@@ -39,58 +37,68 @@ MOST_NAMED = 6
 MOST_KEPT = 0.9
 # Causes that speak of a stick: there must be one.
 OF_STICKS = {"stick left early", "stick left late", "drift", "chatter"}
+#: The alternatives, stage by stage, the cheapest first.
+STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...] = (
+    (columns.outliers, columns.noise, columns.other_columns, columns.other_times),
+    (models.other_systems, models.phases_of_drive),
+    (columns.column_faults,),
+    (methods.double_roots, models.coefficients),
+    (models.far_coefficients,),
+    (methods.repeated, methods.interpolated),
+    (friction.smoothed_flights, friction.at_belts, friction.stick_ends, friction.drift_within_steps),
+    (methods.delays, friction.smoothed_passages),
+    (columns.other_velocities, methods.truncation, models.forces),
+)
+# In these stages a cause is named at once only if its change makes all steps right.
+SURE_STAGES = 3
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     """Return what is probably wrong in the samples of a `CrossCheck`, the likeliest first.
 
-    Each cause is put to the test: another model is followed over all steps, and has to make the wrong ones right. For
-    those that are named the whole check is repeated with the change, and its result is their evidence. Where several
-    explain the samples as well, the others are the `alternatives` of the first.
+    Each alternative is followed over all steps, and has to make the wrong ones right. For those that are named the
+    whole check is repeated with the change, and its result is their evidence. Where several explain the samples as
+    well, the others are the `alternatives` of the first.
     """
-    few_digits = tuple(data_clues.digits(check))
+    few_digits = tuple(columns.few_digits(check))
     if check.ok:
         return few_digits
     if check.coarser is not None:
         return diagnose(check.coarser)
     if not len(check.wrong_steps):
-        found = tuple(data_clues.listed(check)) or tuple(_start(check))
-        return (*found, *few_digits)
-    constant = column_clues.no_motion(check.t, check.x, check.v)
-    if constant or _too_long(check):
+        return (
+            (*columns.listed(check), *few_digits) if check.missed or check.invented else (*_start(check), *few_digits)
+        )
+    constant = columns.no_motion(check.t, check.x, check.v)
+    t = check.t[tried_samples(check)]
+    periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
+    if constant or periods > max(UNSEEN_PERIODS, len(t)):
         return (constant or _other_times(check) or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
-        found = _best(Clues.of(check), check)
-    return (*found, *few_digits)
-
-
-def _too_long(check: Any) -> bool:
-    """Return whether there are fewer samples than forcing periods around the wrong steps."""
-    t = check.t[clue_samples(check)]
-    periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
-    return bool(periods > max(UNSEEN_PERIODS, len(t)))
+        return (*_best(Case.of(check), check), *few_digits)
 
 
 def _other_times(check: Any) -> Diagnosis | None:
     """Return the unit of times in which the steps are right, if there is one."""
-    for one in alternatives.changed_columns(check.trajectory.parameters, check.t, check.x, check.v):
+    for one in columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v):
         found = with_evidence(one, check) if one.diagnosis.subject == "t" else None
         if found is not None and found.share >= ENOUGH:
             return found
     return None
 
 
-def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
-    """Return what explains the wrong steps; causes that cost more are tried only if the cheaper ones do not."""
+def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
+    """Return what explains the wrong steps; a stage that costs more is tried only if the cheaper ones explain less."""
     tried: list[Candidate] = []
     named: list[Diagnosis] = []
-    for stage in (_numbers, _systems, _columns, _fits, _far_fits, _methods, _sticks, _delays, _rest):
-        found = [one if isinstance(one, Candidate) else Candidate(one) for one in stage(clues, check)]
-        tried += [one for one in found if clues.sticks or one.diagnosis.cause not in OF_STICKS]
+    for number, stage in enumerate(STAGES):
+        found = [one for alternatives in stage for one in alternatives(case)]
+        candidates = [one if isinstance(one, Candidate) else Candidate(one) for one in found]
+        tried += [one for one in candidates if case.sticks or one.diagnosis.cause not in OF_STICKS]
         tried.sort(key=lambda one: -one.diagnosis.share)
         if tried and tried[0].diagnosis.share >= ENOUGH:
             named = _tested(tried, check)
-            if named and named[0].share >= (SURE if stage in (_numbers, _systems, _columns) else ENOUGH):
+            if named and named[0].share >= (SURE if number < SURE_STAGES else ENOUGH):
                 break
     named = named or _tested(tried, check)
     if not named:
@@ -102,30 +110,25 @@ def _best(clues: Clues, check: Any) -> tuple[Diagnosis, ...]:
 def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
     """Return the best candidates as diagnoses, each tested by a check with its change; what fails that is not named."""
     waiting = list(tried)
-    while waiting:
-        best = waiting[0].diagnosis.share
-        if best < NAMED:
-            return []
+    while waiting and (best := waiting[0].diagnosis.share) >= NAMED:
         good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
         waiting = waiting[len(good) :]
         seen: dict[tuple[str, str], Diagnosis] = {}
         for one in good:
-            if len(seen) < MOST_NAMED and _name(one.diagnosis) not in seen:
+            cause, subject = one.diagnosis.cause, one.diagnosis.subject
+            name = cause, subject if cause in ("coefficient", "sign", "columns") else ""
+            if len(seen) < MOST_NAMED and name not in seen:
                 diagnosis = with_evidence(one, check)
                 if diagnosis is not None and diagnosis.share >= NAMED:
-                    seen[_name(one.diagnosis)] = diagnosis
+                    seen[name] = diagnosis
         if seen:
             found = sorted(seen.values(), key=lambda one: -one.share)
             return [one for one in found if one.share >= found[0].share - 1.001 * AS_GOOD]
     return []
 
 
-def _name(one: Diagnosis) -> tuple[str, str]:
-    return one.cause, one.subject if one.cause in ("coefficient", "sign", "columns") else ""
-
-
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Return a diagnosis with what the check says if it is repeated with the change; None if that cannot be done."""
+    """Return a diagnosis with the result of the check repeated with the change; None if that cannot be done."""
     diagnosis, change = candidate
     if change is None:
         return diagnosis
@@ -169,58 +172,7 @@ def _explained(check: Any, again: Any) -> float:
     return float(1.0 - np.mean(~(after <= max(1.0, EXPLAINS * np.nanmedian(before[wrong])))) / np.mean(wrong))
 
 
-Stage = Iterator[Candidate | Diagnosis]
-
-
-def _numbers(clues: Clues, check: Any) -> Stage:
-    yield from data_clues.outliers(check)
-    yield from data_clues.noise(clues)
-    yield from alternatives.other_columns(clues)
-    yield from column_clues.other_times(clues)
-
-
-def _systems(clues: Clues, check: Any) -> Stage:
-    yield from alternatives.other_systems(clues)
-    yield from other_models.phases_of_drive(clues, check.own_start)
-
-
-def _columns(clues: Clues, check: Any) -> Stage:
-    yield from column_clues.column_faults(clues)
-
-
-def _fits(clues: Clues, check: Any) -> Stage:
-    yield from event_clues.double_roots(clues)
-    yield from other_models.coefficients(clues)
-
-
-def _far_fits(clues: Clues, check: Any) -> Stage:
-    yield from other_models.far_coefficients(clues)
-
-
-def _methods(clues: Clues, check: Any) -> Stage:
-    yield from method_clues.repeated(clues)
-    yield from event_clues.interpolated(clues)
-
-
-def _sticks(clues: Clues, check: Any) -> Stage:
-    yield from smoothed_flights(clues)
-    yield from friction_clues.at_belts(clues)
-    yield from stick_clues.stick_ends(clues)
-    yield from stick_clues.drift_within_steps(clues)
-
-
-def _delays(clues: Clues, check: Any) -> Stage:
-    yield from event_clues.delays(clues)
-    yield from friction_clues.smoothed_passages(clues)
-
-
-def _rest(clues: Clues, check: Any) -> Stage:
-    yield from column_clues.other_velocities(clues)
-    yield from method_clues.truncation(clues)
-    yield from other_models.forces(clues)
-
-
-def _start(check: Any) -> Iterator[Diagnosis]:
+def _start(check: Any) -> Iterable[Diagnosis]:
     """Yield another start, which is said, or one that the global error shows; an early end is no fault of the steps."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:

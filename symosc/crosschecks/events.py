@@ -1,22 +1,34 @@
-"""Switching events that samples show, and how they fit the exact ones."""
+"""Switching events of samples, or of a list, and their exact partners: in order, each once, within the tolerance."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from math import cos, sin, sqrt
 
 import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
-from symosc.model import MODE_NAMES
+from symosc.engine.flow import derivatives
+from symosc.engine.next_event import passing_time
+from symosc.kernels._generated import acceleration
+from symosc.model import MODE_NAMES, NEIGHBOURS
+from symosc.simulation.trajectory import Event, Trajectory
 
-CODES = {name: code for code, name in KIND_NAMES.items()}
+CODES, MODES = ({name: code for code, name in names.items()} for names in (KIND_NAMES, MODE_NAMES))
 # An event of the samples belongs to an exact one that is at most this part of the forcing period away.
 WINDOW = 0.05
 # A contact of the samples with a belt is a stick if they keep to it for this part of the period.
 SHORTEST_STICK = 1e-9
+# Times are estimated from the leading derivatives: twice that is surely enough.
+REACH_SAFETY = 2.0
+# Where events at one belt are too close to be distinguished, a list may have these kinds: for a passage to the next
+# domain, or back to where the motion came from, and for a stick that ends and begins again.
+PASSES = {("cross",), ("stick", "slip")}
+RETURNS = {(), ("graze",), ("stick", "slip"), ("cross", "cross")}
+STAYS: set[tuple[str, ...]] = {(), ("slip", "stick")}
 
 
 @dataclass(frozen=True)
@@ -61,17 +73,52 @@ class FoundEvent:
     spread: float = 0.0
 
 
+@dataclass(frozen=True)
+class Match:
+    """An exact event and the time at which the samples have it.
+
+    Attributes
+    ----------
+    event : Event
+        The exact one.
+    t : float
+        Its time in the samples, or in the list of events.
+    found : FoundEvent or None
+        What the samples show; None for an event inside a step that is right.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> match = crosscheck("fig5", t, x, v).matched[0]
+    >>> match.event.kind, f"{match.t:.6f}"
+    ('stick', '0.122303')
+    """
+
+    event: Event
+    t: float
+    found: FoundEvent | None
+
+    @property
+    def error(self) -> float:
+        """Time in the samples minus exact time."""
+        return self.t - float(self.event.t)
+
+
+# -- events that samples show ------------------------------------------------------------------------------------------
+
+
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt.
 
-    At a belt is what is within `near` of it, and what is within `drift` while the exact motion would stick; both are
-    velocities, one for each sample.
+    A sample is at a belt within the velocity `near` of it, or within `drift` while the exact motion would stick.
     """
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
-    for boundary, belt in ((1, K.belt1), (2, K.belt2)):
-        gap = np.abs(v - belt.v)
-        sticks = steps.last == 3 + boundary
+    for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
+        gap, sticks = np.abs(v - speed), steps.last == 3 + boundary
         held = np.append(sticks, False) | np.append(False, sticks)
         label[(gap <= near) | ((gap <= drift) & held)] = 3 + boundary
     return label
@@ -80,23 +127,25 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
     """Return the events that the labels of the samples show, in order of time, and the modes of the samples.
 
-    `wrong` tells which steps are wrong. The modes are the labels, 0 for samples that only pass or touch a belt.
+    `wrong` marks the wrong steps. The modes are the labels, 0 for samples that only pass or graze a belt.
     """
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _flown(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
     found: list[FoundEvent] = []
-    now, left = 0, 0  # what the samples did last, and the last sample that did it
+    now, since = 0, 0  # the last mode of the samples, and the last sample in it
 
     def go(domain: int, sample: int) -> None:
         """Go from there to a domain, which the samples have reached at `sample`."""
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
-            found.append(_event(steps, "slip", now - 3, now, entered, left, left, left))
+            found.append(_event(steps, "slip", now - 3, now, entered, since, since, since))
             now = entered
         if now:
-            found.extend(_crossings(steps, now, domain, left, sample))
+            way = 1 if domain > now else -1
+            route = range(now, domain + way, way) if now != domain else ()
+            found.extend(_event(steps, "cross", min(a, b), a, b, since, sample - 1, None) for a, b in pairwise(route))
         now = domain
 
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
@@ -113,7 +162,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
             modes[first : last + 1] = 0
             if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
                 continue
-            # Where the steps are right, the exact motion tells what happens at the contact.
+            # Where the steps are right, the exact motion shows what happens at the contact.
             source, target = int(steps.last[first - 1]), int(steps.first[last])
             if not now:  # a start on the belt is not an event
                 source = now = target
@@ -123,12 +172,12 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
                 now = target
             elif now > 3 or target != now:
                 continue
-        left = last
+        since = last
     return found, modes
 
 
 def _flown(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Tell which samples at a belt were reached from one at the same belt by a flight, in a step that is right."""
+    """Return which samples at a belt were reached from one at the same belt by a flight, in a step that is right."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -137,47 +186,28 @@ def _flown(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarra
 
 
 def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
-    """Tell whether samples first … last at a belt stick to it, in place of only passing or touching it."""
+    """Return whether samples first … last at a belt stick to it, in place of only passing or grazing it."""
     inside = np.arange(first, min(last, len(wrong) - 1) + 1)
     sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
     for i in inside[~sticks].tolist():
-        rows = steps.events.rows(i, i)
-        sticks[i - first] = bool(np.any(steps.events.target[rows] == mode))
-    # Where a step is wrong the samples decide: two at the belt are on it, the last one has left it.
+        sticks[i - first] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == mode))
+    # Where a step is wrong the samples decide: two at the belt are on it, the last one is about to leave it.
     held = np.where(wrong[inside], inside < last, sticks)
-    duration = float(np.sum(np.diff(steps.t)[inside[held]]))
-    return duration >= SHORTEST_STICK * steps.K.period
-
-
-def _crossings(steps: ExactSteps, source: int, target: int, before: int, after: int) -> list[FoundEvent]:
-    """Return the crossings on the way from one domain to another between two samples."""
-    way = 1 if target > source else -1
-    route = list(range(source, target + way, way)) if source != target else []
-    return [_event(steps, "cross", min(a, b), a, b, before, after - 1, None) for a, b in pairwise(route)]
+    return float(np.sum(np.diff(steps.t)[inside[held]])) >= SHORTEST_STICK * steps.K.period
 
 
 def _event(
-    steps: ExactSteps,
-    kind: str,
-    boundary: int,
-    source: int,
-    target: int,
-    step: int,
-    last_step: int,
-    sample: int | None,
+    steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
+    """Return an event between two samples, at the time of the exact event there, of a sample, or interpolated."""
     last_step = min(last_step, len(steps.first) - 1)
-    rows = steps.events.rows(step, last_step)
-    same = (steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)
-    times = steps.events.t[rows][same]
-    spread = 0.0 if len(times) else float(steps.t[last_step + 1] - steps.t[step])
-    if len(times):
-        time = float(times[0])
-    elif sample is not None:
-        time = float(steps.t[sample])
+    i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
+    times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
+    spread = 0.0 if len(times) else float(steps.t[j] - steps.t[i])
+    if len(times) or sample is not None:
+        time = float(times[0] if len(times) else steps.t[sample])
     else:
-        i, j = step, last_step + 1
-        gaps = steps.v[i : j + 1] - (steps.K.belt1.v if boundary == 1 else steps.K.belt2.v)
+        gaps = steps.v[i : j + 1] - steps.belts[boundary - 1]
         nearest = i + int(np.argmin(np.abs(gaps)))
         part = gaps[0] / (gaps[0] - gaps[-1]) if gaps[0] * gaps[-1] < 0.0 else 0.5
         between = steps.t[i] + part * (steps.t[j] - steps.t[i])
@@ -187,9 +217,370 @@ def _event(
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
     """Return given pairs (t, kind) as events of the samples."""
-    last = len(steps.first) - 1
-    found = []
-    for time, kind in pairs:
-        step = min(max(int(np.searchsorted(steps.t, time, "right")) - 1, 0), last)
-        found.append(FoundEvent(time, kind, 0, "", "", step, step))
-    return found
+    return [FoundEvent(time, kind, 0, "", "", step, step) for time, kind in pairs for step in [steps.at(time)[0]]]
+
+
+# -- tolerances of event times -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Bounds of the time errors that the tolerance and the errors of the samples make.
+
+    `errors` are the allowed errors of the samples in x and v, (n, 2); `allowed_v` is the tolerance as a velocity;
+    `listed` the rounding of the times of a list.
+    """
+
+    steps: ExactSteps
+    errors: np.ndarray
+    allowed_v: float
+    tolerance: float
+    listed: np.ndarray
+
+    def of(self, event: Event) -> float:
+        """Return the time error of an exact event."""
+        t, x, theta = float(event.t), float(event.x), float(event.theta)
+        return self._width(t, x, theta, event.boundary, MODES[event.source])
+
+    def of_row(self, row: int) -> float:
+        """Return the time error of an event of `steps.events`."""
+        events = self.steps.events
+        step, boundary = int(events.step[row]), int(events.boundary[row])
+        starts = row == 0 or events.step[row - 1] != step
+        source = int(self.steps.first[step] if starts else events.target[row - 1])
+        source = 3 + boundary if events.kind[row] == CODES["slip"] else min(source, 3)
+        return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
+
+    def of_start(self, boundary: int) -> float:
+        """Return how far from the first sample a solver may see its start on a belt."""
+        t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
+        return max(self._width(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
+
+    def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
+        """Return how long the exact motion nearly grazes a belt at a time, or None if it does not."""
+        if not float(trajectory.t_start) <= time <= float(trajectory.t_end):
+            return None
+        K, mode = self.steps.K, MODES[trajectory.mode(time)]
+        if mode > 3:
+            return None
+        x, v = (float(value) for value in trajectory(time))
+        # The phase of the samples' clock does not lose digits at large times.
+        step = self.steps.at(time)[0]
+        theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
+        a = self._acceleration(x, v, theta, mode)
+        b = float(derivatives(v, a, sin(theta), cos(theta), K)[0])
+        spread = self._spread(time)[1] + self.allowed_v
+        gap = min(abs(v - belt.v) for belt in (K.belt1, K.belt2))
+        if b == 0.0 or gap > REACH_SAFETY * spread or a * a > 2.0 * REACH_SAFETY * spread * abs(b):
+            return None
+        return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
+
+    def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
+        K = self.steps.K
+        return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
+
+    def _spread(self, time: float) -> tuple[float, float]:
+        """Return how far x and v of the samples may be off at a time: in a flight neither outgrows its energy."""
+        j = int(np.searchsorted(self.steps.t, time))
+        dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
+        return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
+
+    def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
+        K, (dx, dv) = self.steps.K, self._spread(time)
+        v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
+        rate = max(K.Om, sqrt(K.w0sq))
+        if source > 3:  # the force passes 0, with known derivatives
+            error = K.w0sq * dx + rate * self.allowed_v
+            slopes = -(K.w0sq * v + K.fB * s), -K.fB * K.Om * c, K.fB * K.Om * K.Om * s
+        else:  # the velocity passes the belt's
+            error, a = dv + self.allowed_v, self._acceleration(x, v, theta, source)
+            slopes = (a, *derivatives(v, a, s, c, K)[:2])
+        passing = REACH_SAFETY * float(passing_time(error, *slopes, K))
+        return passing + self.tolerance / rate + 4.0 * float(np.spacing(abs(time)))
+
+
+# -- matching ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Matching:
+    """The partners of events; the words are those of `CrossCheck`."""
+
+    matched: list[Match] = field(default_factory=list)
+    missed: list[Event] = field(default_factory=list)
+    invented: list[FoundEvent] = field(default_factory=list)
+    unresolved: list[Event | FoundEvent] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+class Matcher:
+    """Pair exact events with those of the samples, or of a list that the solver reported (`given`).
+
+    `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
+    """
+
+    def __init__(
+        self,
+        trajectory: Trajectory,
+        exact: Sequence[Event],
+        found: Sequence[FoundEvent],
+        given: bool,
+        reach: Reach,
+        label: np.ndarray,
+        wrong: np.ndarray,
+    ) -> None:
+        self.trajectory, self.exact, self.found, self.given = trajectory, exact, found, given
+        self.reach, self.steps, self.label, self.wrong = reach, reach.steps, label, wrong
+        self.window = WINDOW * self.steps.K.period
+        self.times = np.array([float(event.t) for event in exact])
+        self.reaches = np.array([reach.of(event) for event in exact])
+        self.local = [self._local(event, time) for event, time in zip(exact, self.times.tolist(), strict=True)]
+        # Numbers of the exact events and of those found that have no partner yet.
+        self.exact_free, self.found_free = set(range(len(exact))), set(range(len(found)))
+        self.result = Matching()
+
+    def match(self) -> Matching:
+        """Match the events, and say what those without a partner are."""
+        self._pair()
+        if self.given:
+            self._allow_start()
+            self._allow_events_of_the_samples()
+            self._allow_close_events()
+            self._allow_near_grazes()
+        self._judge_exact()
+        self._judge_found()
+        self.result.matched.sort(key=lambda match: float(match.event.t))
+        return self.result
+
+    def _local(self, event: Event, time: float) -> int | None:
+        """Return which event of the exact motion over a right step is this event, or None."""
+        events = self.steps.events
+        rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
+        same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
+        rows = rows[same & ~self.wrong[events.step[rows]]]
+        return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
+
+    def _pair(self) -> None:
+        """Pair events of one kind that are within reach of each other, in order, as many as possible."""
+        pairs = []
+        most = float(np.max(self.reaches, initial=0.0)) + self.window
+        for j, event in enumerate(self.found):
+            slack = event.spread + self.reach.listed[j] if self.given else event.spread
+            low, high = np.searchsorted(self.times, [event.t - most - slack, event.t + most + slack])
+            for i in range(int(low), int(high)):
+                own = self.exact[i]
+                if own.kind != event.kind or event.boundary not in (0, own.boundary):
+                    continue
+                distance = abs(self.times[i] - event.t)
+                row = self.local[i]
+                if row is not None:  # its time on the samples' own path
+                    distance = min(distance, abs(float(self.steps.events.t[row]) - event.t))
+                if distance <= self.reaches[i] + slack:
+                    pairs.append((i, j, float(distance)))
+        for i, j in in_order(pairs):
+            self.exact_free.remove(i)
+            self.found_free.remove(j)
+            self.result.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
+
+    def _allow_start(self) -> None:
+        """Allow one event at a start on a belt: it is not an event, but solvers list it."""
+        boundary = int(self.label[0]) - 3
+        if boundary <= 0 or not self.found_free:
+            return
+        first = min(self.found_free)
+        time = self.found[first].t
+        if abs(time - float(self.steps.t[0])) <= self.reach.of_start(boundary) + self.reach.listed[first]:
+            self.found_free.remove(first)
+            self.result.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
+
+    def _allow_events_of_the_samples(self) -> None:
+        """Set aside listed events that only the samples' own path has."""
+        events = self.steps.events
+        used = {row for row in self.local if row is not None}
+        for j in sorted(self.found_free):
+            event = self.found[j]
+            low, high = np.searchsorted(events.t, [event.t - self.window, event.t + self.window])
+            for row in range(int(low), int(high)):
+                own = events.kind[row] == CODES[event.kind] and row not in used and not self._is_exact(row)
+                if own and not self.wrong[events.step[row]]:
+                    distance = abs(float(events.t[row]) - event.t)
+                    if distance <= self.reach.of_row(row) + self.reach.listed[j]:
+                        used.add(row)
+                        self.found_free.remove(j)
+                        self.result.unresolved.append(event)
+                        break
+
+    def _is_exact(self, row: int) -> bool:
+        """Return whether an event over a step is an exact one: then it is no other event of the samples' path."""
+        events = self.steps.events
+        near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + self.reach.of_row(row))
+        kind, boundary = events.kind[row], events.boundary[row]
+        return any(CODES[self.exact[i].kind] == kind and self.exact[i].boundary == boundary for i in near.tolist())
+
+    def _allow_close_events(self) -> None:
+        """Set aside differences within the tolerance where exact events at one belt are too close to be resolved."""
+        partner = {id(match.event): match.found for match in self.result.matched}
+        index = {id(event): j for j, event in enumerate(self.found)}
+        clusters: list[list[int]] = []
+        for i, event in enumerate(self.exact):
+            before = clusters[-1][-1] if clusters else i
+            gap = self.times[i] - self.times[before] if event.boundary == self.exact[before].boundary else np.inf
+            if i > before and gap <= self.reaches[i] + self.reaches[before]:
+                clusters[-1].append(i)
+            else:
+                clusters.append([i])
+        for cluster in clusters:
+            low = min(self.times[i] - self.reaches[i] for i in cluster)
+            high = max(self.times[i] + self.reaches[i] for i in cluster)
+            loose = [j for j in self.found_free if low <= self.found[j].t <= high]
+            if not (loose or self.exact_free & set(cluster)) or self._is_wrong(low, high):
+                continue
+            own = [partner[id(self.exact[i])] for i in cluster if id(self.exact[i]) in partner]
+            there = sorted([*loose, *(index[id(event)] for event in own)])
+            if tuple(self.found[j].kind for j in there) in _equivalents([self.exact[i] for i in cluster]):
+                self._set_aside(loose, self.exact_free & set(cluster))
+
+    def _allow_near_grazes(self) -> None:
+        """Set aside listed contacts where the exact motion nearly grazes a belt, closer than the tolerance."""
+        runs: list[list[int]] = []
+        for j in sorted(self.found_free):
+            time = self.found[j].t
+            width = self.reach.of_near_graze(self.trajectory, time)
+            # Next to an exact event it is that one.
+            if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
+                continue
+            if self._is_wrong(time - width, time + width):
+                continue
+            if runs and self.found[j].t - self.found[runs[-1][-1]].t <= 2.0 * width:
+                runs[-1].append(j)
+            else:
+                runs.append([j])
+        for run in runs:
+            if tuple(self.found[j].kind for j in run) in RETURNS:
+                self._set_aside(run, ())
+
+    def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
+        exact, found = sorted(exact), sorted(found)
+        self.exact_free -= set(exact)
+        self.found_free -= set(found)
+        self.result.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
+
+    def _is_wrong(self, low: float, high: float) -> bool:
+        return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
+
+    def _judge_exact(self) -> None:
+        """Say what exact events without a partner are: missed, inside a step, or not on the samples' path."""
+        slack, start, end = 1e-6 * self.steps.K.period, float(self.steps.t[0]), float(self.steps.t[-1])
+        for i in sorted(self.exact_free):
+            own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
+            if time > end:
+                continue
+            if self.given and (time >= end - reach or time <= start + reach):  # it may be outside the samples
+                self.result.unresolved.append(own)
+                continue
+            first, last = self.steps.at(time, slack)
+            inside = self._inside(i, first, last, slack)
+            near = inside is not None and abs(inside - time) <= self.window
+            if self.wrong[first : last + 1].any() or (self.given and near and own.kind != "graze"):
+                if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
+                    self.result.missed.append(own)
+            elif near and inside is not None:
+                self.result.matched.append(Match(own, inside, None))
+            else:
+                self.result.unresolved.append(own)
+
+    def _inside(self, i: int, first: int, last: int, slack: float) -> float | None:
+        """Return when the exact motion over right steps has this event, or None."""
+        row = self.local[i]
+        if row is not None:
+            return float(self.steps.events.t[row])
+        nearest = first + int(np.argmin(np.abs(self.steps.t[first : last + 2] - self.times[i])))
+        there = abs(self.steps.t[nearest] - self.times[i]) <= slack
+        # A contact that is a sample is inside no step.
+        return float(self.steps.t[nearest]) if there and self.label[nearest] == 3 + self.exact[i].boundary else None
+
+    def _judge_found(self) -> None:
+        """Say what events of the samples without a partner are: invented, or only on the samples' own path."""
+        for j in sorted(self.found_free):
+            event = self.found[j]
+            rows = self.steps.events.rows(event.step, event.last_step)
+            same = self.steps.events.kind[rows] == CODES[event.kind]
+            same &= (self.steps.events.boundary[rows] == event.boundary) | (event.boundary == 0)
+            if self.given or self.wrong[event.step : event.last_step + 1].any():
+                self.result.invented.append(event)
+            elif same.any() or not len(same):
+                # Otherwise several events in a step, which are matched one by one, look like this from outside.
+                self.result.unresolved.append(event)
+
+    def with_times(self, matching: Matching, times: Sequence[float]) -> Matching:
+        """Return a matching in which the exact events have the times of a solver's list without kinds.
+
+        Such a list need not be complete. An exact event that is not in it is judged by the samples; a time at which
+        there is no event is invented.
+        """
+        if not len(times):
+            return matching
+        matched = {id(match.event): match for match in matching.matched}
+        used, invented = set[int](), list(matching.invented)
+        for time in times:
+            gaps = np.abs(self.times - time)
+            nearest = int(np.argmin(gaps)) if len(gaps) else -1
+            near = nearest >= 0 and gaps[nearest] <= self.window
+            close = False
+            if near:  # the event may be as far from its exact time as that of the samples' own path, and its reach
+                row = self.local[nearest]
+                own = 0.0 if row is None else abs(float(self.steps.events.t[row]) - float(self.times[nearest]))
+                close = bool(gaps[nearest] <= float(self.reaches[nearest]) + own)
+            if close and nearest not in used:
+                used.add(nearest)
+                event = self.exact[nearest]
+                found = matched[id(event)].found if id(event) in matched else None
+                matched[id(event)] = Match(event, time, found)
+            elif not close and abs(time - float(self.steps.t[0])) > max(map(self.reach.of_start, (1, 2))):
+                step = self.steps.at(time)[0]
+                kind = self.exact[nearest].kind if near else "cross"
+                invented.append(FoundEvent(time, kind, 0, "", "", step, step))
+        ids = {id(self.exact[i]) for i in used}
+        return replace(
+            matching,
+            matched=sorted(matched.values(), key=lambda match: float(match.event.t)),
+            missed=[event for event in matching.missed if id(event) not in ids],
+            invented=invented,
+            unresolved=[event for event in matching.unresolved if id(event) not in ids],
+        )
+
+
+def _equivalents(cluster: Sequence[Event]) -> set[tuple[str, ...]]:
+    """Return the kinds of events that a list may have in place of events too close to be resolved."""
+    source, target = cluster[0].source, cluster[-1].target
+    if source.startswith("belt"):
+        return STAYS if source == target else set()
+    if target.startswith("belt"):
+        return set()
+    return RETURNS if source == target else PASSES
+
+
+def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:
+    """Return the longest chain of pairs (i, j, cost) in which i and j both increase; of several, the cheapest."""
+    rows = sorted(pairs, key=lambda pair: (pair[0], -pair[1]))
+    # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given j.
+    tree = [(0, 0.0, -1)] * (max((j for _, j, _ in rows), default=-1) + 2)
+    links = []
+
+    def best_before(j: int) -> tuple[int, float, int]:
+        best = tree[0]
+        while j > 0:
+            best, j = max(best, tree[j]), j & (j - 1)
+        return best
+
+    for row, (_, j, cost) in enumerate(rows):
+        length, gain, link = best_before(j)
+        links.append(link)
+        entry, k = (length + 1, gain - cost, row), j + 1
+        while k < len(tree):
+            tree[k], k = max(tree[k], entry), k + (k & -k)
+    chain, row = [], best_before(len(tree) - 1)[2]
+    while row >= 0:
+        chain.append(rows[row][:2])
+        row = links[row]
+    return chain[::-1]

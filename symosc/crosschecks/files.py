@@ -1,148 +1,102 @@
-"""Files of other people: what a file is, how it is opened, and what it holds, each kind read by the library for it.
+"""Read solutions and events from files: tables as text, JSON, numpy, parquet, feather, HDF5, MATLAB and Octave.
 
-`read_solutions` reads samples for `symosc check`, `read_content` whatever there is, for `symosc score`: the same files,
-the same way.
+`read_solutions` reads samples for `symosc check`, `read_content` whatever a file holds, for `symosc score`.
 """
 
 from __future__ import annotations
 
 import bz2
+import csv
 import gzip
 import io
 import json
 import lzma
+import re
 import struct
 import sys
 import zlib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
+from functools import partial
 from importlib import import_module
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.columns import Asked, asked_columns, is_wanted, refuse_twice
-from symosc.crosschecks.functions import SolverTask, of_function, solver_task
-from symosc.crosschecks.objects import solutions_in
-from symosc.crosschecks.samples import Samples, checked, checked_positions, short
-from symosc.crosschecks.text_tables import Choose, TextColumns, read_cells, read_text
+from symosc.crosschecks.objects import (
+    ID_COLUMN,
+    Asked,
+    SolverTask,
+    asked_columns,
+    find_columns,
+    is_wanted,
+    listed,
+    refuse_twice,
+    solutions_in,
+)
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of, short
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.files import STDOUT, read_path
-from symosc.model import Parameters
-from symosc.scenes import Scene
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
 PACKED_BEGINNINGS = ((b"\x1f\x8b", ".gz"), (b"BZh", ".bz2"), (b"\xfd7zXZ", ".xz"))
-#: How files begin that are no text: for what has no suffix, standard input above all.
+#: How files without a suffix begin, standard input above all.
 BEGINNINGS = (
-    (b"PK\x03\x04", ".npz"),
-    (b"\x93NUMPY", ".npy"),
-    (b"PAR1", ".parquet"),
-    (b"ARROW1", ".feather"),
-    (b"\x89HDF", ".h5"),
-    (b"MATLAB", ".mat"),
-    (b"{", ".json"),
-    (b"[", ".json"),
-)
-#: How a text begins that Octave's `save` has written, whatever its suffix is.
-OCTAVE_SIGN = b"# Created by Octave"
-# An HDF5 file begins so; one of MATLAB behind a block of text.
-HDF5_SIGN, BLOCK_OF_MATLAB = b"\x89HDF\r\n\x1a\n", 512
-STDIN_NAME = "standard input"
-#: What libraries raise for packed files that are cut off.
-DAMAGED: tuple[type[Exception], ...] = (gzip.BadGzipFile, lzma.LZMAError, zlib.error, EOFError)
-#: No more bytes are unpacked, and no more of a file that must be in memory as a whole.
+    (b"PK\x03\x04", ".npz"), (b"\x93NUMPY", ".npy"), (b"PAR1", ".parquet"), (b"ARROW1", ".feather"),
+    (b"\x89HDF", ".h5"), (b"MATLAB", ".mat"), (b"{", ".json"), (b"[", ".json"),
+)  # fmt: skip
+# A text that Octave's `save` has written, under any suffix; an HDF5 file, which MATLAB puts behind a block of text.
+OCTAVE_SIGN, HDF5_SIGN, MATLAB_BLOCK = b"# Created by Octave", b"\x89HDF\r\n\x1a\n", 512
+#: The largest unpacked size, and the largest file that must be in memory as a whole.
 MOST_BYTES = 2_000_000_000
-#: The extra that brings the libraries.
-EXTRA = "tables"
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
 # Groups of an HDF5 file that are entered, one inside the other; values inside values of Octave and MATLAB.
 DEEPEST_GROUP, DEEPEST_VALUE = 8, 50
+#: Choose the columns of a table by their names: {"t": "Time (s)", ...}.
+Choose = Callable[[list[str]], dict[str, str]]
 
 
-def given_solutions(
-    scene: Scene | Parameters, given: tuple[Any, Any, Any], events: Any, columns: Mapping[str, str | None] | None
-) -> list[Samples]:
-    """Return the solutions in t, x and v as `crosscheck` takes them, with the events that were listed beside."""
-    t, x, v = given
-    problem = solver_task(scene)
-    if x is None and v is None:
-        found = read_solutions(t, columns, problem)
-    elif callable(x) and not hasattr(x, "__array__"):
-        found = [of_function(x, problem, t)]
-    else:
-        found = [checked(t, x, v, events) if v is not None else checked_positions(t, x, events)]
-    if events is None:
-        return found
-    if len(found) > 1:
-        raise ParameterError("events", "given", f"can be listed for one solution; there are {len(found)}")
-    return [replace(found[0], events=checked(found[0].t, found[0].x, found[0].x, events).events)]
+class Kind(NamedTuple):
+    """The name of the format if a library reads it, and a function of (file, columns asked for or None, where)."""
 
-
-def read_samples(source: Any, columns: Mapping[str, str | None] | None = None) -> Samples:
-    """Read one solution; see `read_solutions`. ParameterError if there are several."""
-    found = read_solutions(source, columns)
-    if len(found) != 1:
-        raise ParameterError("solutions", len(found), "one was expected")
-    return found[0]
+    library: str
+    read: Callable[[IO[bytes], Any, str], Any]
 
 
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: SolverTask | None = None
 ) -> list[Samples]:
-    """Read solutions from a file, or from an object of any kind in the table of docs/checking.md.
+    """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md.
 
-    Parameters
-    ----------
-    source : path or object
-        A file, "-" for standard input, a list of files, or what `symosc.crosschecks.objects.solutions_in` takes.
-    columns : mapping, optional
-        What the columns t, x and v, and id, are called, for example ``{"x": "position"}``; None for a v or an id that
-        is not there. Default: usual names in any case.
-    problem : SolverTask, optional
-        What is to be solved; a function needs times at which it is asked.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be read, a column is missing, or the samples are not what `checked` demands.
+    `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
+    times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
     """
-    asked = asked_columns(columns)
+    asked: Asked = asked_columns(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
         return [replace(each, name=f"{path}:{each.name}" if each.name else str(path)) for path, each in found]
     if not isinstance(source, (str, Path)):
         return solutions_in(source, asked, problem)
-    where = STDIN_NAME if source == STDOUT else str(source)
-    content = _read(source, where, asked, Kind("", read_text))
-    if isinstance(content, TextColumns):  # what was asked for has been found
+    where = "standard input" if source == STDOUT else str(source)
+    content = _read(source, where, asked, read_text)
+    if isinstance(content, TextColumns):  # the columns asked for have been found
         asked = {}
     return solutions_in(content, asked, problem, where)
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return what a file holds: columns, an array, what JSON has, or the rows of a text (see `read_cells`).
-
-    Numbers of JSON are Decimals and those of text are text, so that no digit is lost. `choose` says what the columns of
-    a text are.
-    """
-    return _read(path, str(path), None, Kind("", lambda file, _, where: read_cells(file, choose, where)))
+    """Return what a file holds: columns, an array, JSON values with Decimals, or rows of text (see `read_cells`)."""
+    return _read(path, str(path), None, lambda file, _, where: read_cells(file, choose, where))
 
 
-class Kind(NamedTuple):
-    """What is read, if by a library; and what reads the columns that are asked for (None: all) of an opened file."""
-
-    what: str
-    read: Callable[[IO[bytes], Any, str], Any]
-
-
-def _read(path: str | Path, where: str, asked: Asked | None, text: Kind) -> Any:
-    """Return what a file holds; whatever a library raises is a ParameterError of one line."""
+def _read(path: str | Path, where: str, asked: Asked | None, text: Callable[..., Any]) -> Any:
+    """Return what a file holds; turn whatever a library raises into a ParameterError of one line."""
     library = ""
     try:
         with _opened(path, where) as file:
@@ -157,15 +111,20 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Kind) -> Any:
         if library:
             what = f"is not {library}, or it is damaged{': ' if first else ''}{short(first)}"
             raise ParameterError("file", where, what) from None
-        reasons: dict[type[Exception], str] = dict.fromkeys(DAMAGED, "it is damaged, or cut off")
-        reasons |= {UnicodeError: "it is not text in UTF-8", RecursionError: "its brackets are nested too deeply"}
-        reasons[OSError] = getattr(error, "strerror", None) or first
-        reason = next((words for kind, words in reasons.items() if isinstance(error, kind)), first)
+        match error:
+            case gzip.BadGzipFile() | lzma.LZMAError() | zlib.error() | EOFError():
+                reason = "it is damaged, or cut off"
+            case UnicodeError():
+                reason = "it is not text in UTF-8"
+            case RecursionError():
+                reason = "its brackets are nested too deeply"
+            case _:
+                reason = getattr(error, "strerror", None) or first
     raise ParameterError("file", where, f"cannot be read: {reason}")
 
 
 class _Unpacked(io.RawIOBase):
-    """What a packed file unpacks to, up to MOST_BYTES: a small file may hold very much."""
+    """The unpacked content of a packed file, up to MOST_BYTES: a small file may unpack to very much."""
 
     def __init__(self, inner: IO[bytes], where: str) -> None:
         self.inner, self.where, self.count = inner, where, 0
@@ -197,7 +156,7 @@ def _whole(file: IO[bytes], where: str) -> bytes:
 
 
 def _opened(path: str | Path, where: str) -> io.BufferedReader:
-    """Return a file, or standard input, unpacked, of which one can see the beginning."""
+    """Open a file or standard input, unpacked; its beginning can be seen with `peek`."""
     if path == STDOUT:
         data = _whole(sys.stdin.buffer, where)
         file: Any = io.BytesIO(data)
@@ -212,31 +171,221 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
     return io.BufferedReader(file) if path == STDOUT else file.open("rb")
 
 
-def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Kind) -> Kind:
-    """Return the kind of a file: by its suffix, or by how it begins if it has none."""
-    kinds = {**dict.fromkeys(TEXT_SUFFIXES, text), **FILE_KINDS}
+def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Callable[..., Any]) -> Kind:
+    """Return the kind of a file, by its suffix, or by its first bytes if it has none."""
+    kinds = {**dict.fromkeys(TEXT_SUFFIXES, Kind("", text)), **FILE_KINDS}
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in kinds:
         raise ParameterError("file", where, f"must end in {', '.join(kinds)}, and perhaps {', '.join(PACKED)}")
     beginning = file.peek(32).lstrip()[:32]
     if beginning.startswith(OCTAVE_SIGN) and suffix in ("", ".mat", *TEXT_SUFFIXES):
-        return OCTAVE_TEXT
+        return Kind("a file of Octave", read_octave)
     kind = kinds[suffix or next((suffix for sign, suffix in BEGINNINGS if beginning.startswith(sign)), ".txt")]
-    if not (kind.what and isinstance(file.raw, _Unpacked)):
+    if not (kind.library and isinstance(file.raw, _Unpacked)):
         return kind
-    return Kind(kind.what, lambda file, asked, where: kind.read(io.BytesIO(_whole(file, where)), asked, where))
+    return Kind(kind.library, lambda file, asked, where: kind.read(io.BytesIO(_whole(file, where)), asked, where))
 
 
 def suffix_of(path: str | Path) -> str:
-    """Return the suffix of a file in small letters, of a packed one that before; "" without one."""
+    """Return the suffix of a file in lower case, of a packed file the one before; "" without one."""
     return next((each for each in map(str.lower, Path(path).suffixes[::-1]) if each not in PACKED), "")
 
 
-# -- JSON and arrays ---------------------------------------------------------------------------------------------------
+# -- tables as text ----------------------------------------------------------------------------------------------------
+
+# The last is no comment: with it a spreadsheet says which delimiter it uses.
+COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
+LONGEST_LINE = MOST_EMPTY_LINES = 1_000_000
+# The header is looked for in so many lines.
+HEAD_LINES = 1000
+# Characters of a line without data.
+EMPTY = " \t\n\r\v\f,;"
+QUOTED = re.compile('"[^"]*"')
+#: Exponents of Fortran, 1.5D-03.
+FORTRAN = re.compile(r"([\d.])[dD]([+-]?\d)")
+
+
+class TextColumns(dict[str, np.ndarray]):
+    """Columns of a text, under the names t, x, v and id."""
+
+
+#: A line that is not empty: its number in the file, its text, and whether it holds data.
+Line = tuple[int, str, bool]
+
+
+class Layout(NamedTuple):
+    """How lines are split (None: at blanks), how many cells they have, and the numbers of the columns to read."""
+
+    delimiter: str | None
+    width: int
+    columns: dict[str, int]
+
+    def check_width(self, width: int, number: int, where: str) -> None:
+        """Raise ParameterError for a line with too few or too many cells."""
+        if width != self.width:
+            raise ParameterError("file", where, f"row {number} has {width} entries, the header {self.width}")
+
+    def plain(self, line: str, number: int, where: str) -> str:
+        """Return a line of numbers without quotes, with decimal points and exponents with e."""
+        delimiter = self.delimiter
+        if '"' in line:
+            sign = delimiter or " "
+            line = sign.join(cell.replace(sign, " ") if delimiter else cell for cell in _cells(line, delimiter))
+        if delimiter != "," and "," in line:
+            line = line.replace(",", ".")
+        if "D" in line or "d" in line:
+            line = FORTRAN.sub(r"\1e\2", line)
+        self.check_width(line.count(delimiter) + 1 if delimiter else len(line.split()), number, where)
+        return line
+
+
+def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
+    """Return the columns t, x, and v and id if they are there; numpy reads one line after the other."""
+
+    def choose(names: list[str]) -> dict[str, str]:
+        if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
+            return find_columns(names, asked, where)
+        if len(names) not in (2, 3):
+            what = f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
+            raise ParameterError("file", where, what)
+        numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
+        return {name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()}
+
+    layout, lines = _table(file, choose, where)
+    wanted = {name: i for name, i in layout.columns.items() if name != ID_COLUMN}
+    id_column, ids, known = layout.columns.get(ID_COLUMN), list[str](), dict[str, str]()
+    row, number, line = -1, 0, ""  # the last that numpy has asked for
+
+    def plain_lines() -> Iterator[str]:
+        nonlocal row, number, line
+        for row, (number, text, _) in enumerate(lines):  # noqa: B007
+            line = layout.plain(text, number, where)
+            if id_column is not None:
+                cell = _cells(line, layout.delimiter)[id_column]
+                ids.append(known.setdefault(cell, cell))
+            yield line
+
+    rest = plain_lines()
+    first = next(rest, None)
+    if first is None:
+        return TextColumns((name, np.empty(0)) for name in layout.columns)
+    try:
+        table = np.loadtxt(
+            chain([first], rest), delimiter=layout.delimiter, usecols=[*wanted.values()], ndmin=2, comments=None
+        )
+    except ValueError:
+        cells = _cells(line, layout.delimiter)
+        for name, i in wanted.items():
+            if not _is_number(cells[i], ","):
+                raise ParameterError(f"{name}[{row}]", short(cells[i]), f"is not a number (line {number})") from None
+        raise
+    columns = {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(wanted)}
+    return TextColumns(columns if id_column is None else columns | {ID_COLUMN: np.array(ids)})
+
+
+def read_cells(file: IO[bytes], choose: Choose, where: str) -> list[tuple[str, dict[str, str]]]:
+    """Return the rows of a table as text, each with the number of its line, without empty cells."""
+    layout, lines = _table(file, choose, where)
+    found = []
+    for number, text, _ in lines:
+        cells = _cells(text, layout.delimiter)
+        layout.check_width(len(cells), number, where)
+        found.append((f"line {number}", {name: cells[i] for name, i in layout.columns.items() if cells[i]}))
+    return found
+
+
+def plain_number(cell: str) -> str:
+    """Return a number with a decimal point, and with e before its exponent."""
+    return FORTRAN.sub(r"\1e\2", cell.replace(",", "."))
+
+
+def _table(file: IO[bytes], choose: Choose, where: str) -> tuple[Layout, Iterator[Line]]:
+    """Return the layout of a table, and its lines with data."""
+    lines = _lines(file, where)
+    head = list(islice(lines, HEAD_LINES))
+    layout, header = _layout(head, choose, where)
+    return layout, (line for line in chain(head[header:], lines) if line[2])
+
+
+def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
+    empty = 0
+    with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
+        for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
+            if len(line) >= LONGEST_LINE or (number <= 10 and "\0" in line):
+                raise ParameterError("file", where, "cannot be read: it is not text in lines")
+            content = line.strip(EMPTY)
+            has_data = bool(content) and not content.startswith(COMMENT_SIGNS)
+            empty += not has_data
+            if empty > MOST_EMPTY_LINES and empty > 0.9 * number:
+                raise ParameterError("file", where, f"has {empty:,} lines without data")
+            if content:
+                yield number, line.strip("\n"), has_data
+
+
+def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
+    """Return the layout of a table, and how many of its first lines are no data."""
+    data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
+    comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
+    if not data and not comments:
+        raise ParameterError("file", where, "is empty; its first line must name the columns, such as t,x,v")
+    # The second line shows the delimiter better than a header.
+    samples = [head[i][1] for i in data[1::-1]] or [comments[-1][1]]
+    delimiter = next((sign for sign in map(_delimiter, samples) if sign), None)
+
+    def layout(names: list[str]) -> Layout:
+        found = choose(names)
+        for name in found.values():
+            if names.count(name) > 1:
+                raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {listed(names)}")
+        return Layout(delimiter, len(names), {name: names.index(column) for name, column in found.items()})
+
+    first = _cells(head[data[0]][1], delimiter) if data else []
+    wrong = None
+    if data and not all(_is_number(cell, delimiter) for cell in first):
+        try:
+            return layout(first), data[0] + 1
+        except ParameterError as error:  # it may be a row with words, below a header that is a comment
+            wrong = error
+    for _, line, _ in comments[::-1]:
+        names = _cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter)
+        if all(_is_number(name, None) for name in names) or (data and len(names) != len(first)):
+            continue
+        with suppress(ParameterError):  # it is only a comment
+            return layout(names), len(comments)
+    if wrong is not None:
+        raise wrong
+    return layout([str(i) for i in range(1, len(first) + 1)]), len(comments)
+
+
+def _delimiter(line: str) -> str | None:
+    line = QUOTED.sub("", line)
+    cells = line.split()
+    if ";" in line or "\t" in line:
+        return ";" if ";" in line else "\t"
+    return "," if "," in line and not (len(cells) > 1 and all(_is_number(cell, None) for cell in cells)) else None
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return line.replace('"', " ").split()
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(delimiter)]
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+
+
+def _is_number(cell: str, delimiter: str | None) -> bool:
+    try:
+        number_of(FORTRAN.sub(r"\1e\2", cell) if delimiter == "," else plain_number(cell))
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+# -- JSON, arrays, tables of pyarrow -----------------------------------------------------------------------------------
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return what a JSON file holds; where columns are asked for it must be columns, or a list of rows or pieces."""
+    """Return the content of a JSON file; for samples it must be columns, or a list of rows or pieces."""
     text = _whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -257,8 +406,7 @@ def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     return data
 
 
-def _read_npz(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the arrays of an npz file, or the array of an npy file."""
+def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     data = np.load(file)
     if isinstance(data, np.ndarray):
         return data
@@ -287,44 +435,44 @@ def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _library(name: str, what: str) -> Any:
-    """Return a package that reads `what`; MissingExtraError if it is not installed."""
+    """Import a package that reads `what`; MissingExtraError if it is not installed."""
     try:
         return import_module(name)
     except ImportError:
-        raise MissingExtraError(what, EXTRA) from None
+        raise MissingExtraError(what, "tables") from None
 
 
-def _one_alone(found: Record) -> Any:
-    """Return the variables of a file; of one that is a struct the fields, of one array the array."""
+def _unwrapped(found: Record) -> Any:
+    """Return the variables of a file; if there is one alone, the fields of that struct, or that array."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 
 
-# -- HDF5, with that of MATLAB and Octave ------------------------------------------------------------------------------
+# -- HDF5, also of MATLAB and Octave; text of Octave -------------------------------------------------------------------
 
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets of an HDF5 (or netCDF 4) file: those of the first group that has some."""
+    """Return the datasets of an HDF5 or netCDF 4 file: those of the first group that has some."""
     h5py = _library("h5py", "an HDF5 file")
     with h5py.File(file, "r") as group:
         for _ in range(DEEPEST_GROUP):
-            # MATLAB keeps what it refers to in a group of its own, "#refs#".
+            # MATLAB keeps the targets of references in a group of its own, "#refs#".
             inner = [each for name, each in group.items() if isinstance(each, h5py.Group) and not name.startswith("#")]
-            if len(inner) != 1 or _is_of_octave(inner[0]) or any(isinstance(e, h5py.Dataset) for e in group.values()):
+            if len(inner) != 1 or _is_octave(inner[0]) or any(isinstance(e, h5py.Dataset) for e in group.values()):
                 break
             group = inner[0]
-        found = {name: e for name, e in group.items() if isinstance(e, h5py.Dataset) or _is_of_octave(e)}
+        found = {name: e for name, e in group.items() if isinstance(e, h5py.Dataset) or _is_octave(e)}
         alone = len(found) == 1
-        return _one_alone({n: _of_hdf5(e) if alone or is_wanted(n, asked) else None for n, e in found.items()})
+        return _unwrapped({n: _hdf5_value(e) if alone or is_wanted(n, asked) else None for n, e in found.items()})
 
 
-def _is_of_octave(group: Any) -> bool:
+def _is_octave(group: Any) -> bool:
     return "OCTAVE_NEW_FORMAT" in group.attrs
 
 
-def _of_hdf5(item: Any, depth: int = 0) -> Any:
+def _hdf5_value(item: Any, depth: int = 0) -> Any:
     """Return a dataset, or a variable of Octave: a group with its type and value."""
-    if not _is_of_octave(item):
+    if not _is_octave(item):
         values = item[()]
         if isinstance(values, np.ndarray) and values.dtype.kind == "O":
             values = np.array([each.decode() if isinstance(each, bytes) else each for each in values.ravel().tolist()])
@@ -333,12 +481,11 @@ def _of_hdf5(item: Any, depth: int = 0) -> Any:
     if depth > DEEPEST_VALUE:
         raise RecursionError("values inside values")
     if kind == "cell":
-        return [_of_hdf5(value[f"_{i}"], depth + 1) for i in range(len(value) - 1)]
+        return [_hdf5_value(value[f"_{i}"], depth + 1) for i in range(len(value) - 1)]
     if kind.endswith("struct"):
-        return {name: _of_hdf5(each, depth + 1) for name, each in value.items()}
+        return {name: _hdf5_value(each, depth + 1) for name, each in value.items()}
     if kind.endswith("range"):
-        base, limit, increment = value[()].tolist()
-        return _range(base, limit, increment, int(value.attrs["OCTAVE_RANGE_NELEM"]))
+        return _octave_range(*value[()].tolist(), int(value.attrs["OCTAVE_RANGE_NELEM"]))
     if "OCTAVE_EMPTY_MATRIX" in item.attrs:
         return np.empty(0)
     if kind.endswith("string"):
@@ -347,24 +494,19 @@ def _of_hdf5(item: Any, depth: int = 0) -> Any:
     return np.squeeze(value[()].T)
 
 
-def _range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
-    """Return the numbers of a range of Octave; rounding leads none beyond its limit."""
-    values = base + increment * np.arange(count)
+def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
+    values = base + increment * np.arange(count)  # rounding leads none beyond the limit
     return np.minimum(values, limit) if increment > 0 else np.maximum(values, limit)
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the variables of a text that Octave's `save` has written."""
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
-    found: Record = {}
-    for line in lines:
-        if line.startswith("# name: "):
-            found[line.removeprefix("# name: ")] = _octave_value(lines)
-    return _one_alone(found)
+    return _unwrapped({line[8:]: _octave_value(lines) for line in lines if line.startswith("# name: ")})
 
 
 def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
-    """Return the value that follows; None for one of another kind."""
+    """Return the value that follows; None for one that is no sample."""
     if depth > DEEPEST_VALUE:
         raise RecursionError("values inside values")
 
@@ -388,11 +530,9 @@ def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
     if kind.endswith("range"):
         next(lines)
         base, limit, increment = map(float, next(lines).split())
-        return _range(base, limit, increment, int((limit - base) / increment * (1 + 1e-15) + 1e-9) + 1)
+        return _octave_range(base, limit, increment, int((limit - base) / increment * (1 + 1e-15) + 1e-9) + 1)
     if kind.endswith("string"):
-        texts = []
-        for _ in range(number("elements")):
-            texts.append(next(lines).strip() if number("length") else "")
+        texts = [next(lines).strip() if number("length") else "" for _ in range(number("elements"))]
         return texts[0] if len(texts) == 1 else texts
     if kind == "cell":
         return [inner()[1] for _ in range(int(np.prod(sizes()[0])))]
@@ -410,15 +550,15 @@ def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
 # -- MATLAB ------------------------------------------------------------------------------------------------------------
 
 MAT_HEADER = 128
-#: The kinds of data that the format has; a matrix is made of such, a packed one has a checksum of its own.
+# Kinds of data in the format; a packed matrix has a checksum of its own.
 NUMBER_TAGS, MATRIX_TAG, PACKED_TAG, TEXT_TAGS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13), 14, 15, (16, 17, 18)
-#: Classes of a matrix that holds numbers; a sparse one has two lists of places as well.
+# Classes of matrices that hold numbers; a sparse one has two lists of places as well.
 SPARSE, NUMBER_CLASSES = 5, range(5, 16)
 
 
 def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the variables of a MATLAB file; version 7.3 is HDF5."""
-    begins = file.read(BLOCK_OF_MATLAB + len(HDF5_SIGN))
+    begins = file.read(MATLAB_BLOCK + len(HDF5_SIGN))
     file.seek(0)
     if begins.startswith(HDF5_SIGN) or begins.endswith(HDF5_SIGN):
         return _read_hdf5(file, asked, where)
@@ -432,13 +572,11 @@ def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     for name, value in found.items():
         if isinstance(value, np.ndarray) and value.dtype.names:  # a struct with the columns as its fields
             found[name] = {field: value[field][()] for field in value.dtype.names}
-    return _one_alone(found)
+    return _unwrapped(found)
 
 
 def has_wrong_tags(data: bytes) -> bool:
-    """Return whether a file of version 5 has a tag of no known kind, or one that reaches beyond its matrix.
-
-    scipy ends the whole program at such a file.
+    """Return whether a file of version 5 has an unknown tag, or one that reaches beyond its matrix: scipy crashes.
 
     Examples
     --------
@@ -472,7 +610,7 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, beginning and end of the elements between two places; those inside a matrix are multiples of 8."""
+    """Yield kind, begin and end of the elements between two places; those inside a matrix are multiples of 8."""
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself
@@ -486,15 +624,13 @@ def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[
         at += -size % 8 if inside else 0
 
 
-OCTAVE_TEXT = Kind("a file of Octave", read_octave)
-#: The kinds of files that are no tables of text, by their suffix.
+#: The formats other than text, by suffix.
 FILE_KINDS: dict[str, Kind] = {
     ".json": Kind("", read_json),
-    **dict.fromkeys((".npz", ".npy"), Kind("an npz file", _read_npz)),
+    **dict.fromkeys((".npz", ".npy"), Kind("an npz file", _read_numpy)),
     ".mat": Kind("a MATLAB file", _read_mat),
     **dict.fromkeys((".parquet", ".pq"), Kind("a parquet file", _read_parquet)),
     **dict.fromkeys((".feather", ".arrow"), Kind("a feather file", _read_feather)),
     **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), Kind("an HDF5 file", _read_hdf5)),
 }
-#: All suffixes that are read.
 SUFFIXES = (*TEXT_SUFFIXES, *FILE_KINDS)

@@ -1,40 +1,173 @@
-"""Solutions as Python objects of any kind: results of solvers, functions, arrays, tables of other packages, lists.
+"""Read solutions from Python objects: tables of any package, results of solvers, arrays, functions, lists of these.
 
-None of the packages is imported: what an object has tells what it is.
+None of the packages is imported: the attributes of an object tell what it is. `run_solver` calls somebody's function.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+import re
+import sys
+import unicodedata
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from inspect import iscoroutine
+from itertools import accumulate, islice
+from math import ceil, inf, isfinite, nan, pi
+from pathlib import Path
+from traceback import extract_tb
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.columns import BOTH_IN_ONE, ID_COLUMN, NO_COLUMNS, USUAL_NAMES, Asked, find_columns, plain
-from symosc.crosschecks.functions import SolverTask, of_function, of_trajectory, solver_events
-from symosc.crosschecks.samples import Samples, checked, checked_positions, shown
-from symosc.errors import ParameterError
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, short, shown
+from symosc.errors import ParameterError, brief
+from symosc.exact import unmasked
+from symosc.model import Parameters
+from symosc.scenes import Scene
 from symosc.simulation.trajectory import Trajectory
+
+# -- names of columns --------------------------------------------------------------------------------------------------
+
+#: Columns asked for by name: of t, x, v and id; None: there is no such column.
+Asked = Mapping[str, str | None]
+#: The column that says to which of several trajectories a row belongs.
+ID_COLUMN = "id"
+#: The usual names of columns, in any case and without units.
+USUAL_NAMES = {
+    "t": {"t", "time", "times", "ts"},
+    "x": {"x", "position", "positions", "pos", "displacement", "disp", "q", "xs"},
+    "v": {"v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot", "vx", "vs"},
+    ID_COLUMN: {"id", "ids", "trajectory", "trajectories", "traj", "run", "case", "motion", "trajectoryid", "runid"},
+}
+#: Entries of a file or a mapping that are no columns of samples; names of arrays that hold x and v together.
+NO_COLUMNS = {"events"}
+STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
+# So many column names are listed in a message, with so many characters; only the beginning of a longer name is read.
+COLUMNS_LISTED, LONGEST_LIST, LONGEST_NAME = 12, 150, 200
+NONE = "none"
+IN_BRACKETS = re.compile(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}")
+
+
+def asked_columns(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
+    """Check which columns are asked for by name; "none" or None: there is no such column."""
+    if columns is not None and not isinstance(columns, Mapping):
+        raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
+    asked: dict[str, str | None] = {}
+    for name, column in dict(columns or {}).items():
+        if name not in USUAL_NAMES:
+            raise ParameterError("columns", shown(name), "only t, x and v are read, and id")
+        if column is not None and not isinstance(column, str):
+            raise ParameterError("columns", shown(column), f"must be text: the name of the column that holds {name}")
+        asked[name] = None if column is not None and column.lower() == NONE else column
+        if asked[name] is None and name in ("t", "x"):
+            raise ParameterError("columns", f"{name}={NONE}", "a time and a position are needed")
+    named = [column for column in asked.values() if column is not None]
+    named += [name for name in SAMPLE_COLUMNS if name not in asked]
+    if len(set(named)) < len(named):
+        raise ParameterError("columns", asked, "t, x and v must be three columns")
+    return asked
+
+
+def plain(name: str) -> str:
+    """Return a name in lower case without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
+    text = unicodedata.normalize("NFKD", name[:LONGEST_NAME]).lower().replace("\u0307", "dot").replace("'", "prime")
+    text = IN_BRACKETS.sub("", text) or text
+    return "".join(letter for letter in text if letter.isalnum())
+
+
+def is_wanted(name: str, asked: Asked | None) -> bool:
+    """Return whether a column may be read; others need not be numbers. All are read where `asked` is None."""
+    if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
+        return True
+    return name.lower() in {column.lower() for column in asked.values() if column} | NO_COLUMNS | set(STATE_NAMES)
+
+
+def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
+    """Raise ParameterError if a column to be read is there twice."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen and is_wanted(name, asked):
+            raise ParameterError("file", where, f"has {short(name)!r} twice")
+        seen.add(name)
+
+
+def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
+    """Find the columns t and x, and v and id if they are there; ParameterError if one is missing or ambiguous."""
+    missing = f"is missing in {where}; there are: {listed(there)}"
+    found: dict[str, str] = {}
+    free = [each for each in there if each not in asked.values()]
+    for name, usual in USUAL_NAMES.items():
+        column = asked.get(name)
+        if column is not None:
+            same = [each for each in there if each == column] or [e for e in there if e.lower() == column.lower()]
+            if len(set(same)) != 1:
+                raise ParameterError("column", column, missing)
+            found[name] = same[0]
+        elif name not in asked:
+            fitting = [each for each in free if each == name][:1] or [each for each in free if plain(each) in usual]
+            if len(fitting) > 1 and name in SAMPLE_COLUMNS:
+                what = f"may be any of {listed(fitting)} in {where}; say which, such as {name}={fitting[0]}"
+                raise ParameterError("column", name, what)
+            if fitting:
+                found[name] = fitting[0]
+    for name in ("t", "x"):
+        if name not in found:
+            raise ParameterError("column", name, missing)
+    if "v" not in found and "v" not in asked and set(there) - {*found.values(), *NO_COLUMNS}:
+        raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
+    return found
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names for a message."""
+    keys = [short(str(key)) for key in names]
+    ends = accumulate(len(key) + 2 for key in keys)
+    fit = sum(end <= LONGEST_LIST for end in islice(ends, COLUMNS_LISTED)) or 1
+    more = [f"and {len(keys) - fit} more"] if len(keys) > fit else []
+    return ", ".join(keys[:fit] + more) or "none"
+
+
+# -- objects -----------------------------------------------------------------------------------------------------------
 
 # Two pieces of a solution meet if their times agree to this many units of the last place.
 SAME_TIME = 4.0
-#: A table: the names of its columns, and what returns one.
+#: A table: the names of its columns, and a function that returns one.
 Table = tuple[list[str], Callable[[str], Any]]
 
 
-def solutions_in(source: Any, asked: Asked, problem: SolverTask | None = None, where: str = "") -> list[Samples]:
-    """Return the solutions that an object holds; `where` is what a message calls it.
+@dataclass(frozen=True)
+class SolverTask:
+    """The problem that a function or solver solves; without a scene its times are None."""
 
-    It may be an OdeResult of scipy or what has `t` and `y` like it, `ts` and `ys` of diffrax, a function t -> (x, v) or
-    a dense output, a Trajectory; a DataFrame, an xarray Dataset, a table of pyarrow or polars, a mapping of columns, a
-    structured array; an (n, 3) array of t, x, v or (n, 2) of t, x; rows as a list of dicts. A list of these is several
-    solutions, or pieces of one if each begins where the one before ends.
+    parameters: Parameters
+    t0: float | None = None
+    t_end: float | None = None
+
+    @classmethod
+    def of(cls, scene: Scene | Parameters) -> SolverTask:
+        """Return the task of a scene or of parameters alone."""
+        if isinstance(scene, Parameters):
+            return cls(scene)
+        return cls(scene.parameters, float(scene.t0), float(scene.t_end))
+
+    @property
+    def period(self) -> float:
+        """The shorter one of the periods of the drive and of the free motion."""
+        return 2.0 * pi / max(float(self.parameters.Omega), float(self.parameters.k / self.parameters.m) ** 0.5)
+
+
+def solutions_in(source: Any, asked: Asked, problem: SolverTask | None = None, where: str = "") -> list[Samples]:
+    """Return the solutions in an object; `where` names it in messages.
+
+    A list of objects is several solutions, or pieces of one if each begins where the one before ends.
     """
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
-        return [of_trajectory(source)]
+        return [_of_trajectory(source)]
     if isinstance(source, (list, tuple)):
         return _of_list(source, asked, problem, where)
     if not asked and not _has_column(source, "x"):
@@ -44,7 +177,10 @@ def solutions_in(source: Any, asked: Asked, problem: SolverTask | None = None, w
     if callable(source) and not isinstance(source, Mapping) and not hasattr(source, "__array__"):
         return [of_function(source, problem)]
     if isinstance(source, np.ndarray) and source.dtype.names is None:
-        return [_of_array(source, where)]
+        if source.ndim != 2 or source.shape[1] not in (2, 3):
+            what = "must have columns t, x, v, so the shape (n, 3); this is its shape"
+            raise ParameterError(where, source.shape, what)
+        return [checked(*source.T)]
     table = as_table(source)
     if table is None:
         raise ParameterError("solution", shown(source), "is no solution: give a file, a table, an array or a function")
@@ -60,11 +196,8 @@ def _has_column(source: Any, column: str) -> bool:
         return False
 
 
-# -- results of solvers, arrays ----------------------------------------------------------------------------------------
-
-
 def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
-    """Return the solutions in what a solver gave back, or None if it is no such thing."""
+    """Return the solutions in the result of a solver (t and y, or ts and ys), or None if it is no such thing."""
     for times, states in (("t", "y"), ("ts", "ys")):
         inside = isinstance(source, Mapping)
         if not all(name in source if inside else hasattr(source, name) for name in (times, states)):
@@ -104,15 +237,6 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
 
 
-def _of_array(array: np.ndarray, where: str) -> Samples:
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
-        raise ParameterError(where, array.shape, "must have columns t, x, v, so the shape (n, 3); this is its shape")
-    return checked(*array.T) if array.shape[1] == 3 else checked_positions(*array.T)
-
-
-# -- lists -------------------------------------------------------------------------------------------------------------
-
-
 def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, where: str) -> list[Samples]:
     if not source:
         raise ParameterError("solution", shown(source), "is empty")
@@ -125,8 +249,8 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, wh
             raise ParameterError(where, sorted(lengths), "has rows of several lengths; each must be t, x, v")
         columns = [list(column) for column in zip(*source, strict=True)]
         if len(columns) not in (2, 3):
-            return [_of_array(np.empty((len(source), len(columns))), where)]
-        return [checked(*columns) if len(columns) == 3 else checked_positions(*columns)]
+            return solutions_in(np.empty((len(source), len(columns))), {}, None, where)
+        return [checked(*columns)]
     found: list[Samples] = []
     for i, part in enumerate(source):
         if isinstance(part, (str, int, float)) or part is None:
@@ -138,7 +262,7 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, wh
 
 
 def _is_row(row: Mapping[Any, Any]) -> bool:
-    """Tell whether a mapping is a row, whose entries are numbers or texts, and not columns."""
+    """Return whether a mapping is a row, whose entries are numbers or texts, and not columns."""
     return all(value is None or np.ndim(value) == 0 for name, value in row.items() if name != "events")
 
 
@@ -147,7 +271,7 @@ def _are_numbers(row: Any) -> bool:
 
 
 def _meet(one: Samples, other: Samples) -> bool:
-    """Tell whether one piece begins where another ends."""
+    """Return whether one piece begins where another ends."""
     end, begin = float(one.t[-1]), float(other.t[0])
     return abs(begin - end) <= SAME_TIME * float(np.spacing(abs(end))) and one.lacks_v == other.lacks_v
 
@@ -167,10 +291,7 @@ def _joined(pieces: Sequence[Samples]) -> Samples:
 
 
 def as_table(source: Any) -> Table | None:
-    """Return an object as a table, or None if it is none.
-
-    A mapping, a structured array, a DataFrame of pandas or polars, a Dataset of xarray, a Table of pyarrow.
-    """
+    """Return a mapping, a structured array, or a table of pandas, polars, xarray or pyarrow as a table, else None."""
     package = type(source).__module__.partition(".")[0]
     if isinstance(source, np.ndarray):
         return None if source.dtype.names is None else (list(source.dtype.names), source.__getitem__)
@@ -178,15 +299,12 @@ def as_table(source: Any) -> Table | None:
         return _of_pandas(source)
     if package == "xarray" and hasattr(source, "to_dataframe"):
         return _of_xarray(source)
-    names = getattr(source, "column_names", None)  # pyarrow
-    if isinstance(names, list):
-        return names, lambda name: source.column(names.index(name)).to_numpy()
-    schema = getattr(getattr(source, "schema", None), "names", None)
-    if package == "pyarrow" and isinstance(schema, list):
-        return schema, lambda name: source.column(schema.index(name)).to_numpy(zero_copy_only=False)
     if isinstance(source, Mapping):
         keys = {str(key): key for key in source}
         return list(keys), lambda name: source[keys[name]]
+    if package == "pyarrow":
+        names = getattr(getattr(source, "schema", None), "names", None)
+        return None if names is None else (names, lambda name: np.asarray(source.column(names.index(name))))
     columns = getattr(source, "columns", None)  # polars
     if isinstance(columns, list) and hasattr(source, "__getitem__"):
         return [str(name) for name in columns], source.__getitem__
@@ -219,47 +337,39 @@ def _of_xarray(data: Any) -> Table | None:
         if len(others) == 1 and ID_COLUMN not in frame:
             frame = frame.rename(columns={others[0]: ID_COLUMN})
         return _of_pandas(frame.dropna())
-    names = [str(name) for name in data.variables]
-    return names, lambda name: data[name].values
+    return [str(name) for name in data.variables], lambda name: data[name].values
 
 
 def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
     """Return the solutions in a table."""
-    names, column = _with_states_apart(*table, asked)
+    names, column = _with_split_states(*table, asked)
     found = find_columns(names, asked, where)
     values: Record = {name: column(own) for name, own in found.items()}
     ids = values.pop(ID_COLUMN, None)
     events = next((column(name) for name in names if name in NO_COLUMNS), None)
-    if np.ndim(_plainly(values["x"])) > 1:
-        return _of_rows(values, where)
+    if np.ndim(_array(values["x"])) > 1:
+        return _of_matrices(values, where)
     ids = None if ids is None else np.ravel(np.asarray(ids)).astype(str)
     if ids is None or len(np.unique(ids)) == len(ids):  # a column that has no value twice numbers the rows
-        return [_one(values, events)]
+        return [checked(**values, events=events)]
     if events is not None:
         raise ParameterError("events", "given", f"can be listed for one solution; {where} has several")
     return _by_id(values, ids)
 
 
-def _one(values: Record, events: Any = None) -> Samples:
-    if "v" in values:
-        return checked(values["t"], values["x"], values["v"], events)
-    return checked_positions(values["t"], values["x"], events)
-
-
-def _plainly(values: Any) -> np.ndarray:
+def _array(values: Any) -> np.ndarray:
     try:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
         return np.empty(0)
 
 
-def _with_states_apart(names: list[str], column: Callable[[str], Any], asked: Asked) -> Table:
+def _with_split_states(names: list[str], column: Callable[[str], Any], asked: Asked) -> Table:
     """Return a table in which an array that holds x and v together is two columns."""
-    usual = {plain(name) for name in names}
-    if usual & {"x", "position"} or "x" in asked:
+    if {plain(name) for name in names} & {"x", "position"} or "x" in asked:
         return names, column
     for name in names:
-        both: np.ndarray = _plainly(column(name)) if name.lower() in BOTH_IN_ONE else np.empty(0)
+        both: np.ndarray = _array(column(name)) if name.lower() in STATE_NAMES else np.empty(0)
         if both.ndim == 2 and 2 in both.shape:
             x, v = both if len(both) == 2 and both.shape != (2, 2) else both.T
             columns = {each: column(each) for each in names if each != name} | {"x": x, "v": v}
@@ -267,23 +377,21 @@ def _with_states_apart(names: list[str], column: Callable[[str], Any], asked: As
     return names, column
 
 
-def _of_rows(values: Record, where: str) -> list[Samples]:
+def _of_matrices(values: Record, where: str) -> list[Samples]:
     """Return the solutions in columns that are matrices: a row, or a column, for each of them."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
     count = arrays["t"].shape[-1] if arrays["t"].ndim else 0
     shapes = {name: array.shape for name, array in arrays.items()}
     if all(array.size == max(array.shape, default=0) for array in arrays.values()):  # one row or column each
-        return [_one({name: array.ravel() for name, array in arrays.items()})]
+        return [checked(**{name: array.ravel() for name, array in arrays.items()})]
     if arrays["t"].ndim == 1 and arrays["x"].shape[-1] != count and arrays["x"].shape[0] == count:
         arrays = {name: array.T for name, array in arrays.items()}
     sizes = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}
     if len(sizes) != 1 or len(shape := sizes.pop()) != 2 or shape[1] != arrays["t"].shape[-1]:
         raise ParameterError("shapes", shapes, f"do not fit in {where}: x and v need a row for each solution")
     rows = {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
-    return [
-        replace(_one({name: row[i] for name, row in rows.items()}), name=str(i) if shape[0] > 1 else "")
-        for i in range(shape[0])
-    ]
+    found = [checked(**{name: row[i] for name, row in rows.items()}) for i in range(shape[0])]
+    return [replace(each, name=str(i)) for i, each in enumerate(found)] if len(found) > 1 else found
 
 
 def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
@@ -292,14 +400,196 @@ def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "the columns must have one length")
     names, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
-    order = np.argsort(inverse, kind="stable")
-    rows = np.split(order, np.cumsum(np.bincount(inverse))[:-1])
+    rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
     columns = {name: np.asarray(column) for name, column in values.items()}
     found = []
     for i in np.argsort(first).tolist():
         try:
-            one = _one({name: column[rows[i]] for name, column in columns.items()})
+            one = checked(**{name: column[rows[i]] for name, column in columns.items()})
         except ParameterError as error:
             raise ParameterError(error.name, error.value, f"{error.allowed} (id {names[i]})") from None
         found.append(replace(one, name=str(names[i]) if len(names) > 1 else ""))
     return found
+
+
+# -- functions, trajectories, results with events ----------------------------------------------------------------------
+
+# A function is called so often in the shortest period, within these limits.
+TIMES_PER_PERIOD, FEWEST_TIMES, MOST_TIMES = 200, 1_000, 200_000
+# An event of a solver is at a belt if its velocity is that of the belt to this part of the largest velocity; events
+# closer than this part of the shortest period are one.
+AT_BELT, SAME_EVENT = 1e-6, 1e-9
+
+
+def _grid(t0: float, t_end: float, problem: SolverTask) -> np.ndarray:
+    count = ceil(min((t_end - t0) / problem.period * TIMES_PER_PERIOD, float(MOST_TIMES)))
+    return np.linspace(t0, t_end, min(max(count, FEWEST_TIMES), MOST_TIMES) + 1)
+
+
+def _of_trajectory(trajectory: Trajectory) -> Samples:
+    """Return samples of an exact motion, at its events too, and the list of these."""
+    t0, t_end = float(trajectory.t_start), float(trajectory.t_end)
+    events = tuple((float(event.t), event.kind) for event in trajectory.events)
+    times = np.unique([*_grid(t0, t_end, SolverTask(trajectory.parameters)), *(t for t, _ in events)])
+    return replace(checked(times, *trajectory(times)), events=events, notes=("an exact trajectory",))
+
+
+def of_function(function: Callable[..., Any], problem: SolverTask | None, times: Any = None) -> Samples:
+    """Return samples of a function t -> (x, v), at given times, between its own ends, or over the scene."""
+    if times is None:
+        ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
+        if None in ends and problem is not None:
+            ends = [problem.t0, problem.t_end]
+        if None in ends or problem is None:
+            what = "needs times: give crosscheck(parameters, t, function), or a scene, which says from when to when"
+            raise ParameterError("function", getattr(function, "__name__", type(function).__name__), what)
+        times = _grid(float(ends[0]), float(ends[1]), problem)
+        nodes = getattr(function, "ts", None)
+        times = times if nodes is None else np.unique([*times, *np.asarray(nodes, dtype=float)])
+    times = checked(times, np.zeros(np.shape(times)), np.zeros(np.shape(times))).t
+    samples = checked(times, *_evaluated(function, times))
+    return replace(samples, notes=(f"the function was asked at {len(times)} times",))
+
+
+def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
+    """Return x and v of a function that takes all times at once, or one after the other."""
+    try:
+        states = np.asarray(unmasked("function", function(times)), dtype=float)
+    except Exception:  # masked, or whatever it raises if it takes single numbers alone
+        states = np.empty(0)
+    if states.shape == (2, len(times)):
+        return states
+    if states.shape == (len(times), 2):
+        return states.T
+    single = []
+    for time in times.tolist():
+        try:
+            value = function(time)
+        except ParameterError:
+            raise
+        except Exception as error:  # it is somebody's; the traceback goes on to its own line
+            what = brief(f"{type(error).__name__}: {error}".partition("\n")[0])
+            name = getattr(function, "__name__", "?")
+            raise ParameterError("function", name, f"fails at t = {time:g}: {what}") from error
+        single.append(np.ravel(unmasked("function", value)))
+    if any(len(state) != 2 for state in single):
+        raise ParameterError("function", len(single[0]), "must return two numbers, x and v; it returned so many")
+    return np.array(single).T
+
+
+def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
+    """Return how far a solver's dense output is from the exact motion, as a note: it is no step, and not judged."""
+    ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
+    low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
+    if not low < high:
+        return "the dense output and the exact motion have no times in common"
+    times = _grid(low, high, SolverTask(trajectory.parameters))
+    errors = np.abs(_evaluated(dense, times) - trajectory(times))
+    x, v = (float(np.max(row)) for row in errors)
+    worst = float(times[int(np.argmax(errors[1]))])
+    return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
+
+
+def _times(values: Any) -> list[float]:
+    unmasked("t_events", values)
+    try:
+        found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
+    except (TypeError, ValueError):
+        found = [nan]
+    if not all(map(isfinite, found)):
+        raise ParameterError("t_events", brief(repr(values)), "must be lists of finite times")
+    return found
+
+
+def _speed(states: Any, i: int, j: int) -> float:
+    try:
+        return float(np.ravel(states[i][j])[-1])
+    except (IndexError, KeyError, TypeError, ValueError):
+        raise ParameterError("y_events", type(states).__name__, "must have x and v for each of t_events") from None
+
+
+def solver_events(
+    result: Any, problem: SolverTask | None
+) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
+    """Return the events at a belt in scipy's `t_events`, with the kind "", and notes; the solver may list others.
+
+    Two functions that vanish together, such as an event that ends a piece, are one event.
+    """
+    lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
+    if lists is None or problem is None:
+        return None, ()
+    p, found, beside = problem.parameters, [], 0
+    belts = np.array([float(p.v1), float(p.v2)])
+    for i, times in enumerate(lists if np.iterable(lists) else [nan]):
+        for j, time in enumerate(_times(times)):
+            v = belts[0] if states is None else _speed(states, i, j)
+            near = np.min(np.abs(v - belts)) <= AT_BELT * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
+            found += [time] if near else []
+            beside += not near
+    kept: list[float] = []
+    for time in sorted(found):
+        if not kept or time - kept[-1] > SAME_EVENT * problem.period:
+            kept.append(time)
+    if not kept:
+        return None, ()
+    notes = ["the times of events are the solver's t_events; what they do not list is read off the samples"]
+    if beside:
+        notes.append(f"{beside} of the solver's t_events are not at a belt, and left out")
+    return tuple((time, "") for time in kept), tuple(notes)
+
+
+# -- solvers named on the command line ---------------------------------------------------------------------------------
+
+
+def run_solver(name: str, scene: Scene) -> Any:
+    """Call FUNCTION(parameters, t0, x0, v0, t_end) of "MODULE:FUNCTION" or "file.py:FUNCTION" with four floats.
+
+    Its prints go to standard error. ParameterError if there is no such function, it fails, or it returns nothing.
+    """
+    module, colon, function = name.rpartition(":")
+    if not (module and colon and function):
+        raise ParameterError("solver", name, "must be MODULE:FUNCTION, such as mysolver:solve")
+    with redirect_stdout(sys.stderr):
+        try:
+            solve = _imported(module)
+        except (Exception, SystemExit) as error:
+            raise ParameterError("solver", name, f"cannot be imported: {_reason(error)}") from None
+        for part in function.split("."):
+            solve = getattr(solve, part, None)
+        if not callable(solve):
+            raise ParameterError("solver", name, f"{brief(function)} is no function of {brief(module)}")
+        try:
+            solution = solve(scene.parameters, *(float(getattr(scene, each)) for each in ("t0", "x0", "v0", "t_end")))
+        except (Exception, SystemExit) as error:
+            raise ParameterError("solver", name, f"failed: {_reason(error)}") from None
+    if iscoroutine(solution):
+        solution.close()  # or Python warns on standard error that nobody waited for it
+        raise ParameterError("solver", name, "is async; it must return a solution")
+    if solution is None:
+        raise ParameterError("solver", name, "returned None; it must return a solution")
+    return solution
+
+
+def _imported(name: str) -> Any:
+    if not name.endswith(".py"):
+        if "" not in sys.path:
+            sys.path.insert(0, "")  # the folder in which the command runs
+        return import_module(name)
+    spec = spec_from_file_location(Path(name).stem, name)
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _reason(error: BaseException) -> str:
+    """Return an error as one line, with the place where it was raised."""
+    frames = [
+        frame
+        for frame in extract_tb(error.__traceback__)
+        if "importlib" not in frame.filename and frame.filename != __file__
+    ]
+    place = f" (line {frames[-1].lineno} of {Path(frames[-1].filename).name})" if frames else ""
+    return brief(f"{type(error).__name__}: {error}") + place

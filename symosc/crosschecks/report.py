@@ -1,7 +1,12 @@
-"""What a cross-check found: as values, as text and as plain data."""
+"""The result of a cross-check, as values, as text and as plain data; and the results of several solutions."""
 
 from __future__ import annotations
 
+import multiprocessing
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from functools import cached_property
 from math import isnan
@@ -10,15 +15,22 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.causes import Diagnosis
+from symosc.crosschecks.causes import REASONS, Diagnosis, Fault
 from symosc.crosschecks.diagnosis import diagnose
-from symosc.crosschecks.events import FoundEvent
-from symosc.crosschecks.faults import REASONS, Fault
-from symosc.crosschecks.matching import Match
+from symosc.crosschecks.events import FoundEvent, Match
+from symosc.crosschecks.samples import Samples
 from symosc.display.drawable import Drawable, Reportable
+from symosc.display.frames import imported
+from symosc.display.progress import reporting
+from symosc.errors import ParameterError
+from symosc.simulation.batch import read_workers
+from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
 
-EVENTS_LISTED = 5  # events of a kind in a summary
+EVENTS_LISTED = 5  # of a kind in a summary
+# A summary of several solutions lists so many that fail.
+MOST_LISTED = 20
+EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +160,13 @@ class CrossCheck(Drawable, Reportable):
 
     def summary(self) -> str:
         """Return the findings as lines of text."""
-        worst = np.max(np.abs(self.defects), axis=0)
+        worst, limits = np.max(np.abs(self.defects), axis=0), self.limits_there
         lines = [
             f"{'ok' if self.ok else 'FAILED'}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
             f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
             f"wrong steps: {len(self.wrong_steps)} of {len(self.defects)}",
             f"largest global error: {self.max_error_x:.2e} in x, {self.max_error_v:.2e} in v "
-            f"(allowed there {self.limits_there[0]:.1e} and {self.limits_there[1]:.1e})",
+            f"(allowed there {limits[0]:.1e} and {limits[1]:.1e})",
             f"events: {len(self.matched)} matched, {len(self.missed)} missed, {len(self.invented)} invented, "
             f"{len(self.unresolved)} within the global error",
         ]
@@ -168,38 +180,31 @@ class CrossCheck(Drawable, Reportable):
         if len(self.wrong_spans):
             (first, last), times = self.wrong_spans[0].tolist(), self.t[self.wrong_spans[0]]
             where = f"first from t = {times[0]:.10g} to {times[1]:.10g}"
-            lines.append(
-                f"wrong over {last - first} steps, beyond the rounding: {len(self.wrong_spans)} spans, {where}"
-            )
+            spans = len(self.wrong_spans)
+            lines.append(f"wrong over {last - first} steps, beyond the rounding: {spans} spans, {where}")
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
             lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
-        for name, events in (("missed", self.missed), ("invented", self.invented)):
-            for event in events[:EVENTS_LISTED]:
-                on = f" on belt {event.boundary}" if event.boundary else ""
-                lines.append(f"{name}: {event.kind}{on} at t = {float(event.t):.10g}")
-            if len(events) > EVENTS_LISTED:
-                lines.append(f"{name}: and {len(events) - EVENTS_LISTED} more")
+        on_belt = " on belt {0.boundary}".format
+        for name in ("missed", "invented"):
+            items = [
+                f"{each.kind}{on_belt(each) if each.boundary else ''} at t = {float(each.t):.10g}"
+                for each in getattr(self, name)
+            ]
+            lines += _first_lines(name, items)
         if self.first_wrong:
             lines.append(f"first wrong step: {_words(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
             lines.append(f"first wrong step at a belt: {_words(self.first_switching)}")
-        for fault in self.decisions[:EVENTS_LISTED]:
-            what = f"{fault.found} where {fault.expected} is right"
-            lines.append(f"wrong decision: step {fault.step}, t = {fault.t_next:.10g}: {what}")
-        if len(self.decisions) > EVENTS_LISTED:
-            lines.append(f"wrong decision: and {len(self.decisions) - EVENTS_LISTED} more")
-        lines += [f"diagnosis: {line}" for line in self._diagnosed()]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
-
-    def _diagnosed(self) -> list[str]:
-        """Return the diagnoses as lines; a note says already that samples are rounded."""
-        lines = []
+        decisions = [
+            f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right" for f in self.decisions
+        ]
+        lines += _first_lines("wrong decision", decisions)
         for one in self.diagnosis:
-            if one.cause != "precision":
-                lines.append(f"{one.words} ({one.evidence})")
-                lines += [f"or: {other.words} ({other.evidence})" for other in one.alternatives]
-        return lines
+            if one.cause != "precision":  # a note says already that samples are rounded
+                lines.append(f"diagnosis: {one.words} ({one.evidence})")
+                lines += [f"diagnosis: or: {other.words} ({other.evidence})" for other in one.alternatives]
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
@@ -211,10 +216,10 @@ class CrossCheck(Drawable, Reportable):
             return {name: getattr(event, name) for name in exact}
 
         def fault(item: Fault | None) -> Record | None:
+            # JSON has no NaN: a step that cannot be decided has none.
             values = asdict(item) if item else {}
             return {name: None if value != value else value for name, value in values.items()} or None
 
-        # JSON has no NaN: a step that cannot be decided has none.
         worst = [None if np.isnan(value) else float(value) for value in np.max(np.abs(self.defects), axis=0)]
         return {
             "ok": self.ok,
@@ -233,9 +238,7 @@ class CrossCheck(Drawable, Reportable):
             "wrong_steps": self.wrong_steps.tolist(),
             "wrong_spans": self.wrong_spans.tolist(),
             "matched": [{**plain(match.event), "found_t": match.t, "error": match.error} for match in self.matched],
-            "missed": [plain(event) for event in self.missed],
-            "invented": [plain(event) for event in self.invented],
-            "unresolved": [plain(event) for event in self.unresolved],
+            **{name: [plain(event) for event in getattr(self, name)] for name in EVENT_LISTS[1:]},
             "decisions": [fault(item) for item in self.decisions],
             "first_wrong": fault(self.first_wrong),
             "first_switching": fault(self.first_switching),
@@ -244,6 +247,18 @@ class CrossCheck(Drawable, Reportable):
             "diagnosis": [asdict(one) for one in self.diagnosis],
             "notes": list(self.notes),
         }
+
+
+def _first_lines(name: str, items: Sequence[str]) -> list[str]:
+    """Return the first items as lines, and how many more there are."""
+    more = [f"{name}: and {len(items) - EVENTS_LISTED} more"] if len(items) > EVENTS_LISTED else []
+    return [*(f"{name}: {item}" for item in items[:EVENTS_LISTED]), *more]
+
+
+def _words(fault: Fault) -> str:
+    size = f"defect {fault.defect_x:.1e} in x, {fault.defect_v:.1e} in v"
+    guess = f"{REASONS[fault.reason]} ({fault.words})"
+    return f"{fault.step}, t = {fault.t:.10g} to {fault.t_next:.10g}, {size}; guess: {guess}"
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -261,7 +276,145 @@ def _same(one: Any, other: Any) -> bool:
     return bool(one == other) or (isinstance(one, float) and isnan(one) and isnan(other))
 
 
-def _words(fault: Fault) -> str:
-    size = f"defect {fault.defect_x:.1e} in x, {fault.defect_v:.1e} in v"
-    guess = f"{REASONS[fault.reason]} ({fault.words})"
-    return f"{fault.step}, t = {fault.t:.10g} to {fault.t_next:.10g}, {size}; guess: {guess}"
+class CrossChecks(list[CrossCheck]):
+    """Cross-checks of several solutions: a list, with their names and a summary.
+
+    Attributes
+    ----------
+    names : list of str
+        Which is which: the ids of a table, or their numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> checks = crosscheck("fig5", [{"t": t, "x": x, "v": v}, {"t": t, "x": x, "v": v + (t > 5)}], partial=True)
+    >>> [check.ok for check in checks], checks.ok
+    ([True, False], False)
+    """
+
+    def __init__(self, checks: Iterable[CrossCheck], names: Iterable[str]) -> None:
+        super().__init__(checks)
+        self.names = list(names)
+
+    @property
+    def ok(self) -> bool:
+        """Whether all are right."""
+        return all(check.ok for check in self)
+
+    def __repr__(self) -> str:
+        right = sum(check.ok for check in self)
+        return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {len(self) - right:,} failed>"
+
+    def summary(self) -> str:
+        """Return the findings as lines of text: how many are right, and the faults of the first that are not."""
+        failed = [(name, check) for name, check in zip(self.names, self, strict=True) if not check.ok]
+        lines = [
+            f"{'FAILED' if failed else 'ok'}: {counted(len(self), 'solution')}, {len(failed):,} failed",
+            f"largest global error: {max(check.max_error_x for check in self):.2e} in x, "
+            f"{max(check.max_error_v for check in self):.2e} in v",
+        ]
+        totals = ", ".join(f"{sum(len(getattr(check, name)) for check in self):,} {name}" for name in EVENT_LISTS)
+        lines.append(f"events: {totals}")
+        for name, check in failed[:MOST_LISTED]:
+            fault = check.first_wrong
+            what = f"first wrong step at t = {fault.t:.10g}: {fault.reason}" if fault else "no step is wrong"
+            what = "; ".join([what, *filter(None, (check.wrong_start, check.early_end))])
+            counts = f"{len(check.wrong_steps)} wrong steps, {len(check.missed)} missed, {len(check.invented)} invented"
+            lines.append(f"{name}: {counts}; {what}")
+        if len(failed) > MOST_LISTED:
+            lines.append(f"and {len(failed) - MOST_LISTED:,} more that failed")
+        notes = dict.fromkeys(note for check in self for note in check.notes)
+        return "\n".join([*lines, *(f"note: {note}" for note in list(notes)[:MOST_LISTED])])
+
+    def as_dict(self) -> Record:
+        """Return the findings as plain values, without the samples."""
+        checks = [{"name": name, **check.as_dict()} for name, check in zip(self.names, self, strict=True)]
+        return {"ok": self.ok, "solutions": len(self), "checks": checks}
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the findings as columns, a row for each solution."""
+        rows = [_row(name, check) for name, check in zip(self.names, self, strict=True)]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row for each solution; MissingExtraError if pandas is not installed."""
+        return imported("pandas").DataFrame(self.columns())
+
+    def to_xarray(self) -> Any:
+        """Return a Dataset over `solution`; MissingExtraError if xarray is not installed."""
+        columns = self.columns()
+        names = columns.pop("solution")
+        data: Record = {name: (("solution",), column) for name, column in columns.items()}
+        return imported("xarray").Dataset(data, coords={"solution": names})
+
+
+def _row(name: str, check: CrossCheck) -> Record:
+    fault = check.first_wrong
+    defects = np.max(np.abs(check.defects), axis=0)
+    return {
+        "solution": name,
+        "ok": check.ok,
+        "samples": len(check.t),
+        "t_first": float(check.t[0]),
+        "t_last": float(check.t[-1]),
+        "max_error_x": check.max_error_x,
+        "max_error_v": check.max_error_v,
+        "max_defect_x": float(defects[0]),
+        "max_defect_v": float(defects[1]),
+        "wrong_steps": len(check.wrong_steps),
+        **{each: len(getattr(check, each)) for each in EVENT_LISTS},
+        "compared_until": check.compared_until,
+        "first_wrong_t": np.nan if fault is None else fault.t,
+        "reason": "" if fault is None else fault.reason,
+    }
+
+
+# A process is forked with these, or gets them once, so that a task is a number.
+_tasks: list[Callable[[int], CrossCheck]] = []
+
+
+class Judgements:
+    """The verdicts on several solutions, by their numbers; `judge` must be picklable."""
+
+    def __init__(self, judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples]) -> None:
+        self.judge, self.solutions = judge, solutions
+        self.names = [samples.name or str(i) for i, samples in enumerate(solutions)]
+
+    def __call__(self, i: int) -> CrossCheck:
+        """Judge one; a ParameterError names the solution."""
+        try:
+            return self.judge(self.solutions[i])
+        except ParameterError as error:
+            what = f"{error.allowed} (solution {self.names[i]})"
+            raise ParameterError(error.name, error.value, what) from None
+
+
+def _judged(i: int) -> CrossCheck:
+    return _tasks[-1](i)
+
+
+def check_all(
+    judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples], workers: Any, progress: Any
+) -> CrossChecks:
+    """Judge several solutions, in `workers` processes (None: as many as there are cores)."""
+    count, judged = min(read_workers(workers), len(solutions)), Judgements(judge, solutions)
+    numbers, found = range(len(solutions)), list[CrossCheck]()
+    with reporting(progress or False, 0, len(solutions), "check", "solutions") as report, warnings.catch_warnings():
+        pool = None
+        if count > 1:
+            # A process that is forked needs no main module that can be imported, and nothing is sent to it.
+            forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
+            context = multiprocessing.get_context("fork" if forks else "spawn")
+            warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
+            pool = ProcessPoolExecutor(count, context, _tasks.append, (judged,))
+        try:
+            for check in map(judged, numbers) if pool is None else pool.map(_judged, numbers):
+                found.append(check)
+                report(len(found), len(solutions))
+        finally:
+            if pool is not None:
+                pool.shutdown(cancel_futures=True)
+    return CrossChecks(found, judged.names)

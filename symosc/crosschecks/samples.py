@@ -1,9 +1,9 @@
-"""Samples t, x, v as arrays: what is a number, what is not, and what to say about it in one line."""
+"""Samples t, x, v as arrays, and how they were rounded: decimals, significant digits, single precision, a converter."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -14,8 +14,7 @@ from symosc.errors import ParameterError
 from symosc.exact import unmasked
 
 SAMPLE_COLUMNS = ("t", "x", "v")
-LEAST_SAMPLES = 2
-# Largest number of a sample: squares of it and its products with rates must not overflow.
+# Squares of a sample and its products with rates must not overflow.
 LARGEST_SAMPLE = 1e50
 # Text of a wrong value in a message is cut here.
 LONGEST_ITEM = 60
@@ -23,22 +22,10 @@ LONGEST_ITEM = 60
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution at times.
+    """A solution at times; `v` is NaN if only positions were given, until they are computed with the error `v_off`.
 
-    Attributes
-    ----------
-    t, x, v : (n,) float arrays
-        Without velocities `v` is NaN, until `symosc.crosschecks.velocities` computes it.
-    events : tuple of pairs (t, kind), or None
-        A kind is "" if the solver does not tell it.
-    name : str
-        Which one it is of several.
-    notes : tuple of str
-        What was done to read it.
-    dense : callable, or None
-        The solver's own function t -> (x, v) between the samples.
-    v_off : (n,) float array, or None
-        If v was computed from x: how far it may be off for the errors of x.
+    `events` are pairs (t, kind), with the kind "" if unknown; `name` distinguishes several solutions; `notes` say how
+    it was read; `dense` is the solver's own function t -> (x, v).
     """
 
     t: np.ndarray
@@ -56,28 +43,18 @@ class Samples:
         return bool(np.isnan(self.v[0]))
 
 
-def checked_positions(t: object, x: object, events: object = None) -> Samples:
-    """Return samples without velocities; see `checked`."""
-    times = _array("t", t)
-    samples = checked(times, x, np.zeros(len(times)), events)
-    return replace(samples, v=np.full(len(samples.t), np.nan))
+def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
+    """Return samples as float arrays; without `v` they have positions alone.
 
-
-def checked(t: object, x: object, v: object, events: object = None) -> Samples:
-    """Return samples as float arrays.
-
-    Raises
-    ------
-    ParameterError
-        Unless t, x and v are finite real numbers, one-dimensional, of one length >= 2, and t never decreases; or if
-        `events` are no pairs (t, kind).
+    ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
     """
-    arrays = {name: _array(name, values) for name, values in zip(SAMPLE_COLUMNS, (t, x, v), strict=True)}
+    arrays = {name: _array(name, values) for name, values in (("t", t), ("x", x))}
+    arrays["v"] = np.zeros(len(arrays["t"])) if v is None else _array("v", v)
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "t, x and v must have one length")
-    if lengths["t"] < LEAST_SAMPLES:
-        raise ParameterError("samples", lengths["t"], f"at least {LEAST_SAMPLES} are needed")
+    if lengths["t"] < 2:
+        raise ParameterError("samples", lengths["t"], "at least 2 are needed")
     times = arrays["t"]
     late = np.flatnonzero(np.diff(times) < 0.0)
     if len(late):
@@ -86,14 +63,15 @@ def checked(t: object, x: object, v: object, events: object = None) -> Samples:
         raise ParameterError(f"t[{i}]", float(times[i]), what)
     if times[0] == times[-1]:
         raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
-    return Samples(arrays["t"], arrays["x"], arrays["v"], events=None if events is None else _checked_events(events))
+    if v is None:
+        arrays["v"][:] = np.nan
+    return Samples(**arrays, events=None if events is None else checked_events(events))
 
 
-def check_joints(samples: Samples, part: float, slack_x: float | np.ndarray, slack_v: float | np.ndarray) -> None:
+def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np.ndarray) -> None:
     """Raise ParameterError where a time is repeated with a clearly different state.
 
-    A time may come twice where two pieces of a solution are joined: the states there differ by at most `part` of the
-    largest |x| and |v|, and by as much as the samples themselves may be off.
+    At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack.
     """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, slack in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
@@ -122,7 +100,9 @@ def _array(name: str, values: Any) -> np.ndarray:
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         if isinstance(error, ParameterError):
             raise
-        _refuse_wrong(name, _items(values))
+        items = values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
+        # Python numbers read better in a message than those of numpy.
+        _refuse_wrong(name, np.ravel(values).tolist() if isinstance(values, np.ndarray) else items)
         raise ParameterError(name, shown(values), "is not a column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
@@ -143,12 +123,6 @@ def _refuse_wrong(name: str, values: Iterable[object]) -> None:
             raise ParameterError(f"{name}[{i}]", shown(value), "is not a number") from None
 
 
-def _items(values: Any) -> Iterable[object]:
-    if isinstance(values, np.ndarray):
-        return np.ravel(values).tolist()  # Python numbers read better in a message
-    return values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
-
-
 def number_of(value: Any) -> float:
     """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
@@ -167,7 +141,7 @@ def short(text: str) -> str:
 
 
 def shown(value: object) -> object:
-    """Return a wrong value for a message: itself where it is short, else the beginning of its text or its type."""
+    """Return a wrong value for a message: itself if it is short, else the beginning of its text or its type."""
     if isinstance(value, str):
         return short(value)
     try:
@@ -177,7 +151,8 @@ def shown(value: object) -> object:
     return value if fits else type(value).__name__
 
 
-def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
+def checked_events(events: object) -> tuple[tuple[float, str], ...]:
+    """Return a list of events as pairs (t, kind)."""
     if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
         raise ParameterError("events", shown(events), "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []
@@ -192,3 +167,174 @@ def _checked_events(events: object) -> tuple[tuple[float, str], ...]:
             raise ParameterError(f"events[{i}]", (time, short(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)
+
+
+# -- rounding ----------------------------------------------------------------------------------------------------------
+
+# Hardly a double has so few significant digits by chance (one of a thousand).
+MOST_SAMPLE_DIGITS = 13
+# Numbers that show the rounding; 0, the speeds of the belts and the start may be short by nature.
+LEAST_SHOWN = 3
+FEW_VALUES = 1000
+# The even grid of a converter: so many of its steps, at most, reach the largest number. So many different numbers must
+# be on it, other than 0; with fewer than some, no one alone may make it finer, but for a factor of 2 by chance.
+MOST_GRID_STEPS, LEAST_ON_GRID, SOME_ON_GRID, LARGEST_FACTOR = 2.0**24, 6, 16, 2
+OFF_GRID = 1e-6
+DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class Digits:
+    """How the numbers of a column were rounded ("6 decimals"), and one unit of the last digit of each number."""
+
+    text: str
+    units: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """How samples and the times of a list of events were rounded; None: a column has all digits of a double."""
+
+    t: Digits | None
+    x: Digits | None
+    v: Digits | None
+    events: Digits | None
+
+    def units(self, count: int) -> np.ndarray:
+        """Return the units of the last digits of t, x and v, shape (3, n); 0 where nothing was rounded."""
+        columns = (self.t, self.x, self.v)
+        if columns == (None, None, None):
+            return np.broadcast_to(0.0, (3, count))  # takes no memory
+        return np.array([np.zeros(count) if digits is None else digits.units for digits in columns])
+
+    def of_events(self, count: int) -> np.ndarray:
+        """Return the units of the last digits of the listed times."""
+        return np.zeros(count) if self.events is None else self.events.units
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """What is rounded, and to how many digits."""
+        return {name: digits.text for name, digits in vars(self).items() if digits is not None}
+
+
+def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> Rounding:
+    """Return how samples were rounded; in a stick v is one of `speeds`, with as few digits as they have.
+
+    Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
+    exact, unless the first one is the start of the scene, rounded.
+    """
+    x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
+    if not samples.lacks_v:
+        x, v = x or _as_beside(samples.x, v), v or _as_beside(samples.v, x)
+    t = None
+    if x is not None or v is not None:
+        t = find_digits(samples.t, samples.t[:1])
+        if t is not None and np.ptp(np.diff(np.rint(samples.t / np.min(t.units)))) == 0.0:  # an even grid
+            near = start is not None and 0.0 < abs(samples.t[0] - start) <= 0.5000001 * t.units[0]
+            t = t if near else None
+    listed = np.array([time for time, _ in samples.events or ()])
+    # A list given with rounded samples is likely to be rounded too: one time shows it.
+    least = LEAST_SHOWN if x is None and v is None else 1
+    return Rounding(t, x, v, find_digits(listed, samples.t[:1], least))
+
+
+def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
+    """Return how `values` were rounded, or None if they have all digits, or fewer than `least` of them show it.
+
+    Both fixed decimals and significant digits are tried. Any rounded numbers fit both, one of them with more digits
+    than were written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
+    """
+    numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
+    if len(numbers) < least:
+        return None
+    found, grid = _decimal(values, numbers) or _single(values, numbers), _grid(values, numbers)
+    # Steps of a converter may have a few decimals, or a few bits, themselves.
+    coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
+    return grid if coarser else found
+
+
+def _as_beside(values: np.ndarray, beside: Digits | None) -> Digits | None:
+    """Return the decimals of the column beside, if these numbers fit them: few numbers, such as zeros, show none."""
+    if beside is None or np.ptp(beside.units) > 0.0:
+        return None
+    unit = beside.units[0]
+    fits = np.abs(np.rint(values / unit) * unit - values) <= DOUBLE_ROUNDING * np.abs(values)
+    return beside if fits.all() else None
+
+
+def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
+    """Return to how many decimals or significant digits numbers were rounded, or None."""
+    exponents = _exponents(numbers)
+    significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(numbers, n - 1 - exponents)), None)
+    if significant is None:
+        return None
+    places = significant - 1 - exponents
+    tried = range(int(np.min(places)), int(np.max(places)))
+    decimals = next((d for d in tried if _fits(numbers, np.full(len(numbers), float(d)))), int(np.max(places)))
+    fixed = 10.0 ** -float(decimals)
+    floating = 10.0 ** (_exponents(values) + 1 - significant)
+    if np.any(floating[values != 0.0] > fixed * 1.5):
+        return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
+    text = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
+    return Digits(text, np.full(len(values), fixed))
+
+
+def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
+    """Return the digits of numbers in single or half precision."""
+    for kind, name in ((np.float16, "half"), (np.float32, "single")):
+        with np.errstate(over="ignore"):
+            fits = np.array_equal(numbers.astype(kind), numbers)
+        if fits:
+            return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
+    return None
+
+
+def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
+    """Return the step of an even grid that holds all numbers, as a converter makes them.
+
+    Two halves of the numbers must give the same step: a single number beside a grid would make a much finer one.
+    """
+    levels = np.unique(np.abs(numbers))
+    if len(levels) < LEAST_ON_GRID:
+        return None
+    largest = float(levels[-1])
+    few = len(levels) < SOME_ON_GRID
+    parts = [np.delete(levels, i) for i in range(len(levels))] if few else [levels[::2], levels[1::2]]
+    counts = [round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts]
+    most, least = max(counts), min(counts)
+    if not least or most % least or most > (LARGEST_FACTOR if few else 1) * least:
+        return None
+    step = largest / most
+    if np.any(np.abs(values - np.rint(values / step) * step) > OFF_GRID * step):
+        return None
+    return Digits(f"multiples of {step:.6g}", np.full(len(values), step))
+
+
+def _common_step(levels: np.ndarray, largest: float) -> float | None:
+    """Return the largest number of which all levels are multiples, by Euclid's algorithm; None if it is too small."""
+    step, least = float(levels[0]), largest / MOST_GRID_STEPS
+    for level in levels[1:].tolist():
+        rest, step = step, level
+        while rest > 0.5 * least:
+            step, rest = rest, abs(step - round(step / rest) * rest)
+        if step < least:
+            return None
+        step = level / round(level / step)  # without the rounding of the divisions
+    return step
+
+
+def _exponents(values: np.ndarray) -> np.ndarray:
+    """Return the decimal exponents of numbers; 0 for 0."""
+    sizes = np.abs(values)
+    exponents = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
+    # A logarithm just below a whole number is the next decade.
+    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - DOUBLE_ROUNDING)))
+
+
+def _fits(values: np.ndarray, places: np.ndarray) -> bool:
+    """Return whether all values are whole multiples of 10^-places; most that are not show it in the first few."""
+    if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
+        return False
+    with np.errstate(over="ignore", invalid="ignore"):
+        units = 10.0**-places
+        return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))

@@ -1,4 +1,18 @@
-"""The exact motion over each step of somebody's samples, restarted from every sample: local errors, not global ones."""
+"""The exact motion over each step of samples, restarted from every sample, and how far right samples may be off.
+
+Two motions of one scene never move apart. Friction falls with the velocity, so for the differences X and V of two
+motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through sticks and crossings as well. Hence
+
+    V^2 + (k/m) X^2 never grows,   |V(t)| <= max(|V(0)|, (k/c) max |X|),   |V(t)| <= |V(0)| + (k/m) t max |X|.
+
+In most steps surely nothing happens, and these are done all at once. Over a short step of length tau the velocity stays
+near the chord between its two ends: it is off by at most tau^2/8 max |b|, where b is its second derivative. In a flight
+
+    v'' + (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta),   r^2 = v'^2 + (k/m) v^2,   dr/dtau <= |B0 Omega/m|,
+
+so that r, and b with it, are bounded over the step. If the chord, so widened, stays between the belts, then the flight
+meets none of them. On a belt the same is done with the two forces: their second derivative is at most |B0| Omega^2/m.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.quiet import quiet_ends
+from symosc.crosschecks.samples import Samples
 from symosc.engine.arithmetic import Arithmetic, mp_context
 from symosc.engine.batch import Batch, batch_of, keep_state, state_of
 from symosc.engine.constant_table import table_of
@@ -18,32 +32,71 @@ from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.kernels import entire_array
-from symosc.kernels._generated import acceleration, motion
+from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined
 
-# Fewer steps than this are interpreted before compiled code is loaded, which takes a second; so are fewer ones once
-# they are many together, as in the diagnoses of many solutions. The bits are the same.
+# Fewer steps than this are followed before compiled code is loaded, until so many are done: to load it takes a second.
 COMPILE_FROM = 4000
 FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
-# Steps that are followed together: what they need besides the result stays in the processor's cache.
+# Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
+# The longest step in which surely nothing happens, in units of 1/rate: beyond it the bounds say nothing.
+LONGEST_QUIET = 0.5
+# A motion nearer to a belt, or to the end of a stick, than this part of the sizes there needs the event search.
+CLEARANCE = 1e-9
+
+
+# -- how far right samples may be off ----------------------------------------------------------------------------------
+
+
+def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
+    """Bound |x| and |v| between two exact motions that begin `off` apart, (n, 2) or (2,), a time `tau` later."""
+    if not np.any(off):
+        return np.zeros(2)
+    x, v = off[..., 0], off[..., 1]
+    square, damping = float(p.k / p.m), float(p.c / p.m)
+    fastest = np.sqrt(v * v + square * x * x)
+    farthest = x + tau * fastest
+    if square > 0.0:
+        farthest = np.minimum(farthest, np.sqrt(x * x + v * v / square))
+    v = np.minimum(fastest, v + square * tau * farthest)
+    if damping > 0.0:
+        v = np.minimum(v, np.maximum(off[..., 1], square / damping * farthest))
+    return np.stack([farthest, v], axis=-1)
+
+
+def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
+    """Return the error of x and v over the steps from rounding times and samples to doubles, shape (n - 1, 2)."""
+    ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
+    return np.outer(ticks, [scales[1], float(_push(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
+
+
+def _push(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
+    """Bound the acceleration at given |x| and |v|."""
+    forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
+    return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
+
+
+def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.ndarray:
+    """Bound the errors of x and v of each sample from the rounding of t, x and v, (3, n); shape (n, 2)."""
+    if samples.v_off is None and not np.any(rounding):
+        return np.broadcast_to(0.0, (len(samples.t), 2))
+    t, x, v = rounding
+    v = v if samples.v_off is None else np.maximum(v, samples.v_off)
+    # While the clock is off by t the velocity changes too.
+    fastest = np.abs(samples.v) + v + _push(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
+    return np.column_stack([x + fastest * t, v + _push(p, np.abs(samples.x) + x + fastest * t, fastest) * t])
+
+
+# -- the exact motion over the steps -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class StepEvents:
-    """Events of the exact motion inside steps, in order of step and time.
-
-    Attributes
-    ----------
-    step : (rows,) int array
-    t, x, theta : (rows,) float arrays
-        Times, positions, phases.
-    kind, boundary, target : (rows,) int arrays
-        Codes of `symosc.engine.events.KIND_NAMES`, 1 or 2, codes of `symosc.model.MODE_NAMES`.
-    """
+    """Events of the exact motion inside steps, in order of step and time; kind, boundary, target are codes."""
 
     step: np.ndarray
     t: np.ndarray
@@ -54,24 +107,16 @@ class StepEvents:
     target: np.ndarray
 
     def rows(self, first: int, last: int) -> slice:
-        """Return where the events of steps `first` to `last` (included) are."""
+        """Return the rows of the events of steps `first` to `last` (included)."""
         return slice(*np.searchsorted(self.step, [first, last + 1]))
 
 
 @dataclass(frozen=True)
 class ExactSteps:
-    """What the exact motion does between one sample and the next.
+    """The exact motion from each sample to the next one.
 
-    Attributes
-    ----------
-    parameters, K : Parameters, Constants
-    t, x, v : (n,) arrays, the samples
-    theta : (n,) array, phases
-    defects : (n - 1, 2) array
-        Exact motion from a sample over the step, minus the next sample: x and v.
-    first, last : (n - 1,) int arrays
-        Codes of the motion (MODE_NAMES) just after the sample and at the end of the step.
-    events : StepEvents
+    `theta` are phases; `defects` the exact motion over the step minus the next sample, shape (n - 1, 2); `first` and
+    `last` the modes (MODE_NAMES) just after the sample and at the end of the step.
     """
 
     parameters: Parameters
@@ -85,6 +130,16 @@ class ExactSteps:
     last: np.ndarray
     events: StepEvents
 
+    @property
+    def states(self) -> np.ndarray:
+        """Samples x, v, shape (n, 2)."""
+        return np.column_stack([self.x, self.v])
+
+    @property
+    def belts(self) -> np.ndarray:
+        """Speeds of the belts."""
+        return np.array([self.K.belt1.v, self.K.belt2.v])
+
     def at(self, time: float, slack: float = 0.0) -> tuple[int, int]:
         """Return the first and the last step within `slack` of a time."""
         low, high = np.searchsorted(self.t, [time - slack, time + slack], "right") - 1
@@ -92,34 +147,24 @@ class ExactSteps:
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since`.
+        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since`."""
+        return self.fly(domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since])
 
-        Both are index arrays; `domain` is one for all, or an array.
-        """
-        K, tau = self.K, self.t[until] - self.t[since]
-        s0, c0 = np.sin(self.theta[since]), np.cos(self.theta[since])
-        x0, v0 = self.x[since], self.v[since]
-        A = np.take([K.A1, K.A2, K.A3], domain - 1)
-        a0 = acceleration(x0, v0, c0, A, K.cm, K.w0sq, K.f0)
+    def fly(self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        """Return x, v after flights with the force of `domain` (one, or an array) over times `tau`."""
+        K, s, c = self.K, np.sin(theta), np.cos(theta)
+        a = acceleration(x, v, c, np.take([K.A1, K.A2, K.A3], domain - 1), K.cm, K.w0sq, K.f0)
         E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
-        dx, dv, _ = motion(v0, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        return np.stack([x0 + dx, v0 + dv], axis=-1)
+        dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        return np.stack([x + dx, v + dv], axis=-1)
 
 
 def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
-    A sample with |v - v_lambda| <= near may be meant to be on the belt or beside it. Both are tried, and the one that
-    agrees better with the next sample counts. Where a time is repeated nothing moves: the defect is the jump.
-
-    Parameters
-    ----------
-    parameters : Parameters
-    t, x, v : (n,) float arrays, t never decreasing
-    near : float or (n,) array
-        Unit of velocity.
-    scales : (2,) or (n - 1, 2) array
-        Units in which the defects of x and v are compared with each other.
+    A sample with |v - v_belt| <= `near` (a number or (n,)) may be meant to be on the belt or beside it. Both are tried,
+    and the one that agrees better with the next sample, in units `scales` ((2,) or (n - 1, 2)), counts. Where a time is
+    repeated nothing moves: the defect is the jump.
     """
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
@@ -128,24 +173,20 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     near, found = np.broadcast_to(near, count + 1), []
     for begin in range(0, count, STEPS_TOGETHER):
         part = slice(begin, min(begin + STEPS_TOGETHER, count) + 1)
-        theta[part] = phases(parameters, t[part])[1]
+        theta[part] = phases(parameters, t[part])
         inner = slice(begin, part.stop - 1)
         some = Pieces(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
         defects[inner], modes[:, inner], events = some.follow()
         found.append(replace(events, step=events.step + begin))
-    _at_joints(t, modes)
-    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], concatenated(found))
-
-
-def _at_joints(t: np.ndarray, modes: np.ndarray) -> None:
-    """Let a step in which no time passes have the mode in which the motion arrives, or leaves the first sample."""
+    # A step in which no time passes has the mode in which the motion arrives, or leaves the first sample.
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
         modes[:, i] = modes[1, i - 1] if i else modes[0, int(np.argmax(np.diff(t) > 0.0))]
+    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], _concatenated(found))
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Some samples one after the other, and what `follow_steps` needs of them."""
+    """Some consecutive samples, as arguments of `follow_steps`."""
 
     K: Constants
     t: np.ndarray
@@ -165,46 +206,47 @@ class Pieces:
         modes, size = np.zeros((2, len(v)), np.int8), np.zeros(len(v))
         on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
         defects[moving], modes[:, moving], size[moving], events = self.of(moving, on[moving])
-        doubtful = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
-        if len(doubtful):
-            others = self.of(doubtful, closest[doubtful])
+        either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
+        if len(either):
+            others = self.of(either, closest[either])
             # On a belt both agree up to rounding: then it is on the belt.
-            better = ~(others[2] > size[doubtful] * (1.0 + 1e-6) + EPS)
-            chosen = doubtful[better]
+            better = ~(others[2] > size[either] * (1.0 + 1e-6) + EPS)
+            chosen = either[better]
             defects[chosen], modes[:, chosen] = others[0][better], others[1][:, better]
-            events = _joined(events, others[3], chosen)
+            events = _merged(events, others[3], chosen)
         return defects, modes, events
 
     def of(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Return what `follow` does for some steps from belt `on` (0: from where the sample is), with their sizes."""
+        """Return defects, modes, sizes and events of some steps that begin on belt `on` (0: where the sample is)."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
         rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
-        modes, ends, events = followed_rows(rows, left, self.K)
+        modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
+        quiet, states = quiet_ends(rows, left, self.K)
+        ends[quiet] = states
+        busy = np.delete(np.arange(len(rows)), quiet)
+        modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], self.K)
         defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
-        origin = steps[events.step]
+        origin = steps[busy[events.step]]
         events = replace(events, step=origin, t=self.t[origin] + events.t)
         return defects, modes, np.max(np.abs(defects) / self.scales[steps], axis=1), events
 
 
-def phases(parameters: Parameters, t: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return (periods, theta) with Omega t = 2 pi periods + theta for an array of times, however large they are."""
+def phases(parameters: Parameters, t: Any) -> np.ndarray:
+    """Return the phases Omega t modulo 2 pi of an array of times, however large they are."""
     context = mp_context(60)
     Om = parameters.Omega
     exact = context.mpf(Om.numerator) / Om.denominator / (2 * context.pi)  # turns per time
     high = float(exact)
     low = float(exact - high)
     turns = t * high
-    # Dekker's product: what the rounding of t * high lost.
+    # Dekker's product: the part of t * high that its rounding lost.
     t_big, high_big = _upper_half(t), _upper_half(np.float64(high))
     t_rest, high_rest = t - t_big, high - high_big
     lost = ((t_big * high_big - turns) + t_big * high_rest + t_rest * high_big) + t_rest * high_rest
-    whole = np.floor(turns)
-    part = (turns - whole) + (lost + t * low)
-    shift = np.floor(part)
-    theta = (part - shift) * (2.0 * pi)
-    over = theta >= TWO_PI
-    return (whole + shift + over).astype(np.int64), np.where(over, 0.0, theta)
+    part = (turns - np.floor(turns)) + (lost + t * low)
+    theta = (part - np.floor(part)) * (2.0 * pi)
+    return np.asarray(np.where(theta >= TWO_PI, 0.0, theta))
 
 
 def _upper_half(value: Any) -> Any:
@@ -212,24 +254,43 @@ def _upper_half(value: Any) -> Any:
     return shifted - (shifted - value)
 
 
-def followed_rows(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow every row to its end, `left` later.
+# -- steps in which surely nothing happens -----------------------------------------------------------------------------
 
-    Returns
-    -------
-    modes : (2, n) int array
-        Just after the start and at the end.
-    ends : (n, 2) array
-        States [x, v] at the ends.
-    events : StepEvents
-        With times from the starts on.
-    """
-    modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
-    quiet, states = quiet_ends(rows, left, K)
-    ends[quiet] = states
-    busy = np.delete(np.arange(len(rows)), quiet)
-    modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], K)
-    return modes, ends, replace(events, step=busy[events.step])
+
+def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
+    """Return which rows of `start_rows` have no event in the time `left`, and their states [x, v] at the end."""
+    numbers = np.flatnonzero(K.rate * left < LONGEST_QUIET)
+    tau = left[numbers]
+    mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
+    held = mode > ON_BELT
+    s, c = np.sin(theta), np.cos(theta)
+    E0, E1, E2, R2, I2, s_tau, c_tau = entire_array.basis(tau, K)
+    dx, dv, _ = motion(v, below, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    ends = np.column_stack([x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)])
+    # A stick lasts if both forces keep their sign over the step.
+    off = 0.125 * tau * tau * abs(K.fB) * K.Om
+    off += CLEARANCE * (np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0))
+    turned = (c * c_tau - s * s_tau) - c
+    lower, upper = (stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above))
+    lasts = held & (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
+    quiet = lasts | (~held & _flight_is_clear(tau, mode, v, ends[:, 1], below, K))
+    return numbers[quiet], ends[quiet]
+
+
+def _flight_is_clear(
+    tau: np.ndarray, mode: np.ndarray, v: np.ndarray, v_end: np.ndarray, a: np.ndarray, K: Constants
+) -> np.ndarray:
+    """Return which flights stay in their domain, clear of the belts."""
+    most = np.hypot(a, K.w0 * v) + abs(K.fB) * tau
+    off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
+    off += CLEARANCE * (np.abs(v) + np.abs(v_end) + abs(K.belt1.v) + abs(K.belt2.v))
+    low, high = np.minimum(v, v_end) - off, np.maximum(v, v_end) + off
+    walls = np.array([-np.inf, K.belt1.v, K.belt2.v, np.inf])
+    domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight, and masked by the caller
+    return (low > walls[domain - 1]) & (high < walls[domain])
+
+
+# -- steps that need the event search ----------------------------------------------------------------------------------
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
@@ -241,12 +302,12 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     FEW_STEPS.events -= len(rows) * few
     t, x, theta = numbers[[0, 1, 3]]
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
-    doubtful = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
-    if len(doubtful):
-        singles = [_follow_one(batch, rows, i, K) for i in doubtful.tolist()]
+    undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
+    if len(undecided):
+        singles = [_follow_one(batch, rows, i, K) for i in undecided.tolist()]
         columns = np.array([event for single in singles for event in single], dtype=float).reshape(-1, 7).T
         step, kind, boundary, target = (columns[k].astype(int) for k in (0, 4, 5, 6))
-        found = _joined(found, StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target), doubtful)
+        found = _merged(found, StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target), undecided)
     modes = batch.states[:, 0].astype(int)
     ends = _ends(rows, modes, left, found, K)
     ends[batch.codes == FAILED] = np.nan
@@ -269,7 +330,7 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow a row with a contact within rounding: what it is makes no difference beyond rounding, so it is taken."""
+    """Follow a row with a contact within rounding: either answer is right to rounding, so the first is taken."""
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events: list[tuple[Any, ...]] = []
     code = MOVED
@@ -282,7 +343,7 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
     return events
 
 
-def _joined(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
+def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
     """Return `events` with those of `steps` taken from `others`."""
     kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
     columns = {
@@ -292,6 +353,6 @@ def _joined(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEv
     return StepEvents(**{name: column[order] for name, column in columns.items()})
 
 
-def concatenated(parts: Sequence[StepEvents]) -> StepEvents:
+def _concatenated(parts: Sequence[StepEvents]) -> StepEvents:
     """Return events of several parts, one after the other."""
     return StepEvents(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})

@@ -18,8 +18,7 @@ from typing import TypeGuard
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.rounding import find_digits
-from symosc.crosschecks.samples import Samples
+from symosc.crosschecks.samples import Samples, find_digits
 from symosc.crosschecks.steps import Pieces, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
@@ -30,6 +29,8 @@ from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
+
+# -- velocities --
 
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
 ROUNDED_NOTE = "velocities were not given: they are those of an exact motion that has the rounded positions"
@@ -53,21 +54,7 @@ MOST_FITTED, MOST_TRIED_EVENTS = 1_000, 20_000
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
-    """Return samples with velocities, and how far these may be off.
-
-    Parameters
-    ----------
-    samples : Samples
-    scene : Scene or Parameters
-        A scene's start tells the first velocity where nothing else does.
-    tolerance : float
-        Errors of the positions that are allowed, relative to the largest.
-
-    Raises
-    ------
-    ParameterError
-        If the positions are too far apart to tell any velocity.
-    """
+    """Return samples with velocities, and how far these may be off; ParameterError if positions are too far apart."""
     p = scene if isinstance(scene, Parameters) else scene.parameters
     K = Arithmetic(p).K._replace(sigmas=0.0)
     t, x = samples.t, samples.x
@@ -75,7 +62,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
     longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
     per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
-    theta = phases(p, t)[1]
+    theta = phases(p, t)
     digits, size = find_digits(x, x[:1]), float(np.max(np.abs(x)))
     rounded = np.zeros(len(x)) if digits is None else digits.units
     if digits is not None:
@@ -109,17 +96,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 
 
 def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
-    """Return samples with the velocities of an exact motion that has their positions, or None if none is found.
-
-    Parameters
-    ----------
-    samples : Samples
-    scene : Scene or Parameters
-    half : (n,) array
-        Rounding of the positions.
-    off : float
-        Errors of the positions that are allowed beside it.
-    """
+    """Return samples with the velocities of an exact motion that has their positions, or None if none is found."""
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
     digits = find_digits(t, t[:1])

@@ -1,9 +1,14 @@
-"""How to cite symosc and the paper that it recomputes: the home of all bibliographic data.
+"""The home of all bibliographic data: how to cite symosc and the paper, and the list of references.
 
-CITATION.cff says the same for machines; a test compares the two.
+The list is read from BibTeX and printed without running it. CITATION.cff says the same for machines; a test compares.
 """
 
 from __future__ import annotations
+
+import re
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
 
 from symosc import __version__
 
@@ -22,41 +27,99 @@ PAPER = {
     "pages": "357--373",
     "issn": "2224-2880",
 }
+#: A citation in a LaTeX text: what is written behind it, and its keys.
+CITATION = re.compile(r"\\cite(?:\[([^\]]*)\])?\{([^{}]*)\}")
+_ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)
+_FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*)\},?$", re.MULTILINE)
+_ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é"}
 
 
 def bibtex() -> str:
-    """Return BibTeX entries of symosc and of the paper.
-
-    Examples
-    --------
-    >>> print(bibtex().splitlines()[0])
-    @misc{symosc,
-    """
+    """Return BibTeX entries of symosc and of the paper."""
     return f"{_entry('misc', 'symosc', SYMOSC)}\n\n{_entry('article', 'chen2016', PAPER)}"
-
-
-def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
-    r"""Return the paper as a line of a list of references.
-
-    Parameters
-    ----------
-    title : str
-        What to put around the title, such as ``r"\emph{{{}}}"`` in LaTeX.
-    space, dash : str
-        Between initials and names, and between the page numbers.
-
-    Examples
-    --------
-    >>> paper_reference(title="*{}*", dash="-")[:51]
-    'G. Chen and J. Fan, *Analysis of dynamical behavior'
-    """
-    people = [person.split(", ") for person in PAPER["author"].split(" and ")]
-    authors = " and ".join(f"{given[0]}.{space}{family}" for family, given in people)
-    pages = PAPER["pages"].replace("--", dash)
-    journal = f"{PAPER['journal']} {PAPER['volume']} ({PAPER['year']})"
-    return f"{authors}, {title.format(PAPER['title'])}, {journal}, {pages}"
 
 
 def _entry(kind: str, key: str, fields: dict[str, str]) -> str:
     lines = [f"  {name:<7} = {{{value}}}," for name, value in fields.items()]
     return "\n".join([f"@{kind}{{{key},", *lines, "}"])
+
+
+def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
+    r"""Return the paper as a line of a list of references; `title` is around the title, such as ``r"\emph{{{}}}"``."""
+    people = [person.split(", ") for person in PAPER["author"].split(" and ")]
+    authors = " and ".join(f"{given[0]}.{space}{family}" for family, given in people)
+    journal = f"{PAPER['journal']} {PAPER['volume']} ({PAPER['year']})"
+    return f"{authors}, {title.format(PAPER['title'])}, {journal}, {PAPER['pages'].replace('--', dash)}"
+
+
+class Reference(NamedTuple):
+    """An entry: its kind, its key, its fields."""
+
+    kind: str
+    key: str
+    fields: dict[str, str]
+
+
+def references_bib() -> str:
+    """Return the BibTeX of all references, symosc and the paper included."""
+    return bibtex() + "\n\n" + files("symosc.derive").joinpath("references.bib").read_text(encoding="utf-8")
+
+
+@cache
+def entries() -> dict[str, Reference]:
+    """Return all references by their keys."""
+    found = _ENTRY.findall(references_bib())
+    return {key: Reference(kind, key, dict(_FIELD.findall(body))) for kind, key, body in found}
+
+
+def cited(text: str) -> list[str]:
+    """Return the keys that a LaTeX text cites, in the order of the list; KeyError for one that is unknown."""
+
+    def place(key: str) -> tuple[str, str]:
+        fields = entries()[key].fields
+        return _plain(fields["author"]).strip("{}").removeprefix("the ").split(",")[0].lower(), fields["year"]
+
+    return sorted({key.strip() for _, group in CITATION.findall(text) for key in group.split(",")}, key=place)
+
+
+def reference_line(key: str) -> str:
+    """Return an entry as a line of LaTeX."""
+    reference = entries()[key]
+    get = reference.fields.get
+    if reference.kind == "article":
+        place = f"{get('journal')} {get('volume')} ({get('year')}), {get('pages')}"
+    elif reference.kind == "book":
+        place = f"{get('publisher')}, {get('address')}, {get('year')}"
+    else:
+        place = f"{get('note')}, {get('year')}"
+    doi = f", doi:{get('doi')}" if get("doi") else ""
+    return rf"{_authors(reference.fields['author'])}, \emph{{{get('title')}}}, {place}{doi}."
+
+
+def _authors(text: str) -> str:
+    if text.startswith("{"):
+        return text.strip("{}")
+    people = []
+    for person in text.split(" and "):
+        family, _, given = person.partition(", ")
+        names = (part.split("-") for part in given.split(" "))
+        initials = "~".join("-".join(each if each.endswith(".") else f"{each[0]}." for each in part) for part in names)
+        people.append(f"{initials}~{family}")
+    return people[0] if len(people) == 1 else f"{', '.join(people[:-1])} and {people[-1]}"
+
+
+def reference_list(keys: list[str]) -> str:
+    """Return the list of references as LaTeX."""
+    rows = [rf"\bibitem{{{key}}} {reference_line(key)}" for key in keys]
+    return "\n".join([r"\begin{thebibliography}{99}", *rows, r"\end{thebibliography}"])
+
+
+def plain_line(key: str) -> str:
+    """Return an entry for HTML and Markdown: LaTeX text without accents as commands."""
+    return re.sub(r"\{([A-Z])\}", r"\1", _plain(reference_line(key)))
+
+
+def _plain(text: str) -> str:
+    for accent, letter in _ACCENTS.items():
+        text = text.replace(accent, letter)
+    return text

@@ -4,39 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DARK, GREY, LIGHT = "black", "0.45", "0.82"
+POINT: dict[str, Any] = {"marker": "o", "color": "white", "markeredgecolor": DARK, "linestyle": ""}
 #: Points of all letters; no figure is printed smaller than it is drawn.
 LETTERS = 10.0
 
 
-def friction() -> Figure:
+def friction(axes: Axes) -> None:
     """Draw the friction of both belts against the velocity, set-valued at the belts' speeds."""
-    axes_figure, axes = _axes(4.6, 2.3)
     v1, v2, mu1, mu2 = 1.0, 3.0, 1.0, 0.55
-    levels = {"1": mu1 + mu2, "2": mu2 - mu1, "3": -mu1 - mu2}
-    axes.plot([-1, v1], [levels["1"]] * 2, color=DARK, linewidth=1.6)
-    axes.plot([v1, v2], [levels["2"]] * 2, color=DARK, linewidth=1.6)
-    axes.plot([v2, 5], [levels["3"]] * 2, color=DARK, linewidth=1.6)
-    for place, top, bottom in ((v1, "1", "2"), (v2, "2", "3")):
-        axes.plot([place] * 2, [levels[top], levels[bottom]], color=DARK, linewidth=3.2, solid_capstyle="butt")
+    levels = mu1 + mu2, mu2 - mu1, -mu1 - mu2
+    for ends, level in zip(((-1, v1), (v1, v2), (v2, 5)), levels, strict=True):
+        axes.plot(ends, [level] * 2, color=DARK, linewidth=1.6)
+    for place, *jump in ((v1, *levels[:2]), (v2, *levels[1:])):
+        axes.plot([place] * 2, jump, color=DARK, linewidth=3.2, solid_capstyle="butt")
         axes.axvline(place, color=GREY, linewidth=0.5, linestyle=":")
     axes.axhline(0, color=GREY, linewidth=0.5)
     axes.set_xticks([v1, v2], ["$v_1$", "$v_2$"])
-    names = [r"$(\mu_1+\mu_2)F_N$", r"$-(\mu_1-\mu_2)F_N$", r"$-(\mu_1+\mu_2)F_N$"]
-    axes.set_yticks(list(levels.values()), names)
+    axes.set_yticks(levels, [r"$(\mu_1+\mu_2)F_N$", r"$-(\mu_1-\mu_2)F_N$", r"$-(\mu_1+\mu_2)F_N$"])
     for x, name in ((0, r"$\Omega_1$"), (2, r"$\Omega_2$"), (4, r"$\Omega_3$")):
         axes.text(x, 0.12, name, ha="center")
     axes.set(xlabel=r"$\dot{x}$", xlim=(-1, 5), ylim=(-1.9, 1.9), ylabel=r"friction $T_1 + T_2$")
-    return axes_figure
 
 
-def stick_exits() -> Figure:
+def stick_exits(axes: Axes) -> None:
     """Draw the accelerations on both sides of belt 2 during the stick of the paper's Fig. 6."""
     import numpy as np
 
@@ -44,82 +41,57 @@ def stick_exits() -> Figure:
     from symosc.simulation.simulate import simulate
 
     scene = load_scene("fig6")
-    motion = simulate(scene)
-    until = next(event.t for event in motion.events if event.kind == "slip")
+    until = next(event.t for event in simulate(scene).events if event.kind == "slip")
     p = {name: float(value) for name, value in vars(scene.parameters).items() if not name.startswith("_")}
     t = np.linspace(0, 1.25 * until, 200)
     x = float(scene.x0) + p["v2"] * t
     shared = (p["A0"] + p["B0"] * np.cos(p["Omega"] * t) - p["k"] * x - p["c"] * p["v2"]) / p["m"]
     below = shared + (p["mu2"] - p["mu1"]) * p["FN"] / p["m"]
     above = shared - (p["mu1"] + p["mu2"]) * p["FN"] / p["m"]
-    drawing, axes = _axes(4.6, 2.3)
     axes.axvspan(0, until, color=LIGHT, linewidth=0)
     axes.plot(t, below, color=DARK, label=r"$F^{(2)}$, below the belt's speed")
     axes.plot(t, above, color=DARK, linestyle="--", label=r"$F^{(3)}$, above it")
     axes.axhline(0, color=GREY, linewidth=0.6)
-    axes.plot([until], [0], "o", color="white", markeredgecolor=DARK, label="the stick ends")
+    axes.plot([until], [0], label="the stick ends", **POINT)
     axes.set(xlabel="$t$", xlim=(0, t[-1]), ylabel="acceleration")
-    drawing.legend(loc="outside right center", frameon=False)
-    return drawing
 
 
-def windows() -> Figure:
+def windows(axes: Axes) -> None:
     """Draw where sin theta lies above and below its critical value: Theorem 7's windows for one gamma of each kind."""
     import numpy as np
 
-    drawing, axes = _axes(5.4, 2.4)
     theta = np.linspace(0, 2 * np.pi, 721)
-    axes.plot(theta, np.sin(theta), color=DARK, label=r"$\sin\theta$")
-    critical = np.arcsin(-0.5)
+    sine, critical = np.sin(theta), np.arcsin(-0.5)
+    axes.plot(theta, sine, color=DARK, label=r"$\sin\theta$")
     axes.axhline(-0.5, color=GREY, linewidth=0.8, linestyle="--", label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$")
-    axes.fill_between(theta, -0.5, np.sin(theta), where=np.sin(theta) > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
-    axes.fill_between(
-        theta,
-        -0.5,
-        np.sin(theta),
-        where=np.sin(theta) < -0.5,
-        facecolor="white",
-        edgecolor=GREY,
-        hatch="////",
-        label="$P_3$, $P_6$ graze",
-    )
+    axes.fill_between(theta, -0.5, sine, where=sine > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
+    hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
+    axes.fill_between(theta, -0.5, sine, where=sine < -0.5, label="$P_3$, $P_6$ graze", **hatched)
     places = [0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi]
     names = ["0", r"$\pi/2$", r"$\pi$", r"$\pi-\Theta^{\mathrm{cr}}$", r"$2\pi+\Theta^{\mathrm{cr}}$", r"$2\pi$"]
     axes.set_xticks(places, names)
-    axes.plot([np.pi - critical, 2 * np.pi + critical], [-0.5] * 2, "o", color="white", markeredgecolor=DARK)
+    axes.plot([np.pi - critical, 2 * np.pi + critical], [-0.5] * 2, **POINT)
     axes.set(xlabel=r"$\theta$", xlim=(0, 2 * np.pi), ylim=(-1.15, 1.15), yticks=[-1, 0, 1])
-    drawing.legend(loc="outside right center", frameon=False)
-    return drawing
 
 
-def quartic() -> Figure:
+def quartic(axes: Axes) -> None:
     """Draw the gap near a contact: a graze, an inflection, and the tangency of fourth order."""
     import numpy as np
 
-    drawing, axes = _axes(4.6, 2.2)
     tau = np.linspace(-1, 1, 201)
     axes.plot(tau, -(tau**2), color=DARK, label=r"$n = 1$: graze")
     axes.plot(tau, -(tau**3), color=GREY, linestyle="--", label=r"$n = 2$: the flow passes")
     axes.plot(tau, -(tau**4), color=DARK, linestyle="-.", label=r"$n = 3$: graze of fourth order")
     axes.axhline(0, color=GREY, linewidth=0.6)
     axes.set(xlabel=r"$\tau$", ylabel=r"$\dot{x} - v_\lambda$", xlim=(-1, 1), xticks=[0], yticks=[0])
-    drawing.legend(loc="outside right center", frameon=False)
-    return drawing
 
 
-def _axes(width: float, height: float) -> tuple[Figure, Axes]:
-    from matplotlib.figure import Figure
-
-    drawing = Figure(figsize=(width, height), layout="constrained")
-    return drawing, drawing.subplots()
-
-
-#: Key -> what draws it.
-FIGURES: dict[str, Callable[[], Figure]] = {
-    "friction": friction,
-    "stick-exits": stick_exits,
-    "windows": windows,
-    "quartic": quartic,
+#: Key -> what draws it, and its size in inches.
+FIGURES: dict[str, tuple[Callable[[Axes], None], tuple[float, float]]] = {
+    "friction": (friction, (4.6, 2.3)),
+    "stick-exits": (stick_exits, (4.6, 2.3)),
+    "windows": (windows, (5.4, 2.4)),
+    "quartic": (quartic, (4.6, 2.2)),
 }
 
 
@@ -127,14 +99,18 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 def figure(key: str) -> Figure:
     """Return a figure in the style of `symosc.plot`."""
     from matplotlib import rc_context
+    from matplotlib.figure import Figure
 
     from symosc.plot.figures import STYLE
 
-    letters = dict.fromkeys(
-        ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), LETTERS
-    )
-    with rc_context(STYLE | letters):
-        return FIGURES[key]()
+    sized = ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize")
+    draw, size = FIGURES[key]
+    with rc_context(STYLE | dict.fromkeys(sized, LETTERS)):
+        drawing = Figure(figsize=size, layout="constrained")
+        draw(drawing.subplots())
+        if key != "friction":
+            drawing.legend(loc="outside right center", frameon=False)
+    return drawing
 
 
 def svg(key: str) -> str:

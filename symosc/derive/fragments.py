@@ -1,227 +1,405 @@
-"""Fragments for a paper of one's own: one map, one theorem or one formula each, with all that it needs.
+"""Fragments for users' papers: one map, theorem or formula each, with all that it needs, as LaTeX that needs amsmath.
 
-Each step is checked before it is printed, as in the chapters; numbers are put in after that.
+Each step is checked before it is printed, as in the chapters, whose sections they share; numbers are put in after that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
 
 import sympy as sp
 
-from symosc.derive.blocks import Table
-from symosc.derive.chapters import grazing, jacobians, motion, sticks, switching
-from symosc.derive.fragment_parts import BASIS_TEXT, constant, map_items, motion_items
-from symosc.derive.fragment_scope import FragmentScope
-from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, F, G, v_lambda
-from symosc.derive.steps import Each, Exact, Prose, Relation, Sign, Step, equation
+import symosc
+from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
+from symosc.derive.document import Checked, NumberedStep, Part, align, cell, check
+from symosc.derive.latex import latex, named
+from symosc.derive.scope import BELTS, F, FragmentScope, G, v_lambda
+from symosc.derive.steps import (
+    Each,
+    Exact,
+    Items,
+    Prose,
+    Sign,
+    Solves,
+    Step,
+    StepError,
+    Table,
+    equation,
+    flat,
+    step,
+)
+from symosc.errors import ParameterError
+from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
-from symosc.symbolic import solution, theorem7
-from symosc.symbolic.solution import (
-    B0,
-    A,
-    Omega,
-    c,
-    k,
-    m,
-    t,
-    tau,
-    theta,
-    theta_i,
-    v,
-    x,
-)
+from symosc.symbolic import maps, solution, theorem7
+from symosc.symbolic.solution import B0, BASIS, E0, E1, E2, A, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x, x_i
 from symosc.words import MAPS
+
+ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
+PREFIX = "symosc"
+POSITION, VELOCITY = named(r"x(\tau)"), named(r"\dot{x}(\tau)")
+#: The domains, in words.
+WHERE = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}
+BASIS_TEXT = (
+    r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the solution of the "
+    r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
+    r"$E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
+    r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$"
+)
 
 
 class Fragment(NamedTuple):
     """A fragment: its title, what makes it, and the paper's numbers of its equations by their labels."""
 
     title: str
-    items: Callable[[FragmentScope], Iterator[Any]]
+    items: Callable[[FragmentScope], Items]
     tags: dict[str, str]
+
+
+def check_fragment(name: str, scope: FragmentScope) -> Checked:
+    """Build a fragment and check its steps; StepError too if its numbers divide by 0."""
+    if name not in FRAGMENTS:
+        raise ParameterError("fragment", name, f"must be one of {', '.join(FRAGMENTS)}")
+    numbers = [f"${symbol} = {value}$" for symbol, value in scope.table()]
+    given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
+    fragment = check(name, FRAGMENTS[name].title, list(flat([given, FRAGMENTS[name].items(scope)])))
+    for each, _ in fragment.steps():
+        right = scope.shown(each.statement.right)
+        if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
+            raise StepError(str(each.statement), "divides by 0 with these numbers")
+    return fragment
+
+
+def as_latex(
+    fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
+) -> str:
+    """Return a fragment as LaTeX.
+
+    Labels begin with `prefix` (symosc:P3-f1), equations that are the paper's have the paper's numbers as hard tags with
+    `paper_tags`, and `alone` makes it a document of its own.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
+        raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
+    tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
+    first = f"{prefix}:" if prefix else ""
+
+    def end(each: NumberedStep) -> str:
+        tag = rf"\tag{{{tags[each.step.label]}}} " if each.step.label in tags else ""
+        return rf"{tag}\label{{{first}{fragment.key}-{each.label.removeprefix('eq:')}}}"
+
+    out = [_header(fragment, scope)]
+    for part in fragment.grouped():
+        out.append(align(part, scope, end) if isinstance(part, list) else _piece(part, scope, tags))
+    body = "\n".join(out).replace(r"\varnothing", r"\emptyset") + "\n"
+    return f"{ALONE}{body}\\end{{document}}\n" if alone else body
+
+
+def _header(fragment: Checked, scope: FragmentScope) -> str:
+    command = [f"symosc derive {fragment.key}", *(f"--set {name}={show(value)}" for name, value in scope.values)]
+    command += [f"--form {scope.form}"] if scope.form != "entire" else []
+    command += [f"--digits {scope.digits}"] if scope.digits is not None else []
+    return (
+        f"% {fragment.title.replace('$', '')}: {' '.join(command)} (symosc {symosc.__version__}).\n"
+        "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was printed.\n"
+    )
+
+
+def _piece(part: Part, scope: FragmentScope, tags: dict[str, str]) -> str:
+    if isinstance(part.item, Prose):
+        return part.item.text
+    table: Table = part.item
+    lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
+    heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
+    return "\n".join(
+        [
+            r"\begin{center}",
+            rf"\begin{{tabular}}{{{'l' * len(heads)}}}",
+            " & ".join(heads) + r" \\ \hline",
+            *(line + (r" \\[8pt]" if r"\frac" in line else r" \\") for line in lines),
+            r"\end{tabular}",
+            r"\end{center}",
+        ]
+    )
 
 
 # --- the fragments ---
 
 
-def _friction(scope: FragmentScope) -> Iterator[Any]:
-    del scope
-    yield Prose(
+def _taken(items: Items, label: str) -> list[Step]:
+    """Return the steps of a section of a chapter, with other labels."""
+    steps = [item for item in flat(items) if isinstance(item, Step)]
+    return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
+
+
+def _constant(alpha: int) -> Step:
+    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), label=f"A{alpha}")
+
+
+def _acceleration() -> list[Step]:
+    general = F(r"\alpha")
+    checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
+    right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
+    return [equation(general, right, Each(tuple(checks)), label="F"), *map(_constant, (1, 2, 3))]
+
+
+def _friction(scope: FragmentScope) -> Items:
+    return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
         r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients $\mu_1$ and $\mu_2$. With "
-        r"$\operatorname{Sgn}(s) = \operatorname{sgn}(s)$ for $s \ne 0$ and $\operatorname{Sgn}(0) = [-1, 1]$,"
-        r" $m\ddot{x} + c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 F_N\operatorname{Sgn}(\dot{x} - v_1) - "
-        r"\mu_2 F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < v_1$), $\Omega_2$ "
-        r"($v_1 < \dot{x} < v_2$) and $\Omega_3$ ($\dot{x} > v_2$)"
+        r"$\operatorname{Sgn}(s) = \operatorname{sgn}(s)$ for $s \ne 0$ and $\operatorname{Sgn}(0) = [-1, 1]$, "
+        r"$m\ddot{x} + c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 F_N\operatorname{Sgn}(\dot{x} - v_1) - \mu_2 "
+        r"F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < v_1$), $\Omega_2$ "
+        r"($v_1 < \dot{x} < v_2$) and $\Omega_3$ ($\dot{x} > v_2$)",
+        "the acceleration is",
+        _acceleration(),
     )
-    general, check = F(r"\alpha"), []
-    for alpha in (1, 2, 3):
-        check.append(Exact({general: motion.newton(alpha), A: solution.force_constant(alpha)}, sp.expand))
-    right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
-    yield equation(general, right, r"the acceleration is", Each(tuple(check)), label="F")
-    for alpha in (1, 2, 3):
-        yield constant(alpha)
 
 
-def _flow(scope: FragmentScope) -> Iterator[Any]:
-    yield Prose(
+def _flow(scope: FragmentScope) -> Items:
+    return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
-        r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later."
+        r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later.",
+        _motion(scope),
     )
-    yield from motion_items(scope)
 
 
-def _stick(scope: FragmentScope) -> Iterator[Any]:
-    del scope
+def _stick(scope: FragmentScope) -> Items:
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = sticks.force_on_belt(theta_i + Omega * tau)
     true = solution.in_paper_letters(moving.diff(tau)).subs(theta_i + Omega * tau, theta)
     true = (m * true).subs(Omega * (solution.t_i + tau), theta).subs(Omega * solution.t_i + Omega * tau, theta)
-    yield Prose(
-        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick "
-        r"lasts as long as "
-        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all forces would sum up to if "
-        r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = \lambda + 1$) "
-        r"the belt's speed. "
-        r"It ends where the first of the two changes its sign, and the mass slips into that domain. On belt 1"
-    )
-    for belt in (1, 2):
-        for alpha in NEIGHBOURS[belt]:
-            at = {v: BELTS[belt], Omega * t: theta}
-            right = sp.expand(m * motion.acceleration(alpha).subs(at))
-            reason = "and on belt 2" if (belt, alpha) == (2, 2) else ""
-            check = Exact({F(alpha): motion.newton(alpha).subs(at)}, sp.expand)
-            label = f"belt{belt}-F{alpha}"
-            yield equation(m * F(alpha), right, reason, check, label=label)
-    yield equation(
-        rate,
-        -(k * v_lambda + B0 * Omega * sp.sin(theta)),
+
+    def force(belt: int, alpha: int) -> Step:
+        at = {v: BELTS[belt], Omega * t: theta}
+        right = sp.expand(m * motion.acceleration(alpha).subs(at))
+        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, label=f"belt{belt}-F{alpha}")
+
+    return (
+        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick lasts as long "
+        r"as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all forces would sum up to if "
+        r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = \lambda + 1$) the belt's "
+        r"speed. It ends where the first of the two changes its sign, and the mass slips into that domain. On belt 1",
+        [force(1, 1), force(1, 2)],
+        "and on belt 2",
+        [force(2, 2), force(2, 3)],
         r"with the phase $\theta = \Omega t$. All of them change at the rate",
-        Exact({rate: true}, sp.expand),
-        label="rate",
+        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, label="rate"),
     )
 
 
-def _g_functions(scope: FragmentScope) -> Iterator[Any]:
-    del scope
-    yield Prose(
+def _g_functions(scope: FragmentScope) -> Items:
+    return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
-        r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:"
+        r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
+        _taken(switching.g_functions(), "G"),
     )
-    steps = [item for item in switching.g_functions() if isinstance(item, Step)]
-    yield from (Step(step.statement, "", step.check, label=f"G{n}") for n, step in enumerate(steps, 1))
 
 
-def _saltation(scope: FragmentScope) -> Iterator[Any]:
-    del scope
-    yield Prose(
+def _saltation(scope: FragmentScope) -> Items:
+    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
+    return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
-        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where"
-    )
-    steps = [item for item in jacobians.saltation() if isinstance(item, Step) and isinstance(item.check, Sign)]
-    yield from (Step(step.statement, "", step.check, label=f"ratio{n}") for n, step in enumerate(steps, 1))
-    yield Prose(
-        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. "
-        r"Between events it is multiplied by $\Phi(\tau)$ with the entries"
-    )
-    steps = [item for item in jacobians.perturbations() if isinstance(item, Step)]
-    yield from (Step(step.statement, "", step.check, label=f"phi{n}") for n, step in enumerate(steps[:4], 1))
-    yield Prose(BASIS_TEXT + ".")
-
-
-def _theorem4(scope: FragmentScope) -> Iterator[Any]:
-    yield from _cases(r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$", scope)
-
-
-def _theorem5(scope: FragmentScope) -> Iterator[Any]:
-    yield from _cases(
-        r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into $\Omega_{\lambda+1}$, if both are "
-        r"positive, downward, into $\Omega_\lambda$, if both are negative",
-        scope,
+        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
+        _taken(ratios, "ratio"),
+        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
+        r"it is multiplied by $\Phi(\tau)$ with the entries",
+        _taken(jacobians.perturbations(), "phi")[:4],
+        BASIS_TEXT + ".",
     )
 
 
-def _theorem6(scope: FragmentScope) -> Iterator[Any]:
-    yield from _cases(
-        r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$, "
-        r"one that comes in "
-        r"$\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; where $G^{(1,\alpha)} "
-        r"= 0$ too, the "
-        r"first derivative of $F^{(\alpha)}$ along the flow that does not vanish decides, and grazes iff "
-        r"its order is odd",
-        scope,
-    )
-    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
-    general = solution.in_paper_letters(solution.acceleration()).subs({Omega * t: theta, v: v_lambda})
-    right = -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m
-    reason = r"With the phase $\theta = \Omega t$"
-    yield equation(G(1), right, reason, Exact({G(1): first, F(r"\alpha"): general}, sp.expand), label="G1")
-
-
-def _cases(words: str, scope: FragmentScope) -> Iterator[Any]:
-    yield Prose(
+def _cases(condition: str) -> Items:
+    return (
         r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
-        + words
-        + "."
+        rf"{condition}.",
+        r"Here the acceleration in $\Omega_\alpha$ is",
+        _acceleration(),
     )
-    for item in _friction(scope):
-        if isinstance(item, Step):
-            at = "Here the acceleration in $\\Omega_\\alpha$ is" if item.label == "F" else item.reason
-            yield Step(item.statement, at, item.check, label=item.label)
 
 
-def _theorem7(scope: FragmentScope) -> Iterator[Any]:
-    letter = sp.Symbol("a", real=True)
-    yield Prose(
+def _theorem4(scope: FragmentScope) -> Items:
+    return _cases(r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$")
+
+
+def _theorem5(scope: FragmentScope) -> Items:
+    return _cases(
+        r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into $\Omega_{\lambda+1}$, if both are "
+        r"positive, downward, into $\Omega_\lambda$, if both are negative"
+    )
+
+
+def _theorem6(scope: FragmentScope) -> Items:
+    at = {Omega * t: theta, v: v_lambda}
+    first = solution.in_paper_letters(solution.g_function(1)).subs(at)
+    general = solution.in_paper_letters(solution.acceleration()).subs(at)
+    right = -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m
+    return (
+        _cases(
+            r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$, one that "
+            r"comes in $\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; where "
+            r"$G^{(1,\alpha)} = 0$ too, the first derivative of $F^{(\alpha)}$ along the flow that does not vanish "
+            r"decides, and grazes iff its order is odd"
+        ),
+        r"With the phase $\theta = \Omega t$",
+        equation(G(1), right, {G(1): first, F(r"\alpha"): general}, label="G1"),
+    )
+
+
+def _theorem7(scope: FragmentScope) -> Items:
+    letter, acceleration, rate = sp.Symbol("a", real=True), named(r"\ddot{x}"), named(r"\dot{x}")
+    fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
+    table = grazing.windows_table("theorem7")
+    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
+    place = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
+    contact = (
+        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
+        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), label="xm"),
+    )
+    windows = _windows_in_numbers(scope)
+    return (
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the time $t_m$, with the "
         r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
         r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
-        r"where it is below. With"
-    )
-    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}")
-    fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
-    yield equation(grazing.GAMMA, k * v_lambda / m, "", Exact({grazing.GAMMA: fixed}), label="gamma")
-    yield equation(letter, B0 * Omega / m, "", Exact({letter: B0 * Omega / m}), label="a")
-    yield Prose(
-        r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff "
-        r"$\theta_m$ is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$."
-    )
-    table = grazing.windows_table("theorem7")
-    yield Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows)
-    yield Prose(
+        r"where it is below. With",
+        equation(grazing.GAMMA, k * v_lambda / m, fixed, label="gamma"),
+        equation(letter, B0 * Omega / m, B0 * Omega / m, label="a"),
+        r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff $\theta_m$ "
+        r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$.",
+        Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
         r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, at which the flow "
-        r"returns as well: to full order these two sets are the whole circle, and the others stay as they are."
+        r"returns as well: to full order these two sets are the whole circle, and the others stay as they are.",
+        contact if dict(scope.values).get("k") != 0 else (),
+        ("With the numbers of this paper", windows) if windows else (),
     )
-    if not scope.zero("k"):
-        solved = sp.solve(solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta}), x)[
-            0
-        ]
-        right = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
-        check = Exact({named("x_m"): solved.subs(theta, grazing.THETA_M)})
-        reason = (
-            r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at"
-        )
-        yield equation(named("x_m"), right, reason, check, label="xm")
-    yield from _windows_in_numbers(scope)
 
 
-def _windows_in_numbers(scope: FragmentScope) -> Iterator[Any]:
-    reason = r"With the numbers of this paper"
+def _windows_in_numbers(scope: FragmentScope) -> list[Step]:
+    given, found = {name for name, _ in scope.values}, []
     for mapping, place in PLACES.items():
-        if not scope.has("m", "k", "B0", "Omega", f"v{place.boundary}"):
+        if not {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
             continue
         gamma = (k * BELTS[place.boundary] / m).xreplace(scope.letters)
         amplitude = (B0 * Omega / m).xreplace(scope.letters)
         phases = theorem7.window_phases(place, gamma, amplitude, False)
-        check = grazing.Window(place.side, gamma, amplitude)
+        window = grazing.Window(place.side, gamma, amplitude)
         note = rf"for $P_{mapping[1]}$"
-        yield Step(Relation(grazing.THETA_M, "in", phases), reason, check, note, label=f"window-{mapping}")
-        reason = ""
+        found.append(step(grazing.THETA_M, "in", phases, window, note=note, label=f"window-{mapping}"))
+    return found
+
+
+# --- the motion in a domain, and the mappings ---
+
+
+def _motion(scope: FragmentScope) -> Items:
+    """Return the motion from x_i, in the form that is wanted."""
+    regime, start = scope.regime, named(r"\ddot{x}_i")
+    name, condition = domains.REGIME_WORDS[regime.name]
+    letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
+    steps = [
+        equation(letter, regime.letters[letter], true, label=f"letter-{letter.name.replace('_', '')}")
+        for letter, true in letters.items()
+    ]
+    if scope.form == "paper":
+        form = domains.paper_form(regime)
+        return (
+            rf"In the regime {name} ({condition}) the motion is",
+            equation(POSITION, form.x, form.check, label="x"),
+            equation(VELOCITY, form.v, form.x.diff(tau), label="v"),
+            "with",
+            [each for each in steps if each.statement.left in form.x.free_symbols],
+            domains.constants(form),
+        )
+    flow = solution.flow()
+    force = solution._force_at_start() + solution.f0 * sp.cos(theta_i + Omega * tau)
+    by_v = {VELOCITY: solution.time_derivative(flow.x)}
+    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
+    others = [
+        replace(each, label=each.label.removeprefix("domains-"))
+        for each in flat(domains.solved_functions(domains.generic_basis()))
+        if isinstance(each, Step) and each.statement.left != E2
+    ]
+    resonance = regime.name == "resonance"
+    return (
+        "The motion is",
+        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), label="x"),
+        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), label="v"),
+        "with the acceleration at the start",
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="start"),
+        rf"{BASIS_TEXT}. In the regime {name} ({condition})",
+        steps,
+        [domains.basis_function(f, regime, label=f.name) for f in (BASIS if resonance else (E0, E1, E2))],
+        () if resonance else ("and with", others),
+    )
+
+
+def _map(label: str) -> Fragment:
+    """Return the fragment of a map."""
+    title, row = f"The mapping $P_{label[1]}$", MAPS[label]
+    if row.sticks:
+        return Fragment(title, lambda scope: _stick_map(label), {"f1": "52" if label == "P1" else "53"})
+    return Fragment(title, lambda scope: _flight_map(scope, label), {"f1": r"54\,a", "f2": r"54\,b"})
+
+
+def _flight_map(scope: FragmentScope, label: str) -> Items:
+    row = MAPS[label]
+    start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
+    scope.instances.update({v_i: start, maps.v_j: end, A: named(f"A_{row.domain}")})
+    planes = [rf"\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}" for plane in (row.start, row.end)]
+    f1, f2 = named("f_1"), named("f_2")
+    flow, residual = solution.flow(), maps.flight_residual()
+    return (
+        rf"The mapping $P_{label[1]}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, \theta_i)$ on "
+        rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, \theta_{{i+1}})$ on "
+        rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
+        r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below and above "
+        r"$\dot{x} = v_\lambda$. With the duration",
+        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, label="tau"),
+        r"it solves $f_1 = f_2 = 0$ with",
+        equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, label="f1"),
+        equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, label="f2"),
+        r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
+        _motion(scope),
+        rf"In the domain $\Omega_{row.domain}$ ({WHERE[row.domain]}) the motion obeys "
+        rf"$m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, and the constant part of the forces is",
+        _constant(row.domain),
+    )
+
+
+def _stick_map(label: str) -> Items:
+    belt = MAPS[label].start.boundary
+    speed, plane, f1 = BELTS[belt], rf"\Sigma^{{0}}_{{({belt})}}", named("f_1")
+    at = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}
+    exits = []
+    for alpha in NEIGHBOURS[belt]:
+        f2, way = named(f"f_2^{{({alpha})}}"), "falls below" if alpha == belt else "rises above"
+        exits += [
+            rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where this {way} 0:",
+            equation(
+                f2,
+                sp.expand(m * motion.acceleration(alpha).subs(at)),
+                m * motion.newton(alpha).subs(at),
+                label=f"f2-{alpha}",
+            ),
+        ]
+    return (
+        rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
+        rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
+        r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
+        r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
+        equation(
+            f1,
+            maps.stick_residual()["f1"].xreplace({v_i: speed}),
+            x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j,
+            label="f1",
+        ),
+        exits,
+        r"The first of the two ends counts.",
+    )
 
 
 FRAGMENTS: dict[str, Fragment] = {
@@ -234,12 +412,5 @@ FRAGMENTS: dict[str, Fragment] = {
     "theorem6": Fragment("Theorem 6", _theorem6, {"F": "9", "G1": "47"}),
     "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
     "saltation": Fragment("Saltation and perturbations", _saltation, {}),
-    **{
-        label: Fragment(
-            f"The mapping $P_{label[1]}$",
-            map_items(label),
-            {"f1": "52" if label == "P1" else "53"} if MAPS[label].sticks else {"f1": r"54\,a", "f2": r"54\,b"},
-        )
-        for label in MAPS
-    },
+    **{label: _map(label) for label in MAPS},
 }

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import symosc
-from symosc.derive import bibliography, notation
-from symosc.derive.blocks import KINDS
-from symosc.derive.citation import SYMOSC, paper_reference
-from symosc.derive.latex_pages import HEADER
-from symosc.derive.numbering import Numbering, resolved
+from symosc.derive.citation import SYMOSC, cited, paper_reference, reference_list
+from symosc.derive.notation import NOTATION
 from symosc.derive.scope import Scope
+from symosc.derive.steps import KINDS
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
-REFERENCE = paper_reference(title=r"\emph{{{}}}", space="~", dash="--")
 ABSTRACT = (
     r"A mass on a spring and a damper is driven periodically and pressed between two belts that run at different "
     r"speeds. This supplement derives its motion from the balance of forces and the set-valued law of friction: the "
     r"closed form in every regime of damping, what happens at a belt's speed, sticks and their two ends, the mappings "
     r"between the switching planes and their derivatives, grazing with all of its cases, uniqueness and stability of "
     r"periodic motions, and an event search that misses nothing. It restates, proves and where needed corrects what is "
-    rf"in the paper \cite{{chen2016}}: {REFERENCE}."
+    r"in the paper \cite{chen2016}: " + paper_reference(r"\emph{{{}}}", "~", "--") + "."
 )
 LEGEND = (
     "Each displayed formula was checked by machine before it was printed, and the letter behind its number says how: "
@@ -71,21 +66,18 @@ MACROS = r"""\makeatletter
 def theorems() -> str:
     """Return the definitions of the numbered environments."""
     lines = []
-    for kind, name in KINDS.items():
-        if kind == "proof":
-            continue
+    for kind in KINDS[:-1]:
         style = "plain" if kind in ("theorem", "lemma", "proposition", "corollary") else "definition"
-        count = "{" + name + "}[section]" if kind == "definition" else "[definition]{" + name + "}"
+        count = f"{{{kind.title()}}}[section]" if kind == "definition" else f"[definition]{{{kind.title()}}}"
         lines.append(rf"\theoremstyle{{{style}}}\newtheorem{{{kind}}}{count}")
     return "\n".join(lines) + "\n"
 
 
 def how_to_cite() -> str:
     """Return how to cite symosc and this document."""
-    title = SYMOSC["title"]
     return (
         rf"symosc {symosc.__version__}, {SYMOSC['year']}. Cite as: {SYMOSC['author'].strip('{}')}, "
-        rf"\emph{{{title}}}, version {symosc.__version__}, {SYMOSC['year']} \cite{{symosc}}; the supplement "
+        rf"\emph{{{SYMOSC['title']}}}, version {symosc.__version__}, {SYMOSC['year']} \cite{{symosc}}; the supplement "
         rf"as \emph{{{TITLE}}}, supplement to symosc {symosc.__version__}. "
         r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; \texttt{references.bib} has all references."
     )
@@ -93,13 +85,13 @@ def how_to_cite() -> str:
 
 def title_page() -> str:
     """Return the title with author, version and how to cite."""
-    broken = TITLE.replace(": ", r":\\ ")
+    author = SYMOSC["author"].strip("{}")
     return "\n".join(
         [
-            rf"\title{{{broken}}}",
-            rf"\author{{{SYMOSC['author'].strip('{}')}}}",
+            rf"\title{{{TITLE.replace(': ', ':' + chr(92) * 2 + ' ')}}}",
+            rf"\author{{{author}}}",
             rf"\date{{Version {symosc.__version__}, {SYMOSC['year']}}}",
-            r"\hypersetup{pdftitle={" + TITLE + r"},pdfauthor={" + SYMOSC["author"].strip("{}") + "}}",
+            rf"\hypersetup{{pdftitle={{{TITLE}}},pdfauthor={{{author}}}}}",
             r"\begin{document}",
             r"\maketitle",
             rf"\begin{{abstract}}\noindent {ABSTRACT}\end{{abstract}}",
@@ -118,19 +110,22 @@ def scene_numbers(scope: Scope) -> str:
     return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {numbers}."
 
 
-def document(chapters: list[Any], scope: Scope, body: str, folder: str, numbers: Numbering) -> str:
-    """Return the document that reads the chapters in; `body` is their text, for what it cites."""
+def notation_latex() -> str:
+    """Return the table of notation as LaTeX."""
+    lines = [" & ".join(row) + r" \\" for row in NOTATION]
+    head = r"\section*{Notation}\label{sec:notation}", r"{\small\noindent\begin{tabular}{@{}p{42mm}p{80mm}l@{}}"
+    return "\n".join([*head, r"\hline", *lines, r"\hline\end{tabular}}"])
+
+
+def document(inputs: list[tuple[int, str]], scope: Scope, notation: str, texts: str) -> str:
+    """Return the document that reads in some files, each a chapter with its number; `texts` is what cites references.
+
+    The chapters keep the numbers that they have in the whole book.
+    """
     head = title_page()
-    out = [HEADER + PREAMBLE + MACROS + theorems() + head]
-    if scope.scene is not None:
-        out.append(scene_numbers(scope))
-    if len(chapters) > 1:
-        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", resolved(notation.latex_table(), numbers)]
-    # The chapters keep the numbers that they have in the whole book.
-    out += [rf"\newchapter{{{each.number - 1}}}" + f"\n\\input{{{folder}/{each.key}}}" for each in chapters]
-    out += [
-        rf"\newchapter{{{chapters[-1].number}}}",
-        bibliography.environment(bibliography.cited(head + body)),
-        r"\end{document}",
-    ]
-    return "\n\n".join(out) + "\n"
+    out = [PREAMBLE + MACROS + theorems() + head, *([scene_numbers(scope)] if scope.scene else [])]
+    if notation:
+        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", notation]
+    out += [rf"\newchapter{{{number - 1}}}" + f"\n\\input{{{path}}}" for number, path in inputs]
+    references = reference_list(cited(head + notation + texts))
+    return "\n\n".join([*out, rf"\newchapter{{{inputs[-1][0]}}}", references, r"\end{document}"]) + "\n"

@@ -1,4 +1,4 @@
-"""Prints formulas in the paper's notation: parameters in front, terms in the paper's order; and as plain text."""
+"""Formulas as LaTeX in the paper's notation, with terms in its order, in lines that fit the page."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
-from sympy.printing.str import StrPrinter
 
-from symosc.derive.words import plain_math
+from symosc.derive.steps import Relation
 from symosc.exact import show
 from symosc.symbolic import maps, solution
 
@@ -35,29 +34,9 @@ LATEX_NAMES = {
 
 #: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
 ORDER = [
-    "g",
-    r"\dot{g}",
-    r"\ddot{g}",
-    "g^{(3)}",
-    "C_4",
-    "C_1",
-    "C_2",
-    "D_1",
-    "D_2",
-    "a_i",
-    "A_m",
-    "A",
-    "A_0",
-    "f0",
-    "B_0",
-    "k",
-    "w0sq",
-    "c",
-    "cm",
-    "mu_1",
-    "mu_2",
-    r"\mu_\lambda",
-]
+    "g", r"\dot{g}", r"\ddot{g}", "g^{(3)}", "C_4", "C_1", "C_2", "D_1", "D_2", "a_i", "A_m",
+    "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda",
+]  # fmt: skip
 #: A term with x_i or one of these, and none of `ORDER`, stands in front.
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
 #: What stands in front of a product as a fraction of its own, such as k/m.
@@ -199,25 +178,7 @@ class PaperPrinter(LatexPrinter):
         return rf"e^{{{self._print(above)}/{bottom if len(below.args) < 2 else f'({bottom})'}}}"
 
     def _print_sin(self, expr: Expr, exp: Any = None) -> str:
-        return self._trig(r"\sin", expr, exp)
-
-    def _print_cos(self, expr: Expr, exp: Any = None) -> str:
-        return self._trig(r"\cos", expr, exp)
-
-    def _print_sinh(self, expr: Expr, exp: Any = None) -> str:
-        return self._trig(r"\sinh", expr, exp)
-
-    def _print_cosh(self, expr: Expr, exp: Any = None) -> str:
-        return self._trig(r"\cosh", expr, exp)
-
-    def _print_asin(self, expr: Expr, exp: Any = None) -> str:
-        return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
-
-    def _print_sign(self, expr: Expr, exp: Any = None) -> str:
-        return rf"\operatorname{{sgn}}({self._print(expr.args[0])})"
-
-    def _trig(self, name: str, expr: Expr, exp: Any) -> str:
-        name = f"{name}^{{{exp}}}" if exp else name
+        name = rf"\{expr.func.__name__}" + (f"^{{{exp}}}" if exp else "")
         argument = expr.args[0]
         above, below = sp.fraction(argument)
         if below != 1 and not above.is_Add and not argument.could_extract_minus_sign():
@@ -225,6 +186,14 @@ class PaperPrinter(LatexPrinter):
         else:
             text = self._print(argument)
         return f"{name} {text}" if argument.is_Symbol or argument.is_Mul else f"{name}{_parentheses(text)}"
+
+    _print_cos = _print_sinh = _print_cosh = _print_sin
+
+    def _print_asin(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
+
+    def _print_sign(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\operatorname{{sgn}}({self._print(expr.args[0])})"
 
     def _print_Interval(self, expr: Expr) -> str:
         low, high, left_open, right_open = expr.args
@@ -310,42 +279,100 @@ def latex(expr: Expr, decimals: bool = False) -> str:
     return str(PaperPrinter(decimals).doprint(sp.sympify(expr)))
 
 
-# --- plain text ---
+# --- lines that fit the page ---
+
+# Width of a line of mathematics, in units of a digit; the text is 16 cm wide and a number stands behind.
+LINE_WIDTH = 70.0
+#: Widths of tokens; other commands and small letters have 1.1, capital letters and m 1.7.
+_WIDTHS = dict.fromkeys((r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"), 0.3)
+_WIDTHS |= {name: 1.0 * len(name) for name in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim")}
+_WIDTHS |= {r"\Omega": 1.5, r"\omega": 1.3, r"\theta": 1.0, r"\quad": 2.0, r"\qquad": 4.0, r"\,": 0.4, r"\;": 0.6}
+_WIDTHS |= {"=": 2.7, "+": 2.5, "-": 2.5, "<": 2.7, ">": 2.7, "(": 0.8, ")": 0.8, "'": 0.5}
+_WIDTHS |= dict.fromkeys(",.|[]", 0.6)
+_TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|[{}^_]|\S")
+OPERATORS = {"=": "=", ">": ">", "<": "<", ">=": r"\ge", "<=": r"\le", "in": r"\in"}
 
 
-class PlainPrinter(StrPrinter):
-    """sympy's text with the letters of the LaTeX output, without its braces; numbers as decimals where they end."""
-
-    def _print_Symbol(self, expr: Expr) -> str:
-        name = LATEX_NAMES.get(expr, expr.name)
-        return plain_math(name) if re.search(r"[\\{^]", name) else str(name)
-
-    def _print_Interval(self, expr: Expr) -> str:
-        low, high, left_open, right_open = expr.args
-        opening, closing = ("(" if left_open else "["), (")" if right_open else "]")
-        return f"{opening}{self._print(low)}, {self._print(high)}{closing}"
-
-    def _print_Union(self, expr: Expr) -> str:
-        return " or ".join(self._print(part) for part in expr.args)
-
-    def _print_EmptySet(self, expr: Expr) -> str:
-        return "nothing"
-
-    def _print_Rational(self, expr: Expr) -> str:
-        text = show(Fraction(int(expr.p), int(expr.q)))
-        return text if len(text) > 12 and "/" not in text else str(super()._print_Rational(expr))
-
-    def _print_Add(self, expr: Expr, order: Any = None) -> str:
-        text = ""
-        for term in terms(expr):
-            part = self._print(term)
-            text += part if not text else f" - {part[1:]}" if part.startswith("-") else f" + {part}"
-        return text
-
-    def _print_Function(self, expr: Expr) -> str:
-        return str(super()._print_Function(expr))
+def width(text: str) -> float:
+    """Estimate how wide LaTeX mathematics prints, in units of a digit."""
+    return _group_width(_TOKEN.findall(text), 0)[0]
 
 
-def plain(expr: Expr) -> str:
-    """Return an expression as text."""
-    return str(PlainPrinter().doprint(sp.sympify(expr)))
+def _group_width(tokens: list[str], place: int) -> tuple[float, int]:
+    """Return the width up to the end of a group, and where it ends."""
+    total = 0.0
+    while place < len(tokens) and tokens[place] != "}":
+        inner, place = _item_width(tokens, place)
+        total += inner
+    return total, place
+
+
+def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
+    if place >= len(tokens):
+        return 0.0, place
+    token, place = tokens[place], place + 1
+    if token == "{":
+        inner, place = _group_width(tokens, place)
+        return inner, place + 1
+    if token in (r"\frac", r"\tfrac"):
+        above, place = _item_width(tokens, place)
+        below, place = _item_width(tokens, place)
+        return (0.8 if token == r"\tfrac" else 1.0) * max(above, below) + 0.5, place
+    if token in ("^", "_", r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
+        inner, place = _item_width(tokens, place)
+        return (0.75 if token in "^_" else 1.0) * inner, place
+    return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1), place
+
+
+def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
+    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed.
+
+    `left_width` is the width of the column left of the relation sign, if other statements share it.
+    """
+    left = latex(statement.left, decimals)
+    taken = width(left) if left_width is None else left_width
+    rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))
+    return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
+
+
+def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
+    """Break a sum into rows before its terms; a product with a long sum is broken inside its parentheses."""
+    whole = latex(expr, decimals)
+    if not isinstance(expr, sp.Expr) or width(whole) <= room:
+        return [whole]
+    rows: list[str] = []
+    for piece in _pieces(expr, decimals, room, True):
+        if rows and width(f"{rows[-1]} {piece}") <= room:
+            rows[-1] = f"{rows[-1]} {piece}"
+        else:
+            rows.append(piece)
+    return rows
+
+
+def _pieces(expr: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+    """Return the terms of a sum, with their signs, each in pieces."""
+    found: list[str] = []
+    for term in terms(expr):
+        found += _term_pieces(term, decimals, room, first and not found)
+    return found
+
+
+def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+    text = _signed(latex(term, decimals), first)
+    sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
+    if width(text) <= room or not sums:
+        return [text]
+    longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
+    rest = latex(term / longest, decimals)
+    rest = {"1": "", "- 1": "- "}.get(rest, rest)
+    inner = _pieces(longest, decimals, room, True)
+    head = _signed(rest, first) if rest else ("" if first else "+ ")
+    tall = any(r"\frac" in part for part in inner)
+    opening, closing = (r"\biggl(", r"\biggr)") if tall else (r"\bigl(", r"\bigr)")
+    if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
+        return [f"{head} {opening}", *inner[:-1], f"{inner[-1]} {closing}"]
+    return [f"{head} {opening} {inner[0]}", *inner[1:-1], f"{inner[-1]} {closing}"]
+
+
+def _signed(text: str, first: bool) -> str:
+    return text if first or text.startswith("-") else f"+ {text}"

@@ -12,13 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symosc.derive import stops
-from symosc.derive.bibliography import plain_line
-from symosc.derive.comparisons import TABLES, Value, number, table
+from symosc.derive.citation import plain_line
 from symosc.derive.latex import latex
-from symosc.derive.published import MP, Formulas, slide_orbit, wall
+from symosc.derive.published import MP, TABLES, Formulas, Value, find_border, number, slide_orbit, table, wall
 from symosc.derive.steps import rounded
-from symosc.derive.text_pages import markdown_words
 from symosc.files import write_text
 
 if TYPE_CHECKING:
@@ -69,9 +66,13 @@ def page() -> str:
         f"them. Right: the amplitude against r, curves with the orbits on them.]({FIGURE})\n",
     ]
     for key, (title, sources, _) in TABLES.items():
-        cited = "".join(f"- {markdown_words(plain_line(source))}\n" for source in sources)
+        cited = "".join(f"- {_markdown(plain_line(source))}\n" for source in sources)
         parts.append(f"## {title}\n\n{cited}\n{NOTES[key]}\n\n{_table(table(key))}")
     return "\n".join(part.replace("\n\n\n", "\n\n") for part in parts)
+
+
+def _markdown(text: str) -> str:
+    return re.sub(r"\\emph\{([^{}]*)\}", r"*\1*", text).replace("~", " ").replace("--", "–")
 
 
 def _table(values: tuple[Value, ...]) -> str:
@@ -84,7 +85,7 @@ def _table(values: tuple[Value, ...]) -> str:
             latex(rounded(number(each), value.decimals), decimals=True) for each in (value.formula, value.package)
         ]
         order = f"< 1e{_above(abs(value.difference))}"
-        rows.append((f"${value.name}$", value.case, *numbers, order, value.said))
+        rows.append((f"${value.name}$", value.case, *numbers, order, value.note))
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
 
@@ -131,7 +132,7 @@ def _short(r: float) -> str:
 def _border_near(r: float, c: str) -> float:
     """Return the border that is found by running between 0.95 and 1.05 times the formula's."""
     formula = Fraction(float(Formulas(wall(1, _short(r), c)).border()))
-    return stops.find_border(formula * Fraction(19, 20), formula * Fraction(21, 20), _short(r), c).middle
+    return find_border(formula * Fraction(19, 20), formula * Fraction(21, 20), _short(r), c).middle
 
 
 def _slides(r: float, F: str) -> bool:

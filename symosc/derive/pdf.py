@@ -7,30 +7,11 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from symosc.errors import SymoscError
 
 #: Overfull boxes up to this many points are below what the eye sees.
 OVERFULL = 5.0
-#: Runs until references and the table of contents are right.
-RUNS = 3
-
-
-class LatexError(SymoscError):
-    """LaTeX failed, or complained.
-
-    Attributes
-    ----------
-    complaints : tuple of str
-    """
-
-    def __init__(self, complaints: tuple[str, ...]) -> None:
-        self.complaints = complaints
-        super().__init__(f"LaTeX: {complaints[0]}" + (f" and {len(complaints) - 1} more" if complaints[1:] else ""))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.complaints,)
 
 
 def has_latex() -> bool:
@@ -41,10 +22,7 @@ def has_latex() -> bool:
 def make_pdf(main: Path) -> Path:
     """Compile a document, which may read files in folders beside it, and return the PDF's path.
 
-    Raises
-    ------
-    LatexError
-        For an error, a warning, or a box that is overfull by more than `OVERFULL` points.
+    SymoscError for an error, a warning, or a box that is overfull by more than `OVERFULL` points.
     """
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
@@ -53,7 +31,7 @@ def make_pdf(main: Path) -> Path:
             if beside.is_dir() and beside.name in ("chapters", "figures"):
                 shutil.copytree(beside, work / beside.name)
         command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", main.name]
-        for _ in range(RUNS):
+        for _ in range(3):  # until references and the table of contents are right
             result = subprocess.run(command, cwd=work, capture_output=True, check=False, stdin=subprocess.DEVNULL)
             log = (work / main.name).with_suffix(".log").read_text(encoding="latin-1")
             if result.returncode:
@@ -62,7 +40,8 @@ def make_pdf(main: Path) -> Path:
         if result.returncode and not complaints:
             complaints = ("it failed; see its log",)
         if complaints:
-            raise LatexError(complaints)
+            more = f" and {len(complaints) - 1} more" if complaints[1:] else ""
+            raise SymoscError(f"LaTeX: {complaints[0]}{more}")
         return Path(shutil.copy((work / main.name).with_suffix(".pdf"), main.parent))
 
 

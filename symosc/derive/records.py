@@ -12,13 +12,7 @@ from symosc.errors import SymoscError
 
 
 class RecordsError(SymoscError, ValueError):
-    """A file of records that cannot be used.
-
-    Attributes
-    ----------
-    where : str
-        The file, and the record in it.
-    """
+    """A file of records that cannot be used; `where` is the file, and the record in it."""
 
     def __init__(self, where: str, reason: str) -> None:
         self.where, self.reason = where, reason
@@ -41,13 +35,7 @@ def tables(path: Path, name: str) -> list[dict[str, Any]]:
 
 
 def records(path: Path, name: str, needed: Collection[str], allowed: Collection[str] = ()) -> list[dict[str, str]]:
-    """Return the tables of a file, each with the keys that are needed and perhaps those that are allowed, all text.
-
-    Raises
-    ------
-    RecordsError
-        For a file that is no TOML, another table, a key that is missing or unknown, a value that is no text.
-    """
+    """Return the tables of a file, each with the keys that are needed and perhaps those that are allowed, all text."""
     found = []
     for number, table in enumerate(tables(path, name), 1):
         where = f"{path.name}, {name} {table.get('id', number)}"

@@ -1,15 +1,17 @@
-"""What a derivation is about: the general oscillator, or one scene with its numbers put in exactly."""
+"""What a derivation is about: the general oscillator, one scene, or numbers for some letters of a fragment."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.derive.latex import latex, named
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, show
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
 from symosc.symbolic import solution
 from symosc.symbolic.theorem7 import rational
@@ -17,9 +19,31 @@ from symosc.words import MAPS, read_word
 
 Expr = Any  # sympy ships no types
 
-v1, v2 = sp.symbols("v_1 v_2", real=True)
-v_lambda = sp.Symbol("v_lambda", real=True)
+v1, v2, v_lambda = sp.symbols("v_1 v_2 v_lambda", real=True)
 BELTS = {1: v1, 2: v2}
+#: Letters of belt lambda, whichever it is: its friction coefficient, and the domains below and above its speed.
+mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
+LOWER, UPPER = r"\lambda", r"\lambda+1"
+#: The letters of the parameters.
+LETTERS = {name: getattr(solution, name) for name in PARAMETER_NAMES if name not in ("v1", "v2")} | {"v1": v1, "v2": v2}
+#: The paper's letters for the quantities divided by m.
+PAPER_LETTERS = {
+    solution.cm: solution.c / solution.m,
+    solution.w0sq: solution.k / solution.m,
+    solution.f0: solution.B0 / solution.m,
+    solution.A_m: solution.A / solution.m,
+}
+FORMS = ("entire", "paper")
+
+
+def F(alpha: int | str) -> Expr:
+    """Return the letter of the acceleration in a domain."""
+    return named(f"F^{{({alpha})}}")
+
+
+def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
+    """Return the letter of a G-function."""
+    return named(f"G^{{({order},{alpha})}}")
 
 
 @dataclass(frozen=True)
@@ -54,15 +78,11 @@ class Scope:
     @cached_property
     def domains(self) -> tuple[int, ...]:
         """The domains that occur: of the maps, and on both sides of their belts."""
-        if self.scene is None:
-            return 1, 2, 3
         return tuple(sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]}))
 
     @cached_property
     def boundaries(self) -> tuple[int, ...]:
         """The boundaries (belts) that occur."""
-        if self.scene is None:
-            return 1, 2
         return tuple(sorted({plane.boundary for label in self.maps for plane in MAPS[label][1:3]})) or (1, 2)
 
     @cached_property
@@ -76,51 +96,95 @@ class Scope:
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
         """The scene's numbers for the letters, exactly."""
-        p = self.parameters
-        if p is None:
+        if self.parameters is None:
             return {}
-        named_numbers = {name: rational(getattr(p, name)) for name in p.as_dict()}
-        letters = {"A0": solution.A0, "B0": solution.B0, "mu1": solution.mu1, "mu2": solution.mu2, "FN": solution.FN}
-        letters |= {"m": solution.m, "c": solution.c, "k": solution.k, "Omega": solution.Omega, "v1": v1, "v2": v2}
-        found = {letters[name]: value for name, value in named_numbers.items()}
-        m, c, k, B0 = (found[letter] for letter in (solution.m, solution.c, solution.k, solution.B0))
-        return found | {solution.cm: c / m, solution.w0sq: k / m, solution.f0: B0 / m}
+        found = {letter: rational(getattr(self.parameters, name)) for name, letter in LETTERS.items()}
+        return found | {name: PAPER_LETTERS[name].xreplace(found) for name in list(PAPER_LETTERS)[:3]}
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
         """What is put in before printing: numbers, or the paper's letters for the quantities divided by m."""
-        if self.parameters is not None:
-            regime = {} if not self.regimes else self.regimes[0].letters
-            return self.numbers | {letter: value.subs(self.numbers) for letter, value in regime.items()}
-        s = solution
-        return {s.cm: s.c / s.m, s.w0sq: s.k / s.m, s.f0: s.B0 / s.m, s.A_m: s.A / s.m}
+        if self.parameters is None:
+            return PAPER_LETTERS
+        regime = self.regimes[0].letters if self.regimes else {}
+        return self.numbers | {letter: value.subs(self.numbers) for letter, value in regime.items()}
 
     def shown(self, expr: Expr) -> Expr:
         """Return an expression as it is printed."""
-        return sp.sympify(expr).xreplace(self.display) if self.display else expr
+        return sp.sympify(expr).xreplace(self.display)
 
     def table(self) -> list[tuple[str, str]]:
-        """Return the scene's numbers as (LaTeX name, value)."""
-        return latex_names(self.parameters.as_dict()) if self.parameters else []
+        """Return the numbers as (LaTeX name, value)."""
+        numbers = self.parameters.as_dict() if self.parameters else {}
+        return [(latex(LETTERS[name]), value) for name, value in numbers.items()]
 
 
-def latex_names(numbers: dict[str, str]) -> list[tuple[str, str]]:
-    """Return parameters as (LaTeX name, value)."""
-    latex = {"A0": "A_0", "B0": "B_0", "Omega": r"\Omega", "v1": "v_1", "v2": "v_2", "FN": "F_N"}
-    latex |= {"mu1": r"\mu_1", "mu2": r"\mu_2"}
-    return [(latex.get(name, name), value) for name, value in numbers.items()]
+@dataclass(frozen=True)
+class FragmentScope(Scope):
+    """Numbers for some letters of a fragment, and the form of the motion.
+
+    `values` are the parameters given as numbers, `form` is "entire" (the five basis functions) or "paper"
+    (e^{-ct/2m} cos omega_d t), `digits` rounds the numbers, `instances` is what letters are in this fragment, such as
+    the velocity at the start.
+    """
+
+    values: tuple[tuple[str, Any], ...] = ()
+    form: str = "entire"
+    digits: int | None = None
+    instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
+
+    @property
+    def decimal(self) -> bool:
+        """Whether numbers are printed as decimals where they end."""
+        return bool(self.values)
+
+    @property
+    def letters(self) -> dict[Expr, Expr]:
+        """The numbers by their letters."""
+        return {LETTERS[name]: rational(value) for name, value in self.values}
+
+    @property
+    def regime(self) -> solution.Regime:
+        """The damping regime that the numbers decide; if they leave several, the first of the table."""
+        decided = {r: r.condition.subs(self.letters, simultaneous=True) for r in solution.REGIMES.values()}
+        certain = [regime for regime, holds in decided.items() if holds == sp.true]
+        return (certain or [regime for regime, holds in decided.items() if holds != sp.false])[0]
+
+    def table(self) -> list[tuple[str, str]]:
+        """Return the numbers as (LaTeX name, value)."""
+        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
+
+    def shown(self, expr: Expr) -> Expr:
+        """Return an expression as it is printed: instances and numbers put in, and rounded if wanted."""
+        expr = sp.sympify(expr).xreplace(self.instances).xreplace(PAPER_LETTERS).xreplace(self.instances)
+        expr = expr.xreplace(self.letters)
+        return expr if self.digits is None or not self.values else _rounded(expr, self.digits)
 
 
-#: Letters of belt lambda, whichever it is: its friction coefficient, and the domains below and above its speed.
-mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
-LOWER, UPPER = r"\lambda", r"\lambda+1"
+def _rounded(expr: Expr, digits: int) -> Expr:
+    """Round numbers, and constants such as sqrt(3), to so many digits; whole numbers up to 100 stay."""
+    if expr.is_number and not expr.has(sp.pi) and not (expr.is_Integer and abs(expr) <= 100):
+        value = sp.N(expr, digits + 5)
+        return sp.Rational(str(sp.Float(value, digits))) if value.is_Float and value != 0 else expr
+    if expr.args and expr.is_Pow and expr.exp.is_number:
+        return sp.Pow(_rounded(expr.base, digits), expr.exp)
+    return expr.func(*(_rounded(part, digits) for part in expr.args)) if expr.args else expr
 
 
-def F(alpha: int | str) -> Expr:
-    """Return the letter of the acceleration in a domain."""
-    return named(f"F^{{({alpha})}}")
-
-
-def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
-    """Return the letter of a G-function."""
-    return named(f"G^{{({order},{alpha})}}")
+def fragment_scope(
+    settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
+) -> FragmentScope:
+    """Return the scope for numbers as text; a scene gives all numbers that are not set."""
+    if form not in FORMS:
+        raise ParameterError("form", form, f"must be one of {', '.join(FORMS)}")
+    if digits is not None and not 1 <= digits <= 50:
+        raise ParameterError("digits", digits, "must be a whole number from 1 to 50")
+    # Any allowed parameters check the given ones; so does a speed of the other belt if only one is given.
+    base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
+    other: dict[str, Any] = {}
+    for given, missing, apart in (("v1", "v2", 1), ("v2", "v1", -1)):
+        if scene is None and given in settings and missing not in settings:
+            other[missing] = read_exact(given, settings[given]) + apart
+    checked = base.replace(**{**other, **settings})
+    names = [name for name in PARAMETER_NAMES if scene or name in settings]
+    return FragmentScope(None, tuple((name, getattr(checked, name)) for name in names), form, digits)

@@ -1,52 +1,45 @@
 """Answers that show themselves: drawn by ``.plot()``, and as a page in notebooks.
 
-What draws them is in `symosc.plot`, and their pages are in `symosc.plot.notebooks`, above the answers: they register a
-function for each kind of them here, and no answer needs to know of figures. `symosc` itself says what is to be loaded
-for that, when the first one is shown.
+`symosc.plot` and `symosc.plot.notebooks`, above the answers, register here what draws each kind of them, what makes its
+page and what writes a report about it, so that no answer imports a figure. `symosc` adds the loaders of these packages.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 Show = Callable[..., Any]
-#: What draws each kind of answer, and what makes its page; filled by `symosc.plot` and `symosc.plot.notebooks`.
-_drawers: dict[str, Show] = {}
-_pages: dict[str, Show] = {}
-#: What writes a page about each kind of answer into a file; filled by `symosc.plot`.
-_writers: dict[str, Show] = {}
-#: Called before the first drawing or page; they load what registers.
+#: The registered functions by what they do, then by the qualified name of the answers' class.
+_registered: dict[str, dict[str, Show]] = {"draw": {}, "page": {}, "write": {}}
+#: Called before the first drawing, report or page; they load what registers.
 loaders: list[Callable[[], object]] = []
 page_loaders: list[Callable[[], object]] = []
 
 
-def register(kind: type | str, draw: Show) -> None:
-    """Let ``answer.plot(**options)`` return ``draw(answer, **options)`` for answers of a kind.
+def register(kind: type | str, show: Show, what: str = "draw") -> None:
+    """Let ``answer.plot(**options)`` return ``show(answer, **options)`` for answers of a kind.
 
     A kind whose module is slow to load is given by its name, such as "symosc.simulation.trajectory.Trajectory".
     """
-    _drawers[kind if isinstance(kind, str) else _name(kind)] = draw
+    _registered[what][kind if isinstance(kind, str) else _name(kind)] = show
 
 
-def register_page(kind: type | str, page: Show) -> None:
-    """Let notebooks show ``page(answer)``, which is HTML, for answers of a kind; `kind` as for `register`."""
-    _pages[kind if isinstance(kind, str) else _name(kind)] = page
-
-
-def register_writer(kind: type | str, write: Show) -> None:
-    """Let ``answer.to_html(path)`` return ``write(answer, path)`` for answers of a kind; `kind` as for `register`."""
-    _writers[kind if isinstance(kind, str) else _name(kind)] = write
+#: Let notebooks show ``page(answer)``, which is HTML; and let ``answer.to_html(path)`` return ``write(answer, path)``.
+register_page = partial(register, what="page")
+register_writer = partial(register, what="write")
 
 
 def _name(kind: type) -> str:
     return f"{kind.__module__}.{kind.__qualname__}"
 
 
-def _found(answer: object, shows: dict[str, Show], load: list[Callable[[], object]]) -> Show | None:
+def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
     while load:
         load.pop()()
+    shows = _registered[what]
     return next((shows[name] for name in map(_name, type(answer).__mro__) if name in shows), None)
 
 
@@ -79,14 +72,14 @@ class Drawable:
         >>> [axes.get_xlabel() for axes in drawing.axes]
         ['time $t$', 'displacement $x$']
         """
-        draw = _found(self, _drawers, loaders)
+        draw = _found(self, "draw", loaders)
         if draw is None:
             raise NotImplementedError(f"nothing draws a {type(self).__name__}")
         return draw(self, **options)
 
     def _repr_html_(self) -> str | None:
         """Return the page that notebooks show; None where there is none, and they show the repr."""
-        page = _found(self, _pages, page_loaders)
+        page = _found(self, "page", page_loaders)
         return None if page is None else str(page(self))
 
     def __dir__(self) -> list[str]:
@@ -126,7 +119,7 @@ class Reportable:
         ...     crosscheck("fig5", t, x, v).to_html(f"{folder}/check.html").name
         'check.html'
         """
-        write = _found(self, _writers, loaders)
+        write = _found(self, "write", loaders)
         if write is None:
             raise NotImplementedError(f"nothing writes a page about a {type(self).__name__}")
         return Path(write(self, path))

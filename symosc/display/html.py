@@ -13,8 +13,8 @@ from markupsafe import Markup
 
 #: Rows of a table that has more: as many at its beginning and at its end.
 HEAD_ROWS, TAIL_ROWS = 7, 3
-#: Size of a small picture, and the room around what it shows.
-PICTURE_WIDTH, PICTURE_HEIGHT, ROOM_AROUND = 260, 130, 6
+#: Size of a small picture, and the margin around what it shows.
+PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_MARGIN = 260, 130, 6
 #: Points of a curve, at most.
 MOST_POINTS = 600
 CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
@@ -29,35 +29,25 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[Any]], count: int | None = None) -> Markup:
-    """Return a table, the middle of a long one left out.
-
-    Parameters
-    ----------
-    heads : sequence of str
-    rows : sequence of sequences
-        Only those that are shown have to be made: see `ends`.
-    count : int, optional
-        How many rows there are in all; default: those given.
-    """
+    """Return a table, the middle of a long one left out; of `count` rows only those that `ends` names need be given."""
     left_out = (len(rows) if count is None else count) - HEAD_ROWS - TAIL_ROWS
-    shown = list(rows) if left_out <= 0 else [*rows[:HEAD_ROWS], None, *rows[-TAIL_ROWS:]]
-    head = Markup("").join(Markup('<th style="{}">{}</th>').format(CELL, each) for each in heads)
-    body = Markup("").join(map(_row, shown))
+    shown_rows = [_row(each) for each in (rows if left_out <= 0 else [*rows[:HEAD_ROWS], *rows[-TAIL_ROWS:]])]
     if left_out > 0:
         gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
-        body = Markup("").join(gap.format(len(heads), CELL, left_out) if each is None else _row(each) for each in shown)
+        shown_rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, left_out))
+    head = Markup("").join(Markup('<th style="{}">{}</th>').format(CELL, each) for each in heads)
+    body = Markup("").join(shown_rows)
     return Markup("<table><thead><tr>{}</tr></thead><tbody>{}</tbody></table>").format(head, body)
 
 
 def ends(count: int) -> list[int]:
     """Return the numbers of the rows that a table of so many rows shows."""
-    if count <= HEAD_ROWS + TAIL_ROWS:
-        return list(range(count))
-    return [*range(HEAD_ROWS), *range(count - TAIL_ROWS, count)]
+    every = range(count)
+    return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
 
 
-def _row(cells: Sequence[Any] | None) -> Markup:
-    each = (Markup('<td style="{}">{}</td>').format(CELL, shown(cell)) for cell in cells or ())
+def _row(cells: Sequence[Any]) -> Markup:
+    each = (Markup('<td style="{}">{}</td>').format(CELL, shown(cell)) for cell in cells)
     return Markup("<tr>{}</tr>").format(Markup("").join(each))
 
 
@@ -76,15 +66,9 @@ def facts(values: dict[str, Any]) -> Markup:
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small picture of a curve, "" if it has no two points; NaN breaks it.
+    """Return a small picture of a curve, "" if it has no two points; NaN breaks it, and each of `marks` gets a dot.
 
-    Parameters
-    ----------
-    says : str
-        What the picture shows, in words: for who cannot see it, and when the mouse is over it.
-    x, y : arrays
-    marks : pairs of floats
-        Points with a dot.
+    `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
     """
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
@@ -109,7 +93,7 @@ def _scale(values: np.ndarray, size: int) -> Any:
     """Return the function that puts values into a picture."""
     low, high = float(values.min()), float(values.max())
     middle, extent = low / 2 + high / 2, high - low
-    gain = (size - 2 * ROOM_AROUND) / extent if extent > 0 else 0.0
+    gain = (size - 2 * PICTURE_MARGIN) / extent if extent > 0 else 0.0
     return lambda value: size / 2 + (value - middle) * gain
 
 

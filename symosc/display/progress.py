@@ -63,8 +63,9 @@ def reporting(
     elif not (progress and shows_bars()):
         yield lambda done, total: None
     else:
-        with _bar(label, there, total, unit) as report:
-            yield report
+        begin = monotonic()
+        with _drawn(label, there, total, unit) as show:
+            yield lambda done, of: show(done, of, pace(done - there, of - done, monotonic() - begin, unit))
 
 
 @contextmanager
@@ -82,40 +83,28 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
     """
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
-    elif not (progress and shows_bars()):
+        return
+    if not (progress and shows_bars()):
         yield None
-    else:
-        with ExitStack() as stack:
-            yield _LateBar(stack, label, unit).advance
+        return
+    begin = since = monotonic()
+    last, wait = 0.0, delay()
+    show: Callable[[float, float, str], None] | None = None
+    with ExitStack() as stack:
 
+        def advance(part: float, count: int) -> None:
+            nonlocal since, last, show
+            now, again, last = monotonic(), part < last, part
+            if again:
+                since = now
+            elif show is not None:
+                seconds = now - since
+                left = pace(part, 1 - part, seconds, "")
+                show(part, 1.0, f"{_rate(count / max(seconds, 1e-9), unit)}, {left}")
+            elif now - begin >= wait:
+                show = stack.enter_context(_drawn(label, 0, 1.0, ""))
 
-class _LateBar:
-    """A bar for work that may turn out to take long."""
-
-    def __init__(self, stack: ExitStack, label: str, unit: str) -> None:
-        self.stack, self.label, self.unit = stack, label, unit
-        self.first = self.since = monotonic()
-        self.part, self.delay = 0.0, delay()
-        self.show: Callable[[float, float, str], None] | None = None
-
-    def advance(self, part: float, count: int) -> None:
-        now, again = monotonic(), part < self.part
-        self.part = part
-        if again:
-            self.since = now
-        elif self.show is not None:
-            seconds = now - self.since
-            left = pace(part, 1 - part, seconds, "")
-            self.show(part, 1.0, f"{_rate(count / max(seconds, 1e-9), self.unit)}, {left}")
-        elif now - self.first >= self.delay:
-            self.show = self.stack.enter_context(_drawn(self.label, 0, 1.0, ""))
-
-
-@contextmanager
-def _bar(label: str, there: float, total: float, unit: str) -> Iterator[Report]:
-    begin = monotonic()
-    with _drawn(label, there, total, unit) as show:
-        yield lambda done, of: show(done, of, pace(done - there, of - done, monotonic() - begin, unit))
+        yield advance
 
 
 @contextmanager
@@ -159,8 +148,7 @@ class _Working:
     """A line with a spinner that appears after a while."""
 
     def __init__(self, label: str) -> None:
-        self.label, self.lock, self.over = label, Lock(), False
-        self.status: Any = None
+        self.label, self.lock, self.over, self.shown = label, Lock(), False, ExitStack()
         self.timer = Timer(delay(), self.begin)
         self.timer.daemon = True
         if self.timer.interval > 0:
@@ -176,18 +164,15 @@ class _Working:
             from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
             columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
-            status = Progress(*columns, console=Console(file=sys.stderr), transient=True)
-            status.add_task(self.label, total=None)
-            status.start()
-            self.status = status
+            spinner = Progress(*columns, console=Console(file=sys.stderr), transient=True)
+            spinner.add_task(self.label, total=None)
+            self.shown.enter_context(spinner)
 
     def end(self) -> None:
         self.timer.cancel()
         with self.lock:
             self.over = True
-            if self.status is not None:
-                self.status.stop()
-                self.status = None
+            self.shown.close()
 
 
 _working: _Working | None = None

@@ -1,8 +1,7 @@
 """Grazing: Theorem 7's windows (`window`), and the motions that lead to a graze (`start`, `curve`, `solve`).
 
-sweep and window_ends compute many windows in doubles. deciders and check compare Theorem 7 with numerics.
-backward_flow, flight, origin, tracer, phase_runs and newton go back in time from a tangency, for a curve of them.
+backward goes back in time from a tangency to where the flow came from. check compares Theorem 7 with numerics.
 May import: kernels to crosschecks.
 
-One more way to decide a graze: a function in deciders, and its name in check.
+One more way to decide a graze: a method of `Ways` in check, and its name in `WHY_UNDECIDED`.
 """

@@ -1,8 +1,12 @@
 """Theorem 7 against numerics: does a contact at a phase graze? Decided in three ways and compared with the window.
 
-A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided by the
-signs of the G-functions, by the exact flow a short time before and after, and by scipy's DOP853
-(`symosc.grazing.deciders`).
+A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided in three
+independent ways (`Ways`), each of which answers YES, NO or NOT_DECIDED, never on less than its error:
+
+- the signs of the G-functions: in double precision with a bound of the rounding error, or in 50-digit intervals, where
+  a value whose interval contains 0 counts as 0 only if that is known exactly;
+- the exact flow a short time before and after the contact: both points must be in the domain;
+- scipy's DOP853, on the same equation in coordinates that start at the contact.
 
 Some phases are random, in double precision. The others are adversarial, and exact: the ends of the window, the points
 of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and after each of them.
@@ -12,28 +16,48 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from math import inf, pi
-from types import ModuleType
 from typing import Any
 
 import numpy as np
+from mpmath.ctx_iv import MPIntervalContext
 
-from symosc.aliases import Expr, Number, Progress, Record
+from symosc.aliases import Context, Expr, Number, Numbers, Progress, Record
 from symosc.arguments import public
-from symosc.display.progress import Advance, late_bar
+from symosc.display.progress import late_bar
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.engine.flow import Constants, constant_force, constants
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.grazing.deciders import EPS, FLOW_DIGITS, FLOW_ROUNDING, NOT_DECIDED, YES, Ways
 from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.kernels._generated import motion
+from symosc.kernels.entire import EPS
+from symosc.mappings.numbers import number_of, symbolic
 from symosc.model import Parameters
 
 CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
 DECADES = range(3, 15)
-#: The three ways, and why they leave a phase open.
+YES, NO, NOT_DECIDED = 1, -1, 0
+# Rounding errors, in units of EPS and the size of the terms.
+FLOW_ROUNDING = 16.0
+INTERVAL_DIGITS = 50
+# Digits of the exact flow at adversarial phases: a quartic tangency at the smallest time below needs 100 of them.
+FLOW_DIGITS = 130
+# Times before and after a contact, over the largest rate: in double precision, and two for the adversarial phases.
+FLOW_TIME = 1e-9
+FINE_FLOW_TIMES = ("1e-21", "1e-24")
+# DOP853: times before and after the contact, over the largest rate; the second one where the first leaves it open.
+DOP853_TIMES = (1e-2, 1e-13)
+DECIDER_TOLERANCE = 1e-13
+# What the scaled result of DOP853 may be wrong by (measured: 1e-15).
+DOP853_ERROR = 1e-13
+#: The three ways, and why they leave a phase undecided.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
-WHY_OPEN = {
+WHY_UNDECIDED = {
     G_SIGNS: "an interval contains 0",
     EXACT_FLOW: "the gap is 0 to all digits, or its sign depends on the time",
     DOP853: "the gap before or after is within the solver's error and the third-order term",
@@ -155,10 +179,16 @@ def check_grazing(
     n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
-    _refuse_without_contact(window)
-    check = _Check(window)
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
+    if p.B0 == 0 and window.speed == 0:
+        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
+    check, theta = _Check(window), np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     with late_bar(progress, f"check {mapping}", "phases") as advance:
-        check.everywhere(np.random.default_rng(seed).uniform(0.0, 2 * pi, n), advance)
+        for part in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
+            check.random(part)
+            if advance:
+                advance(check.n_random / n, check.n_random)
         check.adversarial()
     return GrazingReport(
         mapping=mapping,
@@ -169,7 +199,7 @@ def check_grazing(
         n_adversarial=check.n_adversarial,
         n_grazing=check.n_grazing,
         agreements=check.agreements,
-        undecided={way: {WHY_OPEN[way]: count} if count else {} for way, count in check.undecided.items()},
+        undecided={way: {WHY_UNDECIDED[way]: count} if count else {} for way, count in check.undecided.items()},
         mismatches=tuple(check.mismatches),
         closest=check.closest,
         closest_phase=check.closest_phase,
@@ -179,87 +209,56 @@ def check_grazing(
     )
 
 
-def _refuse_without_contact(window: GrazingWindow) -> None:
-    """Raise ParameterError where there is no isolated contact to check."""
-    p = window.parameters
-    if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
-    if p.B0 == 0 and window.speed == 0:
-        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
-
-
 class _Check:
     """The counters of a check."""
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.ways = window, Ways(window)
-        self.agreements = dict.fromkeys(WHY_OPEN, 0)
-        self.undecided = dict.fromkeys(WHY_OPEN, 0)
-        self.closest = dict.fromkeys(WHY_OPEN, inf)
+        self.agreements, self.undecided = dict.fromkeys(WHY_UNDECIDED, 0), dict.fromkeys(WHY_UNDECIDED, 0)
+        self.closest, self.closest_phase = dict.fromkeys(WHY_UNDECIDED, inf), inf
         self.mismatches: list[dict[str, str]] = []
-        self.closest_phase = inf
         self.orders: Counter[int] = Counter()
-        self.n_grazing = self.n_adversarial = self.finely = 0
-
-    def everywhere(self, theta: np.ndarray, advance: Advance) -> None:
-        """Decide random phases, in parts of CHECK_PHASES."""
-        for begin in range(0, len(theta), CHECK_PHASES):
-            part = theta[begin : begin + CHECK_PHASES]
-            self.random(part)
-            if advance:
-                advance((begin + len(part)) / len(theta), begin + len(part))
+        self.n_random = self.n_grazing = self.n_adversarial = self.finely = 0
 
     def random(self, theta: np.ndarray) -> None:
-        """Decide phases in double precision; what that leaves open, one by one."""
+        """Decide phases in double precision; what that leaves undecided, one by one."""
         ways = self.ways
         inside = self.window.contains(theta)
-        self._check_contacts(theta, inside)
+        if inside.any():
+            self._check_contacts(theta[inside])
         signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
-        unclear = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
-        self.orders[1] += int((~unclear).sum())
-        for i in np.nonzero(unclear)[0]:
-            exact = ways.fine.context.mpf(float(theta[i]))
-            signs[i], flow[i] = self._fine(exact, False)
+        undecided = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
+        self.orders[1] += int((~undecided).sum())
+        for i in np.nonzero(undecided)[0]:
+            signs[i], flow[i] = self._fine(ways.fine.context.mpf(float(theta[i])), False)
         self._count(theta, inside, np.abs(ways.slope(theta)), signs, flow, solver)
+        self.n_random += len(theta)
 
     def adversarial(self) -> None:
         """Decide the special phases themselves and 1e-3 to 1e-14 beside them."""
         import sympy
 
-        ways = self.ways
-        context = ways.fine.context
-        zeros, special = self._special(sympy)
+        zeros: set[Expr] = set()  # where G^(1) = 0 exactly
+        if self.window.signs[1] and self.window.signs[2] <= 0:
+            angle = sympy.asin(symbolic(-self.window.gamma / self.window.amplitude))
+            zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
+        special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
         offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in DECADES for sign in (1, -1)]
-        phases, inside, margins, signs, flow, floats = [], [], [], [], [], []
+        rows = []
         for base in special:
-            number = context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
+            number = self.ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
             for offset in offsets:
-                phase = base + sympy.Rational(offset.numerator, offset.denominator)
-                value = number + ways.fine.number(offset)
+                phase, value = base + symbolic(offset), number + self.ways.fine.number(offset)
                 zero = offset == 0 and base in zeros
                 verdicts = self._fine(value, zero)
-                phases.append(phase)
-                inside.append(bool(self.window.contains(phase)))
-                margins.append(0.0 if zero else abs(ways.fine_slope(value)))
-                signs.append(verdicts[0])
-                flow.append(verdicts[1])
-                floats.append(float(value))
+                margin = 0.0 if zero else abs(self.ways.fine_slope(value))
+                rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
                 if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
-        solver = ways.solver(np.array(floats))
-        self._count(phases, np.array(inside), np.array(margins), np.array(signs), np.array(flow), solver)
+        phases, *columns = zip(*rows, strict=True)
+        *columns, floats = map(np.array, columns)
+        self._count(phases, *columns, self.ways.solver(floats))
         self.n_adversarial = len(phases)
-
-    def _special(self, sympy: ModuleType) -> tuple[set[Expr], list[Expr]]:
-        """Return the phases where G^(1) = 0 exactly, and all special phases."""
-        quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
-        zeros: set[Expr] = set()
-        if self.window.amplitude != 0:
-            sine = -self.window.gamma / self.window.amplitude
-            if abs(sine) <= 1:
-                angle = sympy.asin(sympy.Rational(sine.numerator, sine.denominator))
-                zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
-        return zeros, sorted(zeros | quarters, key=float)
 
     def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
@@ -268,36 +267,166 @@ class _Check:
         self.orders[order] += verdict != NOT_DECIDED
         return verdict, self.ways.fine_flow(theta)
 
-    def _check_contacts(self, theta: np.ndarray, inside: np.ndarray) -> None:
+    def _check_contacts(self, theta: np.ndarray) -> None:
         """Check that F vanishes at the window's x_m."""
-        if not inside.any():
-            return
-        K, v = self.ways.K, self.ways.v
-        drive = K.f0 * np.cos(theta[inside])
-        A = (K.A1, K.A2, K.A3)[self.window.place.domain - 1]
-        x = self.window.contact(theta[inside])
-        F = A + drive - K.w0sq * x - K.cm * v
-        size = abs(A) + np.abs(drive) + np.abs(K.w0sq * x) + abs(K.cm * v)
+        K, v, x = self.ways.K, self.ways.v, self.window.contact(theta)
+        terms = [constant_force(self.window.place.domain, K), K.f0 * np.cos(theta), -K.w0sq * x, -K.cm * v]
+        F, size = sum(terms), sum(map(abs, terms))
         for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
-            self.mismatches.append(_mismatch(theta[inside][i], "contact", "F = 0", f"F = {F[i]}"))
+            self._mismatch(theta[i], "contact", "F = 0", f"F = {F[i]}")
 
     def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
         """Compare what the ways say with the window."""
         self.n_grazing += int(inside.sum())
-        for way, verdict in zip(WHY_OPEN, verdicts, strict=True):
+        for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
             decided = verdict != NOT_DECIDED
             right = decided & ((verdict == YES) == inside)
             self.agreements[way] += int(right.sum())
             self.undecided[way] += int((~decided).sum())
             measured = margins[right & (margins > 0)]
             self.closest[way] = min(self.closest[way], float(measured.min(initial=inf)))
+            words = "does not graze", "grazes"
             for i in np.nonzero(decided & ~right)[0]:
-                self.mismatches.append(_mismatch(phases[i], way, _word(inside[i]), _word(verdict[i] == YES)))
+                self._mismatch(phases[i], way, words[int(inside[i])], words[int(verdict[i] == YES)])
+
+    def _mismatch(self, theta: object, way: str, expected: str, found: str) -> None:
+        self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
 
 
-def _mismatch(theta: object, way: str, expected: str, found: str) -> dict[str, str]:
-    return {"theta": str(theta), "way": way, "window": expected, "found": found}
+# --- the three ways ---
 
 
-def _word(grazing: bool) -> str:
-    return "grazes" if grazing else "does not graze"
+class Ways:
+    """The three ways for one mapping; the contact is at x_m(theta), v_lambda, acceleration 0.
+
+    Of the window its parameters and its place are used, not its phases. `size` is the sum of the sizes of the terms of
+    G^(1), > 0; `fine` has FLOW_DIGITS digits.
+    """
+
+    def __init__(self, window: GrazingWindow) -> None:
+        self.window, self.p, self.side = window, window.parameters, window.place.side
+        self.K: Constants = constants(self.p)
+        self.fine = MpArithmetic(self.p, FLOW_DIGITS)
+        self.v, self.v_fine = float(window.speed), self.fine.number(window.speed)
+        self.size = abs(self.K.w0sq * self.v) + abs(self.K.fB)
+        context, basis = self.fine.context, self.fine.namespace["basis"]
+        times = [sign * context.mpf(tau) / self.fine.K.rate for tau in FINE_FLOW_TIMES for sign in (-1, 1)]
+        self._fine_bases = [basis(tau, self.fine.K)[:5] for tau in times]
+        self._intervals = MPIntervalContext()
+        self._intervals.dps = INTERVAL_DIGITS
+
+    # -- G-functions -------------------------------------------------------------------------------------------------
+
+    def slope(self, theta: np.ndarray) -> np.ndarray:
+        """Return -side G^(1) over `size`, positive for a graze."""
+        return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
+
+    def fine_slope(self, theta: Number) -> float:
+        """Return what `slope` returns, for an mpmath phase."""
+        slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
+        return self.side * float(slope) / self.size
+
+    def signs(self, theta: np.ndarray) -> np.ndarray:
+        """Return verdicts of G^(1) in double precision."""
+        slope = self.slope(theta)
+        return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
+
+    def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
+        """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
+
+        `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
+        that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
+        decides.
+        """
+        iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
+        angle = iv.mpf(bounds(theta, self.fine.context))
+        s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
+        values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
+        equal = abs(p.k * self.window.speed) == abs(p.B0) * p.Omega
+        known_zero = [zero, zero and equal, False]
+        for order, G in enumerate(values, start=1):
+            if known_zero[order - 1]:
+                if 0 not in G:  # the interval contradicts the zero
+                    return NOT_DECIDED, order
+                continue
+            if 0 in G:
+                return NOT_DECIDED, order
+            inward = bool(-self.side * G.a > 0)
+            return (YES if order % 2 == 1 and inward else NO), order
+        return NOT_DECIDED, len(values)
+
+    # -- the exact flow ----------------------------------------------------------------------------------------------
+
+    def flow(self, theta: np.ndarray) -> np.ndarray:
+        """Return verdicts of the exact flow FLOW_TIME before and after; NOT_DECIDED where the third order decides."""
+        tau = FLOW_TIME / self.K.rate
+        basis, convert = self.fine.namespace["basis"], self.fine.context.convert
+        bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
+        gaps = [self._gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
+        return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
+
+    def fine_flow(self, theta: Number) -> int:
+        """Return the verdict of the exact flow with FLOW_DIGITS digits, if it is the same at both FINE_FLOW_TIMES."""
+        context = self.fine.context
+        s, c = context.sin(theta), context.cos(theta)
+        gaps = [self._gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
+        least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
+        if any(abs(gap) <= least * abs(basis[2]) for gap, basis in zip(gaps, self._fine_bases, strict=True)):
+            return NOT_DECIDED
+        verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
+        return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
+
+    def _gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
+        """Return how far into the domain the velocity is, after the flight over which `basis` was taken."""
+        _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
+        return -self.side * dv
+
+    def _third_order(self, tau: float) -> float:
+        """Return a bound of what terms of third order and above add to the gap, over tau^2 (tau * rate << 1)."""
+        third = abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau
+        return third * tau / 3.0
+
+    # -- DOP853 ------------------------------------------------------------------------------------------------------
+
+    def solver(self, theta: np.ndarray) -> np.ndarray:
+        """Return verdicts of DOP853, all phases in one system; NOT_DECIDED where the third order could decide."""
+        verdicts = np.zeros(len(theta), dtype=int)
+        for time_over_rate in DOP853_TIMES:
+            left = np.nonzero(verdicts == NOT_DECIDED)[0]
+            if len(left):
+                tau = time_over_rate / self.K.rate
+                gaps = [self.integrated(theta[left], sign * tau) for sign in (-1.0, 1.0)]
+                verdicts[left] = _verdicts(gaps, DOP853_ERROR + self._third_order(tau) / self.size)
+        return verdicts
+
+    def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
+        """Return how far into the domain the velocity is at tau, over size tau^2, by DOP853.
+
+        The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
+        the difference from its value 0 at the contact, where a difference of cosines is written as a product.
+        """
+        from scipy.integrate import solve_ivp
+
+        K, n = self.K, len(theta)
+
+        def rhs(sigma: float, state: np.ndarray) -> np.ndarray:
+            y, u = state[:n], state[n:] * (self.size * tau * tau)
+            half = 0.5 * K.Om * tau * sigma
+            force = -2.0 * K.f0 * np.sin(theta + half) * np.sin(half) - K.w0sq * tau * y - K.cm * u
+            return np.concatenate([self.v + u, force / (self.size * tau)])
+
+        accuracy = {"rtol": DECIDER_TOLERANCE, "atol": DECIDER_TOLERANCE, "max_step": 0.25}
+        done = solve_ivp(rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", **accuracy)
+        return -self.side * done.y[n:, -1]
+
+
+def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
+    """Return YES where both gaps are positive, NO where one is negative, NOT_DECIDED where one is within `least`."""
+    decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
+    return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
+
+
+def bounds(value: Number, context: Context) -> list[str]:
+    """Return decimals just below and above a value, 5 digits finer than the intervals are."""
+    shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
+    return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

@@ -1,14 +1,27 @@
 """The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
 
 Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the start
-(`symosc.grazing.backward_flow`). That is done in double precision with error bounds, and with more digits where these
-leave a contact open. The curve ends where the window ends, or where the flow no longer comes from the mapping's belt:
-it touches the other belt or its own on the way, or it has met no belt.
+(`symosc.grazing.backward`). That is done in double precision with error bounds, and with more digits where these leave
+a contact undecided. The curve ends where the window ends, or where the flow no longer comes from the mapping's belt: it
+touches the other belt or its own on the way, or it has met no belt. Between neighbours of which one comes from the
+mapping's belt and the other does not the edge is found by halving, and so is a jump of the start. A stretch that is
+steep gets more samples, until its slopes explain it.
+
+Between a tangency and its start, tau earlier, a shift of theta_m along the contacts moves the start by
+
+    d(Omega t_i)/d(theta_m) = -exp(c tau/m) E1(tau) G1/a_i
+    d(x_i)/d(theta_m)       = (v_lambda d(Omega t_i)/d(theta_m) + exp(c tau/m) E0(tau) G1 m/k)/Omega
+
+with G1 = G^(1) at the tangency and a_i the acceleration at the start: at a fixed time neighbouring contacts differ in x
+only.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from math import cos, exp, inf, nan, pi, sin
 
 import numpy as np
 
@@ -17,19 +30,43 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
 from symosc.exact import read_exact, whole_number
-from symosc.grazing.origin import Origins
-from symosc.grazing.phase_runs import PhaseRun, arcs_of, cut, filled, phases_of
-from symosc.grazing.tracer import OWN, Sample, Tracer
+from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Arrival, Origins
 from symosc.grazing.window import grazing_window
-from symosc.mappings.latex import number, point, table, words
+from symosc.kernels.entire import basis
+from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
 from symosc.model import Parameters
 
 CURVE_POINTS = 400
 LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
+# The work of a curve, in steps of all its searches; when it is used up, each search has LEAST_STEPS left.
+MOST_CURVE_STEPS, LEAST_STEPS = 40_000, 50
+# Digits with which a contact that doubles leave undecided is searched again.
+CURVE_DIGITS = 30
+LARGEST_EXPONENT = 700.0
+# At |k v_lambda| = |B0| Omega, G^(1) below this part of its terms is that of the tangency of fourth order.
+QUARTIC = 1e-13
+PIECE_POINTS = 33
+# Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
+CURVE_HALVINGS = 50
+# ... but not where the search ends in one of them: that is not an end of the curve.
+ROUGH_HALVINGS = 8
+# Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
+CURVE_STRIDE = 0.2
+# ... unless the slopes explain it up to this part of it ...
+CURVE_AGREEMENT = 0.25
+# ... and it is one if so much is left of it at the end.
+CURVE_JUMP = 1e-3
+# Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
+FINEST_CURVE = 1e-6
+# How near to an open end of the window the curve is sampled.
+END_GAP = 1e-7
+
+#: Where the flow of a sample came from.
+OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
 
 
 @dataclass(frozen=True)
-class CurveEnd:
+class CurveEnd(LatexAnswer):
     """An end of a piece of the curve.
 
     Attributes
@@ -56,11 +93,8 @@ class CurveEnd:
 
     def latex(self) -> str:
         """Return the end as LaTeX (no dollar signs)."""
-        start = rf"{point('i', self.theta, self.x)},\quad \Omega t_m = {number(self.theta_m)}"
-        return rf"{start}\quad {words(f'({self.reason})')}"
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
+        start = rf"{latex_point('i', self.theta, self.x)},\quad \Omega t_m = {latex_number(self.theta_m)}"
+        return rf"{start}\quad {latex_words(f'({self.reason})')}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +138,7 @@ class CurvePiece:
 
 
 @dataclass(frozen=True)
-class GrazingCurve(Drawable):
+class GrazingCurve(Drawable, LatexAnswer):
     """The grazing curve of a mapping.
 
     Attributes
@@ -136,22 +170,17 @@ class GrazingCurve(Drawable):
     def latex(self) -> str:
         """Return the ends of the pieces as LaTeX: a table of (Omega t_i, x_i), Omega t_m and why it ends there."""
         ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
-        cells = [(number(end.theta), number(end.x), number(end.theta_m), words(end.reason)) for end in ends]
+        cells = [
+            (latex_number(end.theta), latex_number(end.x), latex_number(end.theta_m), latex_words(end.reason))
+            for end in ends
+        ]
         heads = r"\Omega t_i", "x_i", r"\Omega t_m", r"\text{end}"
-        return table(heads, cells)
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
+        return latex_table(heads, cells)
 
     @public
     def sample(self, theta_m: NumberLike) -> Sample:
         """Return the sample at any phase of the window, computed anew."""
         return self._source.sample(float(read_exact("theta_m", theta_m)))
-
-    @property
-    def origins(self) -> Origins:
-        """The searches that the samples come from."""
-        return self._source.origins
 
 
 @public
@@ -185,9 +214,9 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progres
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer = Tracer(p, mapping)
-    arcs = arcs_of(window.intervals)
+    arcs = _arcs_of(window.intervals)
     runs: list[PhaseRun] = []
-    phases = [phases_of(*arc, n) for arc in arcs]
+    phases = [_phases_of(*arc, n) for arc in arcs]
     count, done = sum(map(len, phases)), 0
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
         for arc, over in zip(arcs, phases, strict=True):
@@ -197,8 +226,8 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progres
                 done += 1
                 if advance:
                     advance(done / count, done)
-            runs += cut(tracer, samples, arc)
-    pieces = tuple(_piece(filled(tracer, run)) for run in runs if run.origin == OWN)
+            runs += _cut(tracer, samples, arc)
+    pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
     gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
     return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
 
@@ -211,3 +240,213 @@ def _piece(run: PhaseRun) -> CurvePiece:
         for theta_m, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
     ]
     return CurvePiece(**columns, low=ends[0], high=ends[1])
+
+
+# --- samples ---
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A tangency at theta_m and where its flow came from: `origin`, x, and Omega t = theta_m - Omega tau, unwrapped."""
+
+    theta_m: float
+    x_m: float
+    origin: str
+    x: float
+    theta: float
+    slope_x: float
+    slope_theta: float
+    undecided: bool = False  # a touch that more digits may decide
+
+
+class Tracer(Origins):
+    """Samples the curve of one mapping, in double precision backed up by more digits."""
+
+    def __init__(self, p: Parameters, mapping: str) -> None:
+        super().__init__(p, mapping)
+        self.v = float(p.belt(self.place.boundary))
+        self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
+        self.gain = float(p.B0 / p.k)
+        self.steps_left = MOST_CURVE_STEPS
+
+    def _is_quartic(self, theta_m: float) -> bool:
+        """Return whether a phase is that of the tangency of fourth order, to the digits of a double."""
+        p, level = self.p, self.K.w0sq * self.v
+        equal = abs(p.k * p.belt(self.place.boundary)) == abs(p.B0 * p.Omega)
+        return equal and abs(level + self.K.fB * sin(theta_m)) <= QUARTIC * abs(level)
+
+    @cached_property
+    def _autonomous(self) -> Arrival:
+        return self.arrival(0.0)
+
+    def sample(self, theta_m: float, careful: bool = True) -> Sample:
+        """Return the sample at theta_m; without `careful` a contact may stay undecided, as a touch."""
+        K = self.K
+        if self.p.B0 == 0:  # every phase has the same flight
+            arrival = self._autonomous
+        else:
+            order = 3 if self._is_quartic(theta_m) else 1
+            steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
+            arrival = self.arrival(theta_m, order, None, careful, CURVE_DIGITS, repeats=1, most_steps=steps)
+        arrival = Arrival(arrival.kind, arrival.boundary, *map(float, arrival[2:]))
+        self.steps_left -= int(arrival.tau * K.rate / STEP)
+        x_m = self.rest + self.gain * cos(theta_m)
+        if arrival.kind not in (CONTACT, TOUCH):
+            return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan)
+        G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
+        E0, E1, *_ = basis(arrival.tau, K)
+        growth = exp(min(K.cm * arrival.tau, LARGEST_EXPONENT))
+        slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
+        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
+            slope_theta = 1.0
+        slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
+        origin = OWN if arrival.boundary == self.place.boundary else OTHER
+        undecided = not careful and arrival.kind == TOUCH
+        x, theta = x_m + arrival.dx, theta_m - K.Om * arrival.tau
+        return Sample(theta_m, x_m, origin, x, theta, slope_x, slope_theta, undecided)
+
+
+# --- pieces ---
+
+
+def _arcs_of(intervals: Sequence[tuple[float, float, bool, bool]]) -> list[tuple[float, float, bool]]:
+    """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
+    arcs = [(low, high) for low, high, _, _ in intervals]
+    if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
+        return [(0.0, 2 * pi, True)]
+    if len(arcs) == 2 and arcs[0][0] == 0.0 and arcs[1][1] == 2 * pi:
+        return [(arcs[1][0] - 2 * pi, arcs[0][1], False)]
+    return [(low, high, False) for low, high in arcs]
+
+
+def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
+    """Return n phases over an arc, both ends of a closed one included; near open ends they are closest."""
+    if closed:
+        return low + (high - low) * (np.arange(n + 1) / n)
+    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
+    gap = END_GAP * (high - low)
+    return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
+
+
+@dataclass
+class PhaseRun:
+    """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
+
+    samples: list[Sample]
+    span: tuple[float, float]
+    reasons: tuple[str, str]
+
+    @property
+    def origin(self) -> str:
+        """Where the flow back from these tangencies comes from."""
+        return self.samples[0].origin
+
+
+def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
+    """Cut the samples over an arc where the origin changes or the start jumps."""
+    low, high, closed = arc
+    limit = "closed" if closed else "end of the window"
+    runs: list[PhaseRun] = []
+    run, begin, reason = [samples[0]], low, limit
+    ahead = samples[:0:-1]
+    while ahead:
+        if _needs_middle(run[-1], ahead[-1]):
+            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+            continue
+        edges = _edge(tracer, run[-1], ahead[-1])
+        if edges is None:
+            run.append(ahead.pop())
+            continue
+        before, behind, border = edges
+        run += before
+        runs.append(PhaseRun(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
+        begin, reason = border, _reason(tracer, behind[-1], run[-1])
+        ahead[-1:] = behind
+        run = [ahead.pop()]
+    runs.append(PhaseRun(run, (begin, high), (reason, limit)))
+    return _joined(runs) if closed and len(runs) > 1 else runs
+
+
+def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
+    """Join the last run over a full circle with the first, a turn later, if they are one."""
+    first, last = runs[0], runs[-1]
+    if first.origin != last.origin:
+        return runs
+    turn = 2 * pi
+    later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
+    both = PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
+    return [*runs[1:-1], both]
+
+
+def _continuous(left: Sample, right: Sample) -> bool:
+    """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
+    change = right.theta - left.theta
+    expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
+    return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
+
+
+def _needs_middle(left: Sample, right: Sample) -> bool:
+    """Return whether a steep stretch of the curve needs another sample."""
+    if not left.origin == right.origin == OWN or _continuous(left, right):
+        return False
+    return right.theta_m - left.theta_m > FINEST_CURVE
+
+
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
+    """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
+
+    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    """
+    if left.origin == right.origin and _continuous(left, right):
+        return None
+    lefts: list[Sample] = []
+    rights = [right]
+    unknown = UNKNOWN in (left.origin, right.origin)
+    for _ in range(ROUGH_HALVINGS if unknown else CURVE_HALVINGS):
+        theta = 0.5 * (left.theta_m + right.theta_m)
+        if not left.theta_m < theta < right.theta_m:
+            break
+        if left.origin == right.origin and abs(right.theta - left.theta) < CURVE_JUMP:
+            return None
+        middle = tracer.sample(theta, careful=False)
+        to_left = middle.origin == left.origin
+        if left.origin == right.origin:
+            if not to_left and right.theta_m - left.theta_m < FINEST_CURVE:
+                return None
+            to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)
+        if to_left:
+            left = middle
+            lefts.append(middle)
+        else:
+            right = middle
+            rights.append(middle)
+    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < CURVE_JUMP):
+        return None
+    border = 0.5 * (left.theta_m + right.theta_m)
+    return [each for each in lefts if not each.undecided], [each for each in rights if not each.undecided], border
+
+
+def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
+    own = tracer.place.boundary
+    if beyond.origin == OTHER:
+        return f"beyond, the flow comes from belt {3 - own}"
+    if beyond.origin in (NOWHERE, UNKNOWN):
+        return f"beyond, the flow met no belt before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
+    if here.origin != OWN:
+        return f"beyond, the flow comes from belt {own}"
+    return f"the flow touches belt {own} on the way"
+
+
+def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
+    """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
+    first, last = run.samples[0].theta_m, run.samples[-1].theta_m
+    margin = 0.1 * (last - first)
+    if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
+        return run
+    if last - first < FINEST_CURVE:
+        return run
+    between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
+    inner = [each for each in between if each.origin == OWN]
+    samples = sorted([*run.samples, *inner], key=lambda each: each.theta_m)
+    return replace(run, samples=samples)

@@ -1,28 +1,51 @@
 """The grazing conditions with one unknown given: equations (54) with F = 0 at the end of the map.
 
 Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
-which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the grazing curve
-shows between which of its samples the value lies. There Newton's method solves for the phase of the tangency and the
-time of the flight (`symosc.grazing.newton`). Then the flow back from that tangency is computed anew.
+which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the samples of the
+grazing curve show between which neighbours the value lies, on both sides of an extremum between them too. There
+Newton's method solves v(theta_m, tau) = v_lambda with the value's equation for theta_m and tau, the time of the flight.
+A solution counts if it lies between its neighbours in both; otherwise the stretch is halved. Then the flow back from
+that tangency is computed anew.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import Any
+from math import pi
+from typing import Any, NamedTuple
 
-from symosc.aliases import Angle, NumberLike, Progress
+import numpy as np
+
+from symosc.aliases import Angle, Number, NumberLike, Progress
 from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
-from symosc.grazing.angles import number_of, phase_of, read_phase, times
-from symosc.grazing.curve import CURVE_POINTS, LEAST_CURVE_POINTS, MOST_CURVE_POINTS, grazing_curve
-from symosc.grazing.newton import Candidates
+from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
+from symosc.grazing.curve import (
+    CURVE_POINTS,
+    LEAST_CURVE_POINTS,
+    MOST_CURVE_POINTS,
+    OWN,
+    UNKNOWN,
+    CurveEnd,
+    CurvePiece,
+    GrazingCurve,
+    grazing_curve,
+)
 from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
-from symosc.mappings.latex import number, table, words
+from symosc.mappings.numbers import (
+    LatexAnswer,
+    latex_number,
+    latex_table,
+    latex_words,
+    number_of,
+    read_phase,
+    reduced,
+    times,
+)
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
@@ -30,9 +53,19 @@ UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 # Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
 CLOSE = 100
 MOST_NOTES = 3
+# Digits beyond the ones wanted: slopes up to 1e15 can be distinguished from a jump in doubles.
+CURVE_SPARE_DIGITS = 40
+MOST_CURVE_NEWTON = 20
+NEWTON_HALVINGS = 60
+# A flight at the end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
+ENDLESS = 1e-4
+# The reason of an end where the search ended (`symosc.grazing.curve`).
+SEARCH_ENDS = "(within the search)"
+# Solutions nearer to each other than this are one.
+SAME_ROOT = 1e-15
 
 
-class GrazingSolutions(list[GrazingStart]):
+class GrazingSolutions(list[GrazingStart], LatexAnswer):
     """Solutions of the grazing conditions, in order of theta_m: a list that says what it leaves out.
 
     Attributes
@@ -58,12 +91,9 @@ class GrazingSolutions(list[GrazingStart]):
     def latex(self) -> str:
         """Return the solutions as a table in LaTeX (an array, no dollar signs); the message if there is none."""
         if not self:
-            return words(self.message)
-        rows = [[number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)] for start in self]
-        return table((r"\Omega t_i", "x_i", r"\Omega t_m", "x_m"), rows)
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
+            return latex_words(self.message)
+        rows = [[latex_number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)] for start in self]
+        return latex_table((r"\Omega t_i", "x_i", r"\Omega t_m", "x_m"), rows)
 
 
 @public
@@ -122,7 +152,7 @@ def solve_grazing(
     if name in ("x_i", "theta_i"):
         solutions = _on_curve(window, name, exact, n, digits, progress)
     else:
-        phases = _phases_of_contact(p, mapping, exact) if name == "x_j" else [phase_of(exact)]
+        phases = _phases_of_contact(p, mapping, exact) if name == "x_j" else [reduced(exact)]
         solutions = _at_phases(window, phases, digits)
     if not solutions and not window.kind:
         solutions.message = "the grazing window is empty"
@@ -177,7 +207,7 @@ def _on_curve(
     for phase in candidates.phases:
         if not window.contains(phase):
             continue
-        start = start_of(curve.origins, times(phase, 1 / p.Omega), phase, digits=digits)
+        start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
         if start.found and has_value(start, p, name, value, digits or DEFAULT_DIGITS):
             found.append(start)
         else:
@@ -201,3 +231,232 @@ def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits:
         turns = (angle - number_of(value, context)) / (2 * context.pi)
         gap, size = (turns - context.nint(turns)) * 2 * context.pi, max(float(p.Omega), abs(float(value)))
     return bool(abs(gap) <= CLOSE * context.mpf(10) ** -digits * max(1.0, size))
+
+
+# --- the grazing curve at a value ---
+
+
+class Point(NamedTuple):
+    """A point of the curve: the tangency's phase, the value that is asked for, its slope, and the flight's time."""
+
+    theta_m: float
+    value: float
+    slope: float
+    tau: float
+
+
+class Candidates:
+    """Solutions on a grazing curve: `phases` are their theta_m, `notes` say what had to be left out."""
+
+    def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
+        self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
+        self.flights: Flights = self.source.flights(digits + CURVE_SPARE_DIGITS)
+        self.target = self.flights.number(value)
+        self.notes: list[str] = []
+        self._broken: set[Point] = set()
+        self._solutions: list[tuple[Number, Number]] = []
+        for piece in curve.pieces:
+            self._on_piece(piece)
+        for low, high, origin in curve.gaps:
+            if origin == UNKNOWN:
+                self.notes.append(f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search")
+        self.phases = [read_exact("theta_m", theta) for theta, _ in self._solutions]
+
+    def why_none(self) -> str:
+        """Return why there is no solution."""
+        if not self.curve.pieces:
+            return "no flow from the mapping's belt grazes: " + "; ".join(
+                f"for theta_m in ({low:.6g}, {high:.6g}) the flow comes from {origin}"
+                for low, high, origin in self.curve.gaps
+            )
+        spans = [piece.x if self.name == "x_i" else piece.theta for piece in self.curve.pieces]
+        reach = ", ".join(f"{values.min():.6g} to {values.max():.6g}" for values in spans)
+        unwrapped = " (not reduced mod 2 pi)" if self.name == "theta_i" else ""
+        return f"{self.name} goes over {reach} on the grazing curve{unwrapped}"
+
+    # -- stretches between samples -----------------------------------------------------------------------------------
+
+    def _on_piece(self, piece: CurvePiece) -> None:
+        points = self._points(piece)
+        values = np.array([point.value for point in points])
+        ends = (piece.low, points[0]), (piece.high, points[-1])
+        extrema: dict[int, Point | None] = {}
+        for target in self._targets(float(values.min()), float(values.max())):
+            wanted = float(target)
+            for end, point in ends:
+                self._at_end(end, point, target)
+            signs = values >= wanted
+            for i in range(len(points) - 1):
+                first, last = points[i], points[i + 1]
+                if signs[i] != signs[i + 1]:
+                    self._between(first, last, target)
+                elif self._may_turn(first, last, wanted):
+                    if i not in extrema:
+                        extrema[i] = self._extremum(first, last)
+                    turn = extrema[i]
+                    if turn is not None and (turn.value >= wanted) != signs[i]:
+                        self._between(first, turn, target)
+                        self._between(turn, last, target)
+                    elif turn is not None and abs(turn.value - wanted) <= 1e-12 * max(1.0, abs(turn.value)):
+                        self._take(self._newton(turn.theta_m, turn.tau, target), first, last)
+        for (end, point), index in zip(ends, (0, -1), strict=True):
+            self._note_endless(end, point, piece, index)
+
+    def _points(self, piece: CurvePiece) -> list[Point]:
+        """Return the samples of a piece, and where the curve begins or ends in a tangency itself, that point too."""
+        values, slopes = (piece.x, piece.slope_x) if self.name == "x_i" else (piece.theta, piece.slope_theta)
+        columns = (piece.theta_m, values, slopes, (piece.theta_m - piece.theta) / self.K.Om)
+        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
+        for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
+            near = points[min(first, len(points) - 1)]
+            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
+                contact = self.source.rest + self.source.gain * np.cos(end.theta_m)
+                value = contact if self.name == "x_i" else end.theta_m
+                points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
+        return points
+
+    def _targets(self, low: float, high: float) -> list[Number]:
+        """Return the values to search for: for theta_i those that differ by whole turns."""
+        if self.name == "x_i":
+            return [self.target]
+        turn = 2 * self.flights.context.pi
+        first, last = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in (low - 1e-3, high + 1e-3))
+        return [self.target + j * turn for j in range(first, last + 2)]
+
+    @staticmethod
+    def _may_turn(first: Point, last: Point, wanted: float) -> bool:
+        if not first.slope * last.slope < 0:
+            return False
+        reach = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
+        return min(abs(first.value - wanted), abs(last.value - wanted)) <= reach
+
+    def _extremum(self, first: Point, last: Point) -> Point | None:
+        """Return the extremum between neighbours whose slopes differ in sign; None where the curve breaks."""
+        for _ in range(NEWTON_HALVINGS):
+            middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
+            if middle is None or not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
+                return middle
+            first, last = (first, middle) if middle.slope * last.slope > 0 else (middle, last)
+            if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(1.0, abs(first.value)):
+                break
+        return first
+
+    def _sampled(self, theta_m: float) -> Point | None:
+        sample = self.curve.sample(theta_m)
+        if sample.origin != OWN:
+            return None
+        value, slope = (sample.x, sample.slope_x) if self.name == "x_i" else (sample.theta, sample.slope_theta)
+        return Point(sample.theta_m, value, slope, (sample.theta_m - sample.theta) / self.K.Om)
+
+    # -- Newton's method ---------------------------------------------------------------------------------------------
+
+    def _between(self, first: Point, last: Point, target: Number) -> None:
+        """Find the solution between two points on both sides of the target."""
+        wanted = float(target)
+        for _ in range(NEWTON_HALVINGS):
+            if first in self._broken:
+                return
+            gaps = first.value - wanted, last.value - wanted
+            part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
+            theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
+            if self._take(self._newton(theta_m, first.tau + part * (last.tau - first.tau), target), first, last):
+                return
+            theta_m = 0.5 * (first.theta_m + last.theta_m)
+            middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
+            if middle is None:
+                break
+            first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
+        is_touch = self.curve.sample(theta_m).slope_theta == 1.0
+        if is_touch and self._take(self._among_touches(theta_m, target), first, last):
+            return
+        self._broken.add(first)
+        self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
+
+    def _at_end(self, end: CurveEnd, point: Point, target: Number) -> None:
+        """Find a solution between the last sample and the end of the curve."""
+        gap = abs(end.theta_m - point.theta_m)
+        reach = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+        if gap > 0 and abs(float(target) - point.value) <= reach:
+            self._take(self._newton(point.theta_m, point.tau, target), point, point, gap)
+
+    def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
+        """Return the value less the target, and its derivatives by theta_m and tau."""
+        if self.name == "x_i":
+            return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
+        Om = self.flights.K.Om
+        return theta - Om * tau - target, 1, -Om
+
+    def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
+        """Return theta_m and tau where the flight has the value, from a guess."""
+        context, K = self.flights.context, self.flights.K
+        theta, tau = context.mpf(theta_m), context.mpf(tau)
+        settled = False
+        for _ in range(MOST_CURVE_NEWTON):
+            now = self.flights.instant(theta, tau)
+            gap = now.v - self.flights.v
+            rest, by_theta, by_tau = self._equation(theta, tau, now, target)
+            determinant = now.v_theta * by_tau + now.a * by_theta
+            if determinant == 0:
+                return None
+            theta_step = (-gap * by_tau - rest * now.a) / determinant
+            tau_step = (gap * by_theta - rest * now.v_theta) / determinant
+            theta, tau = theta + theta_step, tau + tau_step
+            if settled:
+                return (theta, tau) if tau > 0 else None
+            if abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om or tau <= 0:
+                return None
+            shrunk = context.eps**0.6
+            settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
+        return None
+
+    def _among_touches(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
+        """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
+        flights, phase = self.flights, Fraction(theta_m)
+        arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
+        if arrival.kind != TOUCH:
+            return None
+        theta, tau = flights.number(phase), flights.number(arrival.tau)
+        for _ in range(MOST_CURVE_NEWTON):
+            rest, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
+            if by_theta == 0:
+                return None
+            theta -= rest / by_theta
+            if abs(rest / by_theta) <= flights.context.eps * 100:
+                return theta, tau
+        return None
+
+    def _take(self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0) -> bool:
+        """Keep a solution, once, if its theta_m and tau lie between those of two points, up to rounding and `more`."""
+        if solution is None:
+            return False
+        theta, tau = solution
+        slack = 1e-14 * max(1.0, abs(float(theta))) + more
+        low, high = sorted((first.tau, last.tau))
+        beside = 1e-9 * max(high, 1e-3 / self.K.rate) + 0.1 * (high - low) + (1e-3 / self.K.rate if more else 0.0)
+        if not (first.theta_m - slack <= float(theta) <= last.theta_m + slack):
+            return False
+        if not low - beside <= float(tau) <= high + beside:
+            return False
+        context = self.flights.context
+        turn = 2 * context.pi
+        theta -= turn * context.floor(theta / turn)
+        for other, time in self._solutions:
+            apart = abs(other - theta)
+            if min(apart, turn - apart) < SAME_ROOT * SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+                return True
+        self._solutions.append((theta, tau))
+        return True
+
+    def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece, index: int) -> None:
+        """Note where a curve goes on for ever beyond what doubles resolve."""
+        if end.reason in ("end of the window", "closed"):
+            return
+        if end.reason.endswith(SEARCH_ENDS):
+            self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
+            return
+        steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < ENDLESS  # or nan
+        if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
+            self.notes.append(
+                f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
+                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles tell"
+            )

@@ -6,28 +6,53 @@ contact
 
     x_m(theta) = (A_alpha + B0 cos(theta) - c v_lambda)/k,   v = v_lambda,   acceleration 0
 
-decides it (`symosc.grazing.backward_flow`): the first contact is on the mapping's own belt (a start), on the other one,
+decides it (`symosc.grazing.backward`): the first contact is on the mapping's own belt (a start), on the other one,
 or there is none. Equations (54) with (61) for P2, and their counterparts for P3, P5 and P6, are three equations in the
 four unknowns (x_i, Omega t_i, x_m, Omega t_m): a curve (`symosc.grazing.curve`).
+
+`is_grazing` decides Theorem 6 at a given state, to any order: does the flow touch the belt there?
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 
-from symosc.aliases import Angle, Context, Number, NumberLike, Record
+from symosc.aliases import Angle, Context, Mpf, Number, NumberLike, Record
 from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, show
-from symosc.grazing.angles import number_of, phase_of, read_angle, read_phase, symbolic, times
-from symosc.grazing.backward_flow import HUGE, LARGE, LONG, NEVER, REACHED, TOUCH, Arrival
-from symosc.grazing.flight import Flights
-from symosc.grazing.origin import OPEN_ORIGIN, SEARCH_PERIODS, Origins
+from symosc.grazing.backward import (
+    HUGE,
+    LARGE,
+    LONG,
+    NEVER,
+    REACHED,
+    SEARCH_PERIODS,
+    TOUCH,
+    UNDECIDED,
+    Arrival,
+    Flights,
+    Origins,
+)
 from symosc.grazing.window import grazing_window
-from symosc.mappings.latex import point, words
+from symosc.kernels._generated import next_derivative
+from symosc.mappings.numbers import (
+    LatexAnswer,
+    latex_number,
+    latex_point,
+    latex_words,
+    number_of,
+    read_angle,
+    read_phase,
+    reduced,
+    symbolic,
+    times,
+)
+from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
 
 DEFAULT_DIGITS = 40
@@ -36,7 +61,7 @@ MOST_PERIODS_BACK = 1e6
 
 
 @dataclass(frozen=True)
-class GrazingStart:
+class GrazingStart(LatexAnswer):
     """Where the flow that grazes at a phase came from.
 
     Attributes
@@ -86,13 +111,10 @@ class GrazingStart:
 
     def latex(self) -> str:
         """Return start and tangency as LaTeX, or why there is no start (no dollar signs)."""
-        name, tangency = f"P_{{{self.mapping.removeprefix('P')}}}", point("m", self.theta_m, self.x_m)
+        name, tangency = f"P_{{{self.mapping.removeprefix('P')}}}", latex_point("m", self.theta_m, self.x_m)
         if not self.found:
-            return rf"{name}:\quad {tangency},\quad {words(self.reason)}"
-        return rf"{name}:\quad {point('i', self.theta, self.x)} \mapsto {tangency}"
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
+            return rf"{name}:\quad {tangency},\quad {latex_words(self.reason)}"
+        return rf"{name}:\quad {latex_point('i', self.theta, self.x)} \mapsto {tangency}"
 
     def to_dict(self) -> Record:
         """Return the entries as text and booleans."""
@@ -147,7 +169,10 @@ def grazing_start(
     origins = Origins(p, mapping)
     time, angle = _tangency(p, theta, t_m, t0)
     until = None if t0 is None else read_exact("t0", t0)
-    return start_of(origins, time, angle, until, read_digits(digits, MOST_START_DIGITS), _check_periods(periods))
+    digits, number = read_digits(digits, MOST_START_DIGITS), float(read_exact("periods", periods))
+    if not 0 < number <= MOST_PERIODS_BACK:
+        raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
+    return start_of(origins, time, angle, until, digits, number)
 
 
 def start_of(
@@ -173,13 +198,6 @@ def start_of(
     return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
 
 
-def _check_periods(periods: object) -> float:
-    number = float(read_exact("periods", periods))
-    if not 0 < number <= MOST_PERIODS_BACK:
-        raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
-    return number
-
-
 def _tangency(
     p: Parameters, theta: NumberLike | None, t_m: NumberLike | None, t0: NumberLike | None
 ) -> tuple[Angle, Angle]:
@@ -188,14 +206,13 @@ def _tangency(
         raise ParameterError("theta", theta, "give either theta or t_m")
     if t_m is not None:
         time = read_angle("t_m", t_m)
-        return time, phase_of(times(time, p.Omega))
-    angle = phase_of(read_phase("theta", theta))
+        return time, reduced(times(time, p.Omega))
+    angle = reduced(read_phase("theta", theta))
     if t0 is None:
         return times(angle, 1 / p.Omega), angle
     import sympy
 
-    begin = read_exact("t0", t0) * p.Omega
-    gap = sympy.Rational(begin.numerator, begin.denominator) - symbolic(angle)
+    gap = symbolic(read_exact("t0", t0) * p.Omega) - symbolic(angle)
     turns = sympy.floor(gap / (2 * sympy.pi)) + 1
     return times(symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
 
@@ -226,47 +243,41 @@ def _result(
     periods: float,
 ) -> GrazingStart:
     p, boundary, context = flights.p, flights.place.boundary, flights.context
-    theta_m, when, two_pi = flights.number(angle), flights.number(time), 2 * flights.context.pi
+    theta_m, t_m = flights.number(angle), flights.number(time)
     x_m = flights.contact(theta_m)
-    t, x = when - arrival.tau, x_m + arrival.dx
-    theta = theta_m - flights.K.Om * arrival.tau
+    t, x = t_m - arrival.tau, x_m + arrival.dx
+    theta, two_pi = theta_m - flights.K.Om * arrival.tau, 2 * context.pi
     theta -= two_pi * context.floor(theta / two_pi)
     point = f"belt {arrival.boundary} at t = {float(t):.12g}, x = {float(x):.12g}"
     verb = "touches" if arrival.kind == TOUCH else "comes from"
     if to_time:
-        found = arrival.kind == REACHED
-        reason = f"between t0 and t_m the flow {verb} {point}"
+        found, reason = arrival.kind == REACHED, f"between t0 and t_m the flow {verb} {point}"
     else:
-        found = arrival.boundary == boundary
-        reason = f"the flow {verb} {point}, not belt {boundary}"
-    reason = _no_end(arrival, float(t), boundary, periods) or reason
-    nowhere = arrival.kind in (NEVER, LONG, LARGE, OPEN_ORIGIN) or (arrival.kind == REACHED and not to_time)
+        found, reason = arrival.boundary == boundary, f"the flow {verb} {point}, not belt {boundary}"
+    nowhere = arrival.kind in (NEVER, LONG, LARGE, UNDECIDED) or (arrival.kind == REACHED and not to_time)
     found = found and not nowhere
-    keep = digits or DEFAULT_DIGITS
-    shown = mp_context(keep)
+    decimals = digits or DEFAULT_DIGITS
+    shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
         return shown.convert(value) * 1 if digits else float(value)
 
     velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
-    texts = {"t0": _text(t, keep, shown), "x0": _text(x, keep, shown)}
-    texts["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, keep, shown)
-    errors = _unit(texts["t0"]), _unit(texts["x0"]), Fraction(0) if arrival.boundary else _unit(texts["v0"])
-    v = flights.number(velocity)
+    start = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
+    start["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, decimals, shown)
+    errors = _unit(start["t0"]), _unit(start["x0"]), Fraction(0) if arrival.boundary else _unit(start["v0"])
+    point_values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
         mapping=mapping,
         found=found,
-        reason=None if found else reason,
-        t=None if nowhere else out(t),
-        x=None if nowhere else out(x),
-        v=None if nowhere else out(v),
-        theta=None if nowhere else out(theta),
+        reason=None if found else _no_end(arrival, float(t), boundary, periods) or reason,
+        **{name: None if nowhere else out(value) for name, value in point_values.items()},
         boundary=0 if nowhere else arrival.boundary,
         touch=arrival.kind == TOUCH,
-        t_m=out(when),
+        t_m=out(t_m),
         x_m=out(x_m),
         theta_m=out(theta_m),
-        start={} if nowhere else texts | {"start_error": errors},
+        start={} if nowhere else start | {"start_error": errors},
         undecided=nowhere and arrival.kind != NEVER,
     )
 
@@ -279,22 +290,146 @@ def _unit(text: str) -> Fraction:
 
 def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | None:
     """Return why a search has met no belt."""
-    if arrival.kind == NEVER:
-        return (
-            f"the flow never met a belt before: backward from t = {t:.6g} its velocity runs away from belt {boundary}"
-        )
-    if arrival.kind == REACHED:
-        return f"the flow met no belt in the {periods:g} periods before; ask for more with periods="
-    if arrival.kind == LARGE:
-        return f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met"
-    if arrival.kind == LONG:
-        return f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met"
-    if arrival.kind == OPEN_ORIGIN:
-        return f"whether the flow meets belt {arrival.boundary} at t = {t:.12g} could not be decided"
-    return None
+    never = f"the flow never met a belt before: backward from t = {t:.6g} its velocity runs away from belt {boundary}"
+    return {
+        NEVER: never,
+        REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more with periods=",
+        LARGE: f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met",
+        LONG: f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met",
+        UNDECIDED: f"whether the flow meets belt {arrival.boundary} at t = {t:.12g} could not be decided",
+    }.get(arrival.kind)
 
 
 def _text(value: Number, digits: int, context: Context) -> str:
     """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
+
+
+# --- Theorem 6 at a state ---
+
+# G-functions up to this part of the size of their terms count as 0.
+G_TOLERANCE = 1e-12
+MOST_G_ORDERS = 6
+
+
+@dataclass(frozen=True)
+class GrazingVerdict(LatexAnswer):
+    """Theorem 6 at a state, to any order.
+
+    Attributes
+    ----------
+    grazing : bool
+    order : int
+        Of the first G-function that does not vanish (0 is F); MOST_G_ORDERS if none was found.
+    values : tuple of float
+        G^(0), G^(1), ... up to that order; a value that counts as 0 enters the next one as 0.
+    margins : tuple of float
+        Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts as 0.
+    tolerance : float
+    reason : str
+
+    Examples
+    --------
+    >>> from symosc import is_grazing, load_scene
+    >>> verdict = is_grazing(load_scene("fig9").parameters, "P2", x=0, theta=1)
+    >>> verdict.grazing, verdict.order, verdict.reason
+    (False, 0, 'F does not vanish: the flow is transversal')
+    """
+
+    grazing: bool
+    order: int
+    values: tuple[float, ...]
+    margins: tuple[float, ...]
+    tolerance: float
+    reason: str
+
+    def latex(self) -> str:
+        """Return the G-functions that decide, with the reason, as LaTeX (no dollar signs)."""
+        names = ["F", *(f"G^{{({order})}}" for order in range(1, len(self.values)))]
+        small = [margin <= self.tolerance for margin in self.margins]
+        shown = [
+            f"{name} = {'0' if zero else latex_number(value)}"
+            for name, value, zero in zip(names, self.values, small, strict=True)
+        ]
+        return rf"{', '.join(shown)}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
+
+
+@public
+def is_grazing(
+    p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
+) -> GrazingVerdict:
+    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
+
+    The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
+    into the domain. (Order 1 is the theorem as printed.) Values are computed with 50 digits; `tolerance` says what
+    counts as 0.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping : str
+        "P2", "P3", "P5" or "P6": belt and domain.
+    x, theta : number
+        Position and phase; strings and sympy constants are exact.
+    tolerance : float
+        Part of the size of its terms up to which a G-function counts as 0; less than 1.
+
+    Raises
+    ------
+    ParameterError
+        For a mapping without grazing, and for values that are not numbers or are out of range.
+
+    Examples
+    --------
+    >>> from symosc import grazing_window, is_grazing, load_scene
+    >>> p = load_scene("fig9").parameters
+    >>> x = grazing_window(p, "P2").contact("1")
+    >>> is_grazing(p, "P2", x, "1").grazing
+    True
+    """
+    where = place(mapping)
+    limit = read_exact("tolerance", tolerance)
+    if not 0 <= limit < 1:
+        raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
+    tolerance = float(limit)
+    context = mp_context(50)
+    angle = number_of(read_phase("theta", theta), context)
+    position = number_of(read_angle("x", x), context)
+    values, margins = [], []
+    for order, (value, size) in enumerate(_g_functions(p, where, position, angle, context)):
+        margin = abs(value) / size if size > 0 else abs(value)
+        values.append(float(value))
+        margins.append(float(margin))
+        if margin > tolerance:
+            grazing = order % 2 == 1 and where.side * value < 0
+            return GrazingVerdict(grazing, order, tuple(values), tuple(margins), tolerance, _why(order, grazing))
+    reason = "F and all its derivatives vanish: the flow stays on the belt"
+    return GrazingVerdict(False, MOST_G_ORDERS, tuple(values), tuple(margins), tolerance, reason)
+
+
+def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
+    """Yield G^(0) = F, G^(1), ... on the belt, each with the size of its terms; those before it count as 0."""
+    v = number_of(p.belt(where.boundary), context)
+    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
+    Om = number_of(p.Omega, context)
+    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(theta), -w0sq * x, -cm * v]
+    value, size = sum(terms), sum(abs(term) for term in terms)
+    before, sines = v, (context.sin(theta), context.cos(theta))
+    for order in range(MOST_G_ORDERS):
+        yield value, size
+        now = 0 * value
+        forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
+        value = next_derivative(now, before, forcing, cm, w0sq)
+        size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
+        before = now
+
+
+def _why(order: int, grazing: bool) -> str:
+    if order == 0:
+        return "F does not vanish: the flow is transversal"
+    if order % 2 == 0:
+        return f"the first G-function that does not vanish has even order {order}: the flow passes with an inflection"
+    if grazing:
+        return f"F = 0 and G^({order}) leads back into the domain"
+    return f"G^({order}) leads out of the domain: there is no flow of it near"

@@ -1,32 +1,48 @@
 """Grazing windows: at which phases a flow that touches a belt's speed turns back (Theorem 7).
 
 At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the contact's place x_m(theta),
-and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it.
+and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it: sympy takes
+longer to load than everything else that `symosc grazing` does, whose exact texts (`phases_text`) do without it.
+`grazing_windows` computes many windows at once, in double precision.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symosc.aliases import Expr, Number, NumberLike, Order
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
-from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError
+from symosc.engine.arithmetic import compile_modules, mp_context
+from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact, show
 from symosc.kernels import double_double
-from symosc.mappings.phase import ExactPhase, of_sympy, read_text, sine_sign
+from symosc.mappings import theorem7_cases
+from symosc.mappings.numbers import (
+    ExactPhase,
+    LatexAnswer,
+    is_symbolic,
+    number_of,
+    of_sympy,
+    read_phase_text,
+    real_array,
+    sine_sign,
+)
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     ARC,
     EMPTY,
+    EQUALITY_UNDECIDED,
     EVERYTHING,
+    WRAPPED_ARC,
     Place,
     case_label,
     place,
@@ -35,7 +51,7 @@ from symosc.mappings.theorem7_cases import (
 from symosc.model import Parameters
 
 # Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
-CLEAR_SINE = 1e-12
+SINE_MARGIN = 1e-12
 WINDOW_DIGITS = 30
 
 
@@ -67,7 +83,7 @@ def grazing_window(p: Parameters, mapping: str, order: Order = "full") -> Grazin
 
 
 @dataclass(frozen=True, repr=False)
-class GrazingWindow(Drawable):
+class GrazingWindow(Drawable, LatexAnswer):
     """The grazing window of a map; see `grazing_window`, which makes it.
 
     Attributes
@@ -235,7 +251,7 @@ class GrazingWindow(Drawable):
         if isinstance(theta, float | np.floating):
             context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator
-            return float(wave + context.mpf(rest.numerator) / rest.denominator)
+            return float(wave + number_of(rest, context))
         from symosc.symbolic.theorem7 import rational, real, sp
 
         return rational(rest) + rational(gain) * sp.cos(real("theta", theta))
@@ -279,29 +295,23 @@ class GrazingWindow(Drawable):
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        for index in zip(*np.nonzero(np.abs(distance) <= CLEAR_SINE), strict=True):
+        for index in zip(*np.nonzero(np.abs(distance) <= SINE_MARGIN), strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
         return inside
 
-    # --- faces ---
+    # --- text ---
 
     def latex(self) -> str:
         """Return the window with its case as LaTeX (no dollar signs)."""
-        from symosc.symbolic.grazing_latex import latex
-        from symosc.symbolic.theorem7 import rational, sp
+        from symosc.symbolic.theorem7 import latex, rational
 
-        p, number = self.place, _latex_number(self.mapping)
-        relation = "=><"[self.signs[2]]
-        phases = latex(self.phases)
-        sizes = [sp.latex(rational(abs(value))) for value in (self.gamma, self.amplitude)]
+        number, belt = self.mapping.removeprefix("P"), self.place.boundary
+        gamma, size, amplitude = (latex(rational(q)) for q in (self.gamma, abs(self.gamma), abs(self.amplitude)))
         return (
-            rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{p.boundary}}} = "
-            rf"{sp.latex(rational(self.gamma))},\quad |\gamma_{{{number}}}| = {sizes[0]} {relation} {sizes[1]} = "
-            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {phases}"
+            rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{belt}}} = "
+            rf"{gamma},\quad |\gamma_{{{number}}}| = {size} {'=><'[self.signs[2]]} {amplitude} = "
+            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {latex(self.phases)}"
         )
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
 
     def __repr__(self) -> str:
         return f"GrazingWindow({self.mapping}, gamma={show(self.gamma)}, case={self.case}, {self._shown()})"
@@ -315,25 +325,194 @@ class GrazingWindow(Drawable):
         return " or ".join(parts) or "empty"
 
 
-def _latex_number(mapping: str) -> str:
-    return mapping.removeprefix("P")
-
-
 def _read_phase(theta: Any) -> ExactPhase | Expr:
     """Return a phase as an ExactPhase, or as a sympy expression if it is none of the form a + b pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0
     if isinstance(theta, str):
-        return read_text("theta", theta)
+        return read_phase_text("theta", theta)
     if isinstance(theta, float | np.floating):
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
-        return ExactPhase(Fraction(float(theta)), Fraction(0))
-    if getattr(theta, "is_Float", None) is False and not theta.is_Rational:  # sympy's, and no plain number
+        return ExactPhase(Fraction(float(theta)))
+    if is_symbolic(theta):
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
         from symosc.symbolic.theorem7 import real
 
         number = real("theta", theta)
         return of_sympy(number) or number
-    return ExactPhase(read_exact("theta", theta), Fraction(0))
+    return ExactPhase(read_exact("theta", theta))
+
+
+# --- exact text without sympy: ends are multiples of pi, or asin of a rational number and these ---
+
+#: Rational sines with a rational multiple of pi (Niven), all of them in [-pi/2, pi/2].
+NIVEN = {Fraction(0): Fraction(0), Fraction(1, 2): Fraction(1, 6), Fraction(1): Fraction(1, 2)}
+NIVEN |= {-sine: -part for sine, part in NIVEN.items()}
+
+
+class ArcsineAngle(NamedTuple):
+    """The angle ``sign asin(sine) + turns pi``, where sine > 0; sign 0: ``turns pi``."""
+
+    sign: int
+    sine: Fraction
+    turns: Fraction
+
+    def text(self) -> str:
+        """Return it as sympy prints it."""
+        if not self.sign:
+            return _pi_text(self.turns)
+        arcsine = f"asin({self.sine})"
+        if self.sign < 0 and self.turns == 1:
+            return f"pi - {arcsine}"
+        return ("-" if self.sign < 0 else "") + arcsine + (f" + {_pi_text(self.turns)}" if self.turns else "")
+
+
+def _pi_text(turns: Fraction) -> str:
+    if turns == 0:
+        return "0"
+    top = {1: "pi", -1: "-pi"}.get(turns.numerator, f"{turns.numerator}*pi")
+    return top if turns.denominator == 1 else f"{top}/{turns.denominator}"
+
+
+def _critical_angle(window: GrazingWindow) -> ArcsineAngle | None:
+    """Return Theta_cr, None where it does not exist."""
+    if window.amplitude == 0 or window.signs[2] > 0:
+        return None
+    sine = -window.gamma / window.amplitude
+    if sine in NIVEN:
+        return ArcsineAngle(0, Fraction(0), NIVEN[sine])
+    return ArcsineAngle(1 if sine > 0 else -1, abs(sine), Fraction(0))
+
+
+def critical_text(window: GrazingWindow) -> str:
+    """Return Theta_cr as text, "none" where it does not exist."""
+    angle = _critical_angle(window)
+    return "none" if angle is None else angle.text()
+
+
+def phases_text(window: GrazingWindow) -> str:
+    """Return the window in the notation of the paper, "empty" for the empty one."""
+    if window.kind in (EMPTY, EVERYTHING):
+        return "[0, 2*pi)" if window.kind == EVERYTHING else "empty"
+    above = window.place.side * window.signs[1] > 0
+    angle = _critical_angle(window)
+    if window.kind == ALL_BUT_ONE or angle is None:
+        low = high = _pi_text(Fraction(3 if above else 1, 2))
+    else:
+        turned = ArcsineAngle(-angle.sign, angle.sine, 1 - angle.turns).text()
+        later = (window.kind == WRAPPED_ARC) == above  # a turn after Theta_cr
+        other = angle._replace(turns=angle.turns + 2 * later).text()
+        low, high = (other, turned) if above else (turned, other)
+    return f"({low}, {high})" if window.kind == ARC else f"[0, {high}) U ({low}, 2*pi)"
+
+
+# --- many windows ---
+
+
+class WindowColumns(NamedTuple):
+    """Windows of many parameter sets, arrays of one shape.
+
+    Attributes
+    ----------
+    kind : int8
+        EMPTY, EVERYTHING, ALL_BUT_ONE, ARC or WRAPPED_ARC, constants of `symosc.mappings.theorem7_cases`; always exact.
+    low, high : float
+        An ARC reaches from low up to high, a WRAPPED_ARC from low through 0 to high, ends excluded. ALL_BUT_ONE:
+        low = high is the excluded phase. nan otherwise.
+    theta_cr : float
+        Theta_cr in [-pi/2, pi/2], nan where it does not exist.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.high.round(4).tolist()
+    [nan, 3.4814, 3.225]
+    """
+
+    kind: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    theta_cr: np.ndarray
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, WindowColumns):
+            return False
+        return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in zip(self, other, strict=True))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+
+@public
+def grazing_windows(p: Parameters, mapping: str, order: Order = "full", **swept: ArrayLike) -> WindowColumns:
+    """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
+
+    Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
+    numbers, the other parameters stay rational. Compiled where numba is installed.
+
+    Parameters
+    ----------
+    p : Parameters
+    mapping, order :
+        As for `grazing_window`.
+    **swept : array_like of float
+        Values of k, B0, Omega and v1 or v2 (the belt of the map); they are broadcast. The window depends on no others.
+
+    Raises
+    ------
+    ParameterError
+        For another parameter, and for values that Parameters would refuse.
+
+    Examples
+    --------
+    >>> from symosc import grazing_windows, load_scene
+    >>> columns = grazing_windows(load_scene("fig9").parameters, "P2", Omega=[0.05, 1, 4])
+    >>> columns.kind.tolist()
+    [1, 4, 4]
+    """
+    where, full = place(mapping), order == "full"
+    names = ("k", f"v{where.boundary}", "B0", "Omega")
+    for name in swept:
+        if name not in names:
+            raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
+    arrays = _broadcast({name: real_array(name, values, "must be numbers") for name, values in swept.items()})
+    for name, array in arrays.items():  # Parameters judges the extreme values
+        for value in (array.min(), array.max()) if array.size else ():
+            p.replace(**{name: float(value)})
+    shape = next(iter(arrays.values())).shape if arrays else ()
+    size, pairs = math.prod(shape), []
+    for name in names:
+        constant = Fraction(0) if name in arrays else getattr(p, name)
+        high = float(constant)  # a Fraction as a pair of doubles, right to 2^-106
+        pairs.append(arrays[name].ravel() if name in arrays else np.full(size, high))
+        pairs.append(np.full(size, float(constant - Fraction(high))))
+    columns = WindowColumns(np.empty(size, np.int8), *(np.empty(size) for _ in range(3)))
+    _window_loop()(tuple(pairs), where.side, full, tuple(columns))
+    for i in np.flatnonzero(columns.kind == EQUALITY_UNDECIDED):
+        values = {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
+        exact = grazing_window(p.replace(**values), mapping, order)
+        columns.kind[i], columns.theta_cr[i] = exact.kind, float(exact.critical_phase())
+        columns.low[i], columns.high[i] = (math.nan, math.nan) if exact.kind in (EMPTY, EVERYTHING) else exact.ends
+    return WindowColumns(*(column.reshape(shape) for column in columns))
+
+
+def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return arrays of one shape."""
+    try:
+        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
+        shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
+        allowed = "the shapes must be equal, or broadcast to one as numpy does it"
+        raise ParameterError("swept", shapes, allowed) from None
+
+
+@lru_cache(maxsize=1)
+def _window_loop() -> Callable[..., None]:
+    """Return `theorem7_cases.windows`, compiled if numba is installed."""
+    try:
+        return compile_modules((double_double, theorem7_cases), {"windows"})["windows"]
+    except MissingExtraError:
+        return theorem7_cases.windows

@@ -1,6 +1,7 @@
-"""The mappings P1 to P8: their residuals and derivatives (`equations`), and the way from point to point (`solve`).
+"""The mappings P1 to P8: their residuals, derivatives and next switching points (`equations`), compiled (`compiled`).
 
-`theorem7_cases` lists where each mapping can graze. May import: kernels, engine, and the modules beside the packages.
+`theorem7_cases` lists where each mapping can graze, `numbers` reads points and exact phases and prints them as LaTeX.
+May import: kernels, engine, and the modules beside the packages.
 
 One more mapping: its name in `symosc.words`, its equations in symbolic.maps; then ``symosc codegen --regenerate``.
 """

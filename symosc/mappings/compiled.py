@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from symosc.arguments import public
 from symosc.engine.arithmetic import compile_modules, compiled
-from symosc.engine.flow import BeltConstants, Constants, constants
+from symosc.engine.flow import Constants, constants
 from symosc.errors import ParameterError
 from symosc.exact import unmasked
 from symosc.kernels import _generated, elementary, entire, entire_array, mapping
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
-from symosc.mappings.equations import EXITS, UNWRAPPED
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
+from symosc.mappings.numbers import POINT_NAMES
+from symosc.model import Parameters
 from symosc.words import MAPS, Map, WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
@@ -65,7 +66,7 @@ def compiled_residual(
     rows = tuple(MAPS[one] for one in labels)
     if exit is not None and not (exit in EXITS and any(row.sticks for row in rows)):
         raise ParameterError("exit", exit, f'must be None, or "below" or "above" for a stick; the map is {label}')
-    _loops(WIDE)  # says at once when numba is missing
+    _loops(WIDE)  # raises at once if numba is missing
     return CompiledResidual(p, rows, jacobian, exit)
 
 
@@ -119,10 +120,9 @@ class CompiledResidual:
             For arrays of other shapes, and for a flight with theta_j < theta_i.
         """
         if len(self._rows) == 1:
-            points = self._read(columns, ("x_i", "theta_i", "x_j", "theta_j"), 1)
-            f, J = self._fill(self._rows[0], points)
+            f, J = self._fill(self._rows[0], _read(columns, POINT_NAMES, 1))
             return (f[0], f[1], J) if self.jacobian else (f[0], f[1])
-        x, theta = self._read(columns, ("x", "theta"), 2)
+        x, theta = _read(columns, ("x", "theta"), 2)
         if len(x) != len(self._rows) + 1:
             raise ParameterError("x", x.shape, f"must have {len(self._rows) + 1} rows: a point more than maps")
         found = [self._fill(row, (x[n], theta[n], x[n + 1], theta[n + 1])) for n, row in enumerate(self._rows)]
@@ -136,68 +136,59 @@ class CompiledResidual:
             raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
-    @staticmethod
-    def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
-        if len(columns) != len(names):
-            raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
-        given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
-        try:
-            if any(np.asarray(column).dtype.kind not in "iufO" for column in given):
-                raise TypeError
-            arrays = tuple(np.require(np.asarray(column), dtype=float, requirements=["C", "W"]) for column in given)
-        except (TypeError, ValueError, OverflowError):
-            raise ParameterError("points", columns, "must be arrays of real numbers") from None
-        shapes = [array.shape for array in arrays]
-        if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:
-            how = "one-dimensional arrays of one length" if dimensions == 1 else "two-dimensional arrays of one shape"
-            raise ParameterError("points", shapes, f"must be {how}")
-        return arrays
-
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        n = len(points[0])
+        """Return f (2, n), and J (2, 4, n) or None, of one map."""
+        n, K = len(points[0]), self._K
         f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
         results = (f,) if J is None else (f, J)
         name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
         if row.sticks:
             wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
-            _loops(WIDE if wide else CLOSED_FORM)[name](
-                points, *_belt_and_sides(row, self._K, self.exit), self._K, *results
-            )
+            v, sides = _belt_and_sides(row, K, self.exit)
+            _loops(WIDE if wide else CLOSED_FORM)[name](points, v, sides, K, *results)
             return f, J
         kinds = np.empty(n, dtype=np.uint8)
-        counts = _loops(WIDE)["kinds_of"](points[1], points[3], self._K, kinds)
+        counts = _loops(WIDE)["kinds_of"](points[1], points[3], K, kinds)
         if counts[BACKWARD]:
             raise ParameterError("theta_j", "array", UNWRAPPED)
-        # The commonest formula goes over all points, which need not be picked out; others then mend where it is wrong.
+        v_i, v_j, A = flight_arguments(row, K)
+        arguments = (v_i, v_j), A, K
+        # The most frequent formula runs over all points, which need not be picked out; the others then correct theirs.
         order = sorted((kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind])
-        arguments = (*_speeds_and_domain(row, self._K), self._K)
         for kind in order:
             if kind == order[0]:
                 _loops(kind)[name](points, *arguments, *results)
-            else:
-                self._mend(_loops(kind)[name], np.flatnonzero(kinds == kind), points, arguments, results)
+                continue
+            at = np.flatnonzero(kinds == kind)
+            picked = tuple(np.empty((*result.shape[:-1], len(at))) for result in results)
+            _loops(kind)[name](tuple(column[at] for column in points), *arguments, *picked)
+            for result, part in zip(results, picked, strict=True):
+                result[..., at] = part
         return f, J
 
-    @staticmethod
-    def _mend(loop: Any, at: np.ndarray, points: Any, arguments: Any, results: Any) -> None:
-        picked = tuple(np.empty((*result.shape[:-1], len(at))) for result in results)
-        loop(tuple(column[at] for column in points), *arguments, *picked)
-        for result, part in zip(results, picked, strict=True):
-            result[..., at] = part
 
-
-def _speeds_and_domain(row: Map, K: Constants) -> tuple[tuple[float, float], float]:
-    return (_belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v), (K.A1, K.A2, K.A3)[row.domain - 1]
+def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
+    """Return arrays of one shape; their entries are not looked at."""
+    if len(columns) != len(names):
+        raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
+    given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
+    try:
+        if any(np.asarray(column).dtype.kind not in "iufO" for column in given):
+            raise TypeError
+        arrays = tuple(np.require(np.asarray(column), dtype=float, requirements=["C", "W"]) for column in given)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError("points", columns, "must be arrays of real numbers") from None
+    shapes = [array.shape for array in arrays]
+    if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:
+        how = "one-dimensional arrays of one length" if dimensions == 1 else "two-dimensional arrays of one shape"
+        raise ParameterError("points", shapes, f"must be {how}")
+    return arrays
 
 
 def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tuple[float, float]]:
-    below, above = ((K.A1, K.A2, K.A3)[domain - 1] for domain in NEIGHBOURS[row.start.boundary])
-    sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
-    return _belt(K, row.start.boundary).v, sides
-
-
-def _belt(K: Constants, boundary: int) -> BeltConstants:
-    return K.belt1 if boundary == 1 else K.belt2
+    """Return the belt speed of a stick, and A_alpha/m of the domains that it may slip into."""
+    v, below, above = stick_arguments(row, K)
+    return v, {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
 
 
 @lru_cache(maxsize=KINDS)
@@ -229,7 +220,7 @@ def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
             x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, v, K)
             return 1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1
     else:
-        (v_i, v_j), A = _speeds_and_domain(row, K)
+        v_i, v_j, A = flight_arguments(row, K)
 
         def residual(x_i, theta_i, x_j, theta_j):
             return flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)

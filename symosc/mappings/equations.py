@@ -1,4 +1,4 @@
-"""The mappings P1 to P8: residuals f1, f2 (eq. (54)) and their derivatives.
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)), their derivatives, and the way to the next switching point.
 
 A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases are *unwrapped*:
 the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a half has theta_j = theta_i + 3 pi.
@@ -17,8 +17,9 @@ Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,12 +27,15 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Context, Number, Numbers
 from symosc.arguments import public
-from symosc.engine.arithmetic import bind
-from symosc.engine.flow import BeltConstants, Constants, constants
-from symosc.errors import ParameterError
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
+from symosc.engine.first_exit import ROUNDING
+from symosc.engine.flow import Constants, constant_force, constants
+from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
+from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
+from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import entire_array, mapping
-from symosc.mappings.arguments import POINT_NAMES, columns_of, is_array, is_mp, scalar
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.mappings.numbers import POINT_NAMES, is_array, is_mp, number_of, point_columns, scalar
+from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
@@ -137,24 +141,39 @@ class MapArithmetic(NamedTuple):
     number: Callable[[Fraction], Number]
 
 
+def belt_speed(K: Constants, boundary: int) -> Number:
+    """Return the speed of belt 1 or 2."""
+    return (K.belt1 if boundary == 1 else K.belt2).v
+
+
+def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
+    """Return the belt speeds at both ends of a flight, and A_alpha/m."""
+    return belt_speed(K, row.start.boundary), belt_speed(K, row.end.boundary), constant_force(row.domain, K)
+
+
+def stick_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
+    """Return the belt speed of a stick, and A_alpha/m below and above the belt."""
+    below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
+    return belt_speed(K, row.start.boundary), below, above
+
+
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
-    K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
-    A = (K.A1, K.A2, K.A3)
-    v_i, v_j = _belt(K, row.start.boundary).v, _belt(K, row.end.boundary).v
+    K = numbers.K
     if not row.sticks:
-        return numbers.of["flight"](x_i, theta_i, x_j, theta_j, v_i, v_j, A[row.domain - 1], K)
-    beside = (A[domain - 1] for domain in NEIGHBOURS[row.start.boundary])
-    (f1, below), (_, above) = (numbers.of["stick"](x_i, theta_i, x_j, theta_j, v_i, A, K) for A in beside)
+        return numbers.of["flight"](*points, *flight_arguments(row, K), K)
+    v, *beside = stick_arguments(row, K)
+    (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in beside)
     return f1, _chosen(exit, below, above, below, above)
 
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
     K, (x_i, theta_i, _, theta_j) = numbers.K, points
-    v_i, one, zero = _belt(K, row.start.boundary).v, 1 + 0 * x_i, 0 * x_i
+    one, zero = 1 + 0 * x_i, 0 * x_i
     if row.sticks:
-        x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v_i, K)
+        v, _, _ = stick_arguments(row, K)
+        x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v, K)
         return (one, x_th0 * one, -one, x_th1 * one), (zero, zero, v_x1 * one, v_th1 * one)
-    A = (K.A1, K.A2, K.A3)[row.domain - 1]
+    v_i, _, A = flight_arguments(row, K)
     x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = numbers.of["flight_slopes"](x_i, theta_i, theta_j, v_i, A, K)
     return (x_x0, x_th0, -one, x_th1), (v_x0, v_th0, zero, v_th1)
 
@@ -163,8 +182,10 @@ def _parameter_jacobian(
     p: Parameters, row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None
 ) -> Any:
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
-    v_i, m, zero, domain = _belt(K, row.start.boundary).v, numbers.number(p.m), 0 * x_i, row.domain
+    m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
+    begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
     if row.sticks:
+        v_i = belt_speed(K, row.start.boundary)
         below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
         domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
         F = _chosen(exit, below, above, below, above)
@@ -172,16 +193,13 @@ def _parameter_jacobian(
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
     else:
-        A = (K.A1, K.A2, K.A3)[domain - 1]
-        found = numbers.of["flight_by_parameters"](x_i, theta_i, theta_j, v_i, A, m, K)
-        *letters, x_v0, v_v0 = found
+        v_i, _, A = flight_arguments(row, K)
+        *letters, x_v0, v_v0 = numbers.of["flight_by_parameters"](x_i, theta_i, theta_j, v_i, A, m, K)
         by_letter = list(zip(letters[::2], letters[1::2], strict=True))
     columns = dict(zip(("m", "c", "k", "A0", "B0", "Omega"), by_letter, strict=True))
-    columns |= {"v1": (zero, zero), "v2": (zero, zero)}
-    begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
-    columns[begin] = x_v0, v_v0
+    columns |= {"v1": (zero, zero), "v2": (zero, zero), begin: (x_v0, v_v0)}
     if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
-        columns[begin], columns[end] = (x_v0, 1 + v_v0), (zero, zero - 1)
+        columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
     drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[domain]
     mu1, mu2, FN = (numbers.number(value) for value in (p.mu1, p.mu2, p.FN))
@@ -191,7 +209,7 @@ def _parameter_jacobian(
 
 
 def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
-    """Return `below` or `above`: what `exit` says, or what belongs to the smaller force."""
+    """Return `below` or `above`: the one that `exit` names, or the one that belongs to the smaller force."""
     if exit is not None:
         return below if exit == "below" else above
     nearer_below = abs(force_below) <= abs(force_above)
@@ -219,9 +237,7 @@ def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmeti
     """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
     from symosc.kernels.multiprecision import BasisMP
 
-    def number(value: Fraction) -> Number:
-        return context.mpf(value.numerator) / value.denominator
-
+    number = partial(number_of, context=context)
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
     names = {"complex": context.mpc, "EPS": context.ldexp(1, -precision), "basis": BasisMP(context, p)}
     names |= {name: getattr(context, name) for name in ("exp", "sin", "cos")}
@@ -233,37 +249,30 @@ def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmeti
 UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_j - theta_i)/Omega"
 
 
-def _row(label: object) -> Map:
-    if not isinstance(label, str) or label not in MAPS:
-        raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
-    return MAPS[label]
-
-
 def read_points(
     p: Parameters, label: object, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
-    row = _row(label)
+    if not isinstance(label, str) or label not in MAPS:
+        raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
+    row = MAPS[label]
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
     given = [*start, *end]
     context = next((value.context for value in given if is_mp(value)), None)
     shape = None
-    if context is not None:
-        numbers: MapArithmetic = _mp_numbers(p, context, context.prec)
-        points = [scalar(name, value, context.convert) for name, value in zip(POINT_NAMES, given, strict=True)]
-        backward = points[3] < points[1]
-    elif any(is_array(value) for value in given):
-        numbers = _arrays(p)
-        columns = columns_of(given)
-        shape, points = columns[0].shape, [column.ravel() for column in columns]
-        backward = bool(np.any(points[3] < points[1]))
+    if context is None and any(is_array(value) for value in given):
+        numbers: MapArithmetic = _arrays(p)
+        columns = point_columns(given)
+        shape = columns[0].shape
+        points: list[Any] = [column.ravel() for column in columns]
     else:
-        numbers = _floats(p)
-        points = [scalar(name, value, float) for name, value in zip(POINT_NAMES, given, strict=True)]
-        backward = points[3] < points[1]
-    if backward and not row.sticks:
+        numbers = _floats(p) if context is None else _mp_numbers(p, context, context.prec)
+        convert = float if context is None else context.convert
+        points = [scalar(name, value, convert) for name, value in zip(POINT_NAMES, given, strict=True)]
+    backward = points[3] < points[1]
+    if not row.sticks and (backward if shape is None else backward.any()):
         raise ParameterError("theta_j", end[1], UNWRAPPED)
     return row, numbers, points, shape
 
@@ -283,5 +292,177 @@ def _matrix(rows: Any) -> np.ndarray:
     return np.array(rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float)  # all are of one kind
 
 
-def _belt(K: Constants, boundary: int) -> BeltConstants:
-    return K.belt1 if boundary == 1 else K.belt2
+# --- the next switching point ---
+
+# A flight is followed for this many forcing periods.
+MOST_MAP_PERIODS = 1000
+
+
+class MapError(SymoscError, ValueError):
+    """A mapping that the motion does not follow from the given point.
+
+    Attributes
+    ----------
+    label : str
+    x, theta : number
+        The start.
+    actual : str or None
+        The mapping that the motion does follow, where that is known.
+
+    Examples
+    --------
+    >>> from symosc import MapError, load_scene, solve_map
+    >>> try:
+    ...     solve_map(load_scene("fig5").parameters, "P8", -9, 6)
+    ... except MapError as error:
+    ...     print(error.actual)
+    P3
+    """
+
+    def __init__(self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None) -> None:
+        self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
+        super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.label, self.x, self.theta, self.reason, self.actual)
+
+
+@dataclass(frozen=True, slots=True)
+class MapPoint:
+    """The switching point that a map leads to.
+
+    Attributes
+    ----------
+    label : str
+    x, theta : number
+        Position and unwrapped phase Omega t, greater than that of the start.
+    exit : str or None
+        "below" or "above" for a stick.
+    grazing : bool
+        Whether a flight only touches the belt there (as far as this precision tells).
+    derivative : array of shape (2, 2) or None
+        d(x, theta)/d(x_i, theta_i). None at a graze: the end does not move smoothly there.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_map
+    >>> point = solve_map(load_scene("fig9").parameters, "P2", 4.5, 0.5)
+    >>> point.grazing, point.derivative.round(4).tolist()
+    (False, [[-0.1465, -0.5158], [-0.1049, 0.0148]])
+    """
+
+    label: str
+    x: Number
+    theta: Number
+    exit: str | None
+    grazing: bool
+    derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
+
+
+@public
+def solve_map(p: Parameters, label: str, x_i: Number, theta_i: Number) -> MapPoint:
+    """Follow a mapping from a switching point to the next one, by the event search that simulations use.
+
+    Parameters
+    ----------
+    p : Parameters
+    label : str
+        "P1" to "P8".
+    x_i, theta_i : number
+        The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
+
+    Returns
+    -------
+    MapPoint
+
+    Raises
+    ------
+    MapError
+        If the motion from there does not follow the map (it says where it goes), comes to no belt within 1000 periods,
+        or cannot be followed in this precision.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, solve_map
+    >>> point = solve_map(load_scene("fig9").parameters, "P2", 4.5, 0.5)
+    >>> f"{point.x:.6f}", f"{point.theta:.6f}"
+    ('-4.179569', '3.927047')
+    """
+    row, _, points, shape = read_points(p, label, (x_i, theta_i), (x_i, theta_i))
+    if shape is not None:
+        raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")
+    x, theta = points[:2]
+    context = getattr(x, "context", None)
+    arithmetic = _engine(p, context.dps + 10 if context else None)
+    convert = context.convert if context else float
+    inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
+    event, gain = _next_event(row, arithmetic, inner(x), inner(theta))
+    code, boundary, end = event.code, event.boundary, event.state
+    same_start = (other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode))
+    actual = next(other.label for other in same_start if other.end.boundary == boundary)
+    if actual != label:
+        raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
+    exit = EXITS[end.mode - boundary] if code == SLIP else None
+    x_j, theta_j = convert(end.x), theta + convert(gain)
+    derivative = None if code == GRAZE else _map_derivative(jacobian(p, label, (x, theta), (x_j, theta_j)))
+    return MapPoint(label, x_j, theta_j, exit, code == GRAZE, derivative)
+
+
+@lru_cache(maxsize=64)
+def _engine(p: Parameters, digits: int | None) -> Arithmetic:
+    return many_digits(p, digits) if digits else Arithmetic(p)
+
+
+def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
+    """Return the next event, and its phase since the start."""
+    K, names, advance = arithmetic.K, arithmetic.namespace, arithmetic.advance
+    two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
+    turns = int(theta / two_pi) - (theta < 0)
+    phase = (theta - turns * two_pi) - turns * rest
+    start = _checked_start(row, arithmetic, x, theta, phase)
+    error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
+    state = arithmetic.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
+    horizon = MOST_MAP_PERIODS * K.period
+    inner_K, until = arithmetic.inner_K, arithmetic.inward((horizon, 0 * horizon))
+    before = arithmetic.enter()
+    try:
+        event = advance(state, *until, inner_K)
+        while event.code == MOVED:
+            event = advance(event.state, *until, inner_K)
+        event = arithmetic.outward(event)
+    finally:
+        arithmetic.leave(before)
+    if event.code in (END, REST):
+        when = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
+        raise MapError(row.label, x, theta, f"the motion comes to no switching {when}")
+    if event.code == FAILED:
+        raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")
+    return event, event.state.n * two_pi + (event.state.theta - phase)
+
+
+def _checked_start(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Number) -> BeltStart:
+    """Return how the motion starts; MapError unless it starts as the map does."""
+    K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
+    # After a stick one force is 0, up to the rounding of the stick's end.
+    allowed = ROUNDING * names["EPS"] * (force_terms(boundary, x, K) + abs(K.f0 * theta))
+    start = belt_start(boundary, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
+    if start.mode != row.mode:
+        goes = "stays on" if start.mode > ON_BELT else "goes into"
+        low, high = NEIGHBOURS[boundary]
+        forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
+        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
+    return start
+
+
+def _map_derivative(J: np.ndarray) -> np.ndarray | None:
+    """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start; None if that does not exist."""
+    (x_x0, x_th0, x_x1, x_th1), (v_x0, v_th0, v_x1, v_th1) = J
+    determinant = x_x1 * v_th1 - x_th1 * v_x1
+    if determinant == 0:
+        return None
+    return np.array(
+        [
+            [(x_th1 * v_x0 - v_th1 * x_x0) / determinant, (x_th1 * v_th0 - v_th1 * x_th0) / determinant],
+            [(v_x1 * x_x0 - x_x1 * v_x0) / determinant, (v_x1 * x_th0 - x_x1 * v_th0) / determinant],
+        ]
+    )

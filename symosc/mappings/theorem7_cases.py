@@ -1,11 +1,31 @@
-"""Theorem 7's cases: where the flow of a map touches, and what its window is, from signs alone."""
+"""Theorem 7's cases: where the flow of a map touches, what its window is by signs, and where the window ends.
+
+A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0. The side is 1 for
+the boundary above the domain (a contact from below) and -1 for the one below. The ends are theta_cr, the arcsine of
+-k v/(B0 Omega), and pi - theta_cr. Near |k v| = |B0 Omega| the arcsine turns a rounding error into its square root. So
+products, comparison, root and arctangent are done with pairs of doubles (`symosc.kernels.double_double`): every end is
+within one unit in the last place.
+
+Scalar arithmetic only: this source runs as CPython floats and compiled by numba.
+"""
 
 from __future__ import annotations
 
+from math import ldexp, nan
 from typing import NamedTuple
 
 from symosc.aliases import Order
 from symosc.errors import ParameterError
+from symosc.kernels.double_double import (
+    HALF_PI,
+    PI_PAIR,
+    THREE_HALVES_PI,
+    TWO_PI_PAIR,
+    pair_asin,
+    pair_sum,
+    scaled_product,
+    sign,
+)
 
 
 class Place(NamedTuple):
@@ -43,18 +63,12 @@ _NO_GRAZING = {
 
 ORDERS: tuple[Order, ...] = ("full", "paper")
 
-# What a window is; a wrapped arc goes through 0.
-EQUALITY_IN_DOUBT, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
+# What a window is; a wrapped arc goes through 0. EQUALITY_UNDECIDED: rational numbers must decide.
+EQUALITY_UNDECIDED, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
 
 
 def place(mapping: str) -> Place:
-    """Return where the flow of a map touches a boundary.
-
-    Raises
-    ------
-    ParameterError
-        If the map has no grazing (only P2, P3, P5 and P6 return to the boundary that they left).
-    """
+    """Return where the flow of a map touches a boundary; only P2, P3, P5 and P6 return to the one that they left."""
     if not isinstance(mapping, str) or mapping not in PLACES:
         reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
         raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
@@ -90,3 +104,58 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
     number = (below if place.side > 0 else above)[gamma_sign][excess_sign + 1]
     label = f"({place.equation}.{number})"
     return label if amplitude_sign > 0 else f"{label} shifted by pi"
+
+
+# --- the ends in double precision ---
+
+# Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
+UNDECIDED_BELOW = 2.0**-98
+
+
+def window(k, v, B, Omega, side, full):
+    """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs.
+
+    An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE,
+    low = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
+    theta_cr is nan where Theta_cr does not exist.
+    """
+    ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
+    qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
+    p_sign, q_sign = sign(ph), sign(qh)
+    if q_sign == 0:
+        return window_kind(side, p_sign, 0, 0, full), nan, nan, nan
+    # 2^3 is more than the mantissas can make up for; further up only |k v| > |B0 Omega| matters.
+    shift = min(pe - qe, 3)
+    ph, pl = ldexp(p_sign * ph, shift), ldexp(p_sign * pl, shift)
+    qh, ql = q_sign * qh, q_sign * ql
+    difference, rest = pair_sum(ph, pl, -qh, -ql)
+    excess_sign = sign(difference) if difference != 0.0 else sign(rest)
+    exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
+    if not exact and abs(difference) <= UNDECIDED_BELOW:
+        return EQUALITY_UNDECIDED, nan, nan, nan
+    kind = window_kind(side, p_sign, q_sign, excess_sign, full)
+    slope = -p_sign * q_sign  # sign of sin(theta_cr)
+    if excess_sign > 0:
+        return kind, nan, nan, nan
+    if excess_sign == 0:
+        theta_cr = slope * HALF_PI[0]
+        if kind != ALL_BUT_ONE:
+            return kind, nan, nan, theta_cr
+        point = HALF_PI[0] if slope > 0 else THREE_HALVES_PI
+        return kind, point, point, theta_cr
+    ah, al = pair_asin(ph, pl, qh, ql)
+    ah, al = slope * ah + 0.0, slope * al  # no -0.0
+    turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -ah, -al)  # pi - theta_cr
+    wrapped, _ = pair_sum(TWO_PI_PAIR[0], TWO_PI_PAIR[1], ah, al)  # 2 pi + theta_cr
+    if side * q_sign > 0:  # sin(theta) > sin(theta_cr)
+        return kind, (wrapped if ah < 0.0 else ah), turned, ah
+    return kind, turned, (ah if ah > 0.0 else wrapped), ah
+
+
+def windows(pairs, side, full, columns):
+    """Fill the arrays kind, low, high and theta_cr from four pairs of arrays (k, v, B0, Omega), all of one length."""
+    kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
+    kind, low, high, theta_cr = columns
+    for i in range(len(kind)):
+        k, v, B, Omega = (kh[i], kl[i]), (vh[i], vl[i]), (Bh[i], Bl[i]), (Oh[i], Ol[i])
+        kind[i], low[i], high[i], theta_cr[i] = window(k, v, B, Omega, side, full)

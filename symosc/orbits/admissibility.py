@@ -6,24 +6,46 @@ values show how far an orbit is from ceasing to exist. One that passes 0 along a
 ends.
 
 The margins are computed in the arithmetic of the equations, so that more digits decide what doubles cannot. The
-engine's verdict on the whole orbit is `symosc.orbits.verification`.
+verdict asks three questions, in this order.
+
+1. Do all inequalities hold? Where a margin is too small for doubles the root is refined to FINE_DIGITS digits first. If
+a margin is 0 there, it is not an orbit: a piece has no length, or a belt is only grazed.
+2. Does the motion from a switching point of the root do what the word says? It is simulated over the whole period by
+the engine, always: no margin is too small or too large for that.
+3. Does it close? Every event has to be where and when the root says, the last one a period after the start.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import inf
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from math import inf, pi
+from typing import NamedTuple
 
 import numpy as np
 
 from symosc.aliases import Number, Point, Points
-from symosc.engine.flow import Constants
 from symosc.engine.state import Launch
 from symosc.kernels._generated import motion
+from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
-from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece
+from symosc.model import MODE_NAMES, NEIGHBOURS
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, polish
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
+# A margin below this part of the terms that it is a difference of is decided in more digits ...
+MARGINAL = 1e-9
+SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to tell if it is below this part
+FINE_DIGITS = 50
+# ... and is 0 if it is below this part of them even there.
+NOTHING_LEFT = 1e-25
+# Digits that the engine is asked for where the margins are small.
+ENGINE_DIGITS = (30, 60)
+# How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
+# that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
+SAME_POINT = 1e-6
+VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
+SAME_EXACTLY = 1e-12
 SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
 MOST_VELOCITY_SAMPLES = 4000
 FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
@@ -101,103 +123,78 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return every inequality of a root with its margin, in the order of the pieces.
 
-    Parameters
-    ----------
-    equations : ClosingEquations
-        In any arithmetic; the margins are rounded to floats at the end.
-    points : sequence of (x, theta)
+    The margins are computed in the arithmetic of the equations, and rounded to floats at the end.
     """
-    found: list[Condition] = []
-    number = equations.exact or float
+    number, K = equations.exact or float, equations.K
     points = [(number(x), number(theta)) for x, theta in points]
-    sizes = scales(equations, points)
-    for i, (start, end) in enumerate(zip(points, equations.ends(points), strict=True)):
-        piece, following = equations.pieces[i], equations.pieces[(i + 1) % len(points)]
-        of_piece = _Margins(equations, i, sizes, found)
+    sizes, found = scales(equations, points), list[Condition]()
+    for i, (piece, start, end) in enumerate(zip(equations.pieces, points, equations.ends(points), strict=True)):
+        following = equations.pieces[(i + 1) % len(points)]
         if piece.sticks:
-            _of_stick(of_piece, piece, start, end, equations)
+            rows = _stick_margins(equations, piece, start, end, sizes)
         else:
-            _of_flight(of_piece, piece, following, start, end, equations)
+            rows = _flight_margins(equations, piece, following, start, end, sizes)
+        for text, value, theta, event, rank, size in rows:
+            found.append(Condition(i, text, float(value), float(theta / K.Om), event, rank, size))
     return found
 
 
-class _Margins:
-    """The conditions of one piece, gathered in order."""
-
-    def __init__(self, equations: ClosingEquations, piece: int, sizes: Scales, found: list[Condition]) -> None:
-        self.Om, self.piece, self.sizes, self.found = equations.K.Om, piece, sizes, found
-
-    def add(self, text: str, value: Number, theta: Number, event: str, rank: int, size: float) -> None:
-        """Add one whose value is closest to 0 at the phase theta."""
-        self.found.append(Condition(self.piece, text, float(value), float(theta / self.Om), event, rank, size))
+#: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank, scale.
+MarginRow = tuple[str, Number, Number, str, int, float]
 
 
-def _of_flight(
-    margins: _Margins, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, equations: ClosingEquations
-) -> None:
-    K, v_end, sizes = equations.K, equations.belt(piece.end).v, margins.sizes
+def _flight_margins(
+    equations: ClosingEquations, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, sizes: Scales
+) -> Iterator[MarginRow]:
+    K, v_end, side = equations.K, equations.belt(piece.end).v, piece.side
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
-    margins.add(f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t)
-    arrival = piece.side * equations.force(piece.mode, end[0], v_end, end[1])
-    rank, size = STAYS_INSIDE if piece.zeros == 2 else ARRIVAL, sizes.a
+    short, sign, opposite = float(min(1, abs(tau) * K.rate)), "><"[side < 0], "<>"[side < 0]
+    yield f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t
+    arrival, rank, size = side * equations.force(piece.mode, end[0], v_end, end[1]), ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = piece.side * _states(equations)(tau, flight, K).F
-        size *= float(min(1, abs(tau) * K.rate))
-    where, sign = f"F^({piece.mode})", ">" if piece.side > 0 else "<"
-    text = f"{piece.label} meets v{piece.end} with {where} {sign} 0"
-    margins.add(text, arrival, end[1], GRAZING, rank, size)
+        arrival = side * equations.arithmetic.namespace["state_at"](tau, flight, K).F
+        rank, size = STAYS_INSIDE, sizes.a * short
+    yield f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0", arrival, end[1], GRAZING, rank, size
     gap, nearest = inf, end[1]
-    if tau > 0:
-        for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations):
-            for clearance in _gaps(piece.mode, extremum, K):
-                if clearance < gap:
-                    gap, nearest = clearance, start[1] + K.Om * extremum.tau
-    text = f"{piece.label} stays in Omega{piece.mode}"
-    margins.add(text, gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * float(min(1, abs(tau) * K.rate)))
-    far = piece.mode + piece.side
-    beyond = piece.side * equations.force(far, end[0], v_end, end[1])
+    for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
+        belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
+        if belt in (1, 2) and extremum.b != 0:
+            v = equations.belt(belt).v
+            clearance = extremum.v - v if extremum.b > 0 else v - extremum.v
+            if clearance < gap:
+                gap, nearest = clearance, start[1] + K.Om * extremum.tau
+    yield f"{piece.label} stays in Omega{piece.mode}", gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * short
+    far = piece.mode + side
+    beyond = side * equations.force(far, end[0], v_end, end[1])
     if following.sticks:
-        text = f"F^({far}) {'<' if piece.side > 0 else '>'} 0 at the onset of {following.label} (Theorem 4)"
-        margins.add(text, -beyond, end[1], SLIP_BIRTH, HOLD, sizes.a)
+        text = f"F^({far}) {opposite} 0 at the onset of {following.label} (Theorem 4)"
+        yield text, -beyond, end[1], SLIP_BIRTH, HOLD, sizes.a
     else:
         text = f"F^({far}) {sign} 0 where {piece.label} crosses v{piece.end} (Theorem 5)"
-        margins.add(text, beyond, end[1], BIRTH, PASSING, sizes.a)
+        yield text, beyond, end[1], BIRTH, PASSING, sizes.a
 
 
-def _gaps(mode: int, extremum: Extremum, K: Constants) -> list[Number]:
-    """Return how far the velocity stays from the boundaries of its domain at an extremum that is turned to them."""
-    gaps = []
-    if mode > 1 and extremum.b > 0:
-        gaps.append(extremum.v - (K.belt1, K.belt2)[mode - 2].v)
-    if mode < 3 and extremum.b < 0:
-        gaps.append((K.belt1, K.belt2)[mode - 1].v - extremum.v)
-    return gaps
-
-
-def _of_stick(margins: _Margins, piece: OrbitPiece, start: Point, end: Point, equations: ClosingEquations) -> None:
+def _stick_margins(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, sizes: Scales
+) -> Iterator[MarginRow]:
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
-    margins.add(f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, margins.sizes.t)
+    yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
     below = equations.force(low, start[0], belt.v, start[1])
     hold, nearest = inf, end[1]
-    if belt.turns:
-        for angle in (belt.angle, names["PI"] - belt.angle):
-            turn = names["wrapped"](angle - names["wrapped"](start[1])) / K.Om
-            while 0 < turn < tau:
-                now = below + names["gain"](turn, s0, c0, belt, K)[0]
-                if min(now, belt.J - now) < hold:
-                    hold, nearest = min(now, belt.J - now), start[1] + K.Om * turn
-                turn += K.period
-    text = f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)"
-    margins.add(text, hold, nearest, SLIP_BIRTH, HOLD, margins.sizes.a)
+    for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
+        turn = names["wrapped"](angle - names["wrapped"](start[1])) / K.Om
+        while 0 < turn < tau:
+            now = below + names["gain"](turn, s0, c0, belt, K)[0]
+            if min(now, belt.J - now) < hold:
+                hold, nearest = min(now, belt.J - now), start[1] + K.Om * turn
+            turn += K.period
+    yield f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)", hold, nearest, SLIP_BIRTH, HOLD, sizes.a
     slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
-    text = f"F^({low if piece.side < 0 else high}) {'falls' if piece.side < 0 else 'rises'} where {piece.label} ends"
-    margins.add(text, slope, end[1], SLIP_VANISHING, STICK_END, float(abs(belt.drift) + abs(K.fB)))
-
-
-def _states(equations: ClosingEquations) -> Callable[..., Any]:
-    return equations.arithmetic.namespace["state_at"]
+    change = f"F^({low}) falls" if piece.side < 0 else f"F^({high}) rises"
+    size = float(abs(belt.drift) + abs(K.fB))
+    yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
@@ -219,7 +216,8 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
 
 def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
-    states, K, number = _states(equations), equations.K, equations.exact or float
+    states, K = equations.arithmetic.namespace["state_at"], equations.K
+    number = equations.exact or float
     allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
@@ -260,3 +258,136 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
 def failing(all_of_them: list[Condition]) -> list[Condition]:
     """Return the conditions that do not hold, the one that explains the others first."""
     return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)
+
+
+# -- the verdict -------------------------------------------------------------------------------------------------------
+
+
+def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
+    """Return what keeps a root (in doubles) from being an orbit, what explains the rest first; empty for an orbit."""
+    found = conditions(equations, points)
+    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
+    if not small and not ill_conditioned(equations, points):
+        failed = failing(found)
+        if failed:
+            return failed
+        if agrees(equations, points, None):
+            return []
+    fine, root = refined(equations, points)
+    if not root.converged:
+        gone = _vanishing(equations, points, found, fine, root)
+        if gone or small or failing(found):
+            return gone or _undecided(found)
+        return [] if agrees(equations, points, None) else _undecided(found) or [_contradiction(equations, points)]
+    decided = conditions(fine, root.points)
+    failed = failing([c._replace(value=0.0) if abs(c.value) < NOTHING_LEFT * c.scale else c for c in decided])
+    if failed:
+        return failed
+    if any(agrees(fine, root.points, digits) for digits in ENGINE_DIGITS):
+        return []
+    return [_contradiction(equations, points)]
+
+
+def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
+    """Return whether rounding errors of the residuals move the phases of the root by more than MARGINAL."""
+    sizes, rows = scales(equations, points), []
+    x_size = max(abs(float(x)) for x, _ in points)
+    for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
+        rows += [x_size, sizes.a if piece.sticks else sizes.v]
+        if piece.zeros:
+            rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+    try:
+        inverse = np.linalg.inv(equations.matrix(points))
+    except np.linalg.LinAlgError:
+        return True
+    return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
+
+
+def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquations, Solution]:
+    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method finds it."""
+    fine = equations.with_digits(FINE_DIGITS)
+    try:
+        return fine, polish(fine, points)
+    except (ZeroDivisionError, ValueError):  # a flight lost all its length on the way
+        return fine, Solution(points, inf, 0, False, "a piece has no length")
+
+
+def _vanishing(
+    equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
+) -> list[Condition]:
+    """Return that a piece has no length where its duration goes to 0 under Newton's method: a multiple root."""
+    was, now = (
+        [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
+        for of, each in ((equations, points), (fine, root.points))
+    )
+    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING_PART * abs(was[i])}
+    lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+    return [c._replace(value=0.0) for c in lasts]
+
+
+def _undecided(found: list[Condition]) -> list[Condition]:
+    """Return the conditions that fail or may fail, for a root that is not found with more digits."""
+    failed = failing(found)
+    if failed:
+        return failed
+    nearest = [c for c in found if abs(c.value) < SUSPECT * c.scale]
+    text = " (it cannot be decided: the equations are singular there)"
+    return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
+
+
+def agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
+    """Return whether the engine, started on the root, follows the word and comes back after the period."""
+    _, events, due = _followed(equations, points, digits)
+    if len(events) < len(due):
+        return False
+    allowed, K = (SAME_POINT if digits is None else SAME_EXACTLY), equations.K
+    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
+    for event, (boundary, target, x, t) in zip(events, due, strict=False):
+        if (event.boundary, event.target) != (boundary, target) or event.kind == "graze":
+            return False
+        if abs(event.t - t) > allowed * K.period or abs(event.x - x) > allowed * max(size, 1e-300):
+            return False
+    return True
+
+
+def _followed(
+    equations: ClosingEquations, points: Points, digits: int | None
+) -> tuple[int, Sequence[Event], list[tuple[int, str, Number, Number]]]:
+    """Return a switching point, the engine's events from it over a little more than a period, and those of the root.
+
+    It is the end of a flight where the forces on both sides of the belt are farthest from 0. Those of the root are the
+    boundary, the mode afterwards, x and t.
+    """
+    pieces, number, Om = equations.pieces, equations.exact or float, equations.K.Om
+
+    def least_force(i: int) -> float:
+        (x, theta), v = points[i], equations.belt(pieces[i].start).v
+        return min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[pieces[i].start])
+
+    first = max((i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0)
+    p, (x, theta) = equations.parameters, points[first]
+    t = number(theta) / Om
+    end = t + equations.turn / Om * (1 + (SAME_POINT if digits is None else SAME_EXACTLY))
+    v0, most = p.belt(pieces[first].start), len(pieces) + 1
+    events = simulate(p, t0=t, x0=number(x), v0=v0, t_end=end, max_events=most, digits=digits).events
+    due = []
+    for j in range(first + 1, first + len(pieces) + 1):
+        piece, (x, theta) = pieces[j % len(pieces)], points[j % len(pieces)]
+        phase = number(theta) + (equations.turn if j >= len(pieces) else 0)
+        due.append((piece.start, MODE_NAMES[piece.mode], number(x), phase / Om))
+    return first, events, due
+
+
+def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
+    """Return which piece the engine, started on the root, does not follow."""
+    first, events, due = _followed(equations, points, None)
+    K = equations.K
+    for j, (boundary, target, _, t) in enumerate(due):
+        i = (first + j) % len(points)
+        event = events[j] if j < len(events) else None
+        late = inf if event is None else abs(event.t - t)
+        if event is None or (event.boundary, event.target) != (boundary, target) or late > SAME_POINT * K.period:
+            break
+    when, piece = t if event is None else event.t, equations.pieces[i]
+    kind, text = (SLIP_BIRTH if piece.sticks else GRAZING), f"{piece.label} ends where it first can"
+    return Condition(i, text, -min(late, float(equations.turn / K.Om)), float(when), kind, ENGINE, 2 * pi)

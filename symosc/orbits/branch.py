@@ -1,23 +1,55 @@
-"""Branches of periodic orbits: their points, and why they end."""
+"""Branches of periodic orbits: pseudo-arclength continuation, and why a branch ends.
+
+The closing equations plus one for the arclength are solved by Newton's method from a point on the tangent. No general
+package is used. These branches end at inequalities (a graze, the birth of a stick), which continuation codes for smooth
+systems do not know. The smooth part is Newton's method on a small block system, which is there already.
+
+The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one). So every reason to
+end is a change of sign of a smooth function along the branch. A step is accepted if the point halfway is where the
+cubic of its two ends says, and if no margin can reach 0 between them (`symosc.orbits.curve`). Otherwise it is halved.
+So a gap in a branch is found however narrow it is compared with the steps, and its end is located by the same halving.
+Multipliers need no test: no multiplier of an orbit is larger than 1 (`symosc.orbits.floquet`), so there are no folds,
+period doublings or Neimark-Sacker bifurcations.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from symosc.aliases import Record
+from symosc.aliases import DataFrame, NumberLike, Progress, Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.errors import SymoscError
-from symosc.exact import whole_number
-from symosc.model import Parameters
-from symosc.orbits.admissibility import Condition
+from symosc.display.progress import Advance, late_bar
+from symosc.errors import ParameterError, SymoscError, meant
+from symosc.exact import read_exact, show, whole_number
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.admissibility import MARGINAL, Condition, conditions, failures
+from symosc.orbits.closing_equations import solve
+from symosc.orbits.curve import BranchPoint, Curve, clear, look_behind
 from symosc.orbits.find import find_orbit
-from symosc.orbits.floquet import NEAR_ONE
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
+from symosc.words import WordLike, read_word
+
+RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
+
+# Steps in the arclength of (x/size, phase, parameter/range).
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
+BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
+VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
+TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin is
+RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
+# So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
+NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
+MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
+FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
+MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
+TOUCH_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 class BranchError(SymoscError, ValueError):
@@ -45,25 +77,6 @@ class BranchError(SymoscError, ValueError):
         return type(self), (self.orbit,)
 
 
-@dataclass(frozen=True)
-class BranchPoint:
-    """A point of a branch: value of the parameter, switching points (x, theta), multipliers, margins."""
-
-    value: float
-    points: np.ndarray
-    tangent: np.ndarray
-    trace: float
-    determinant: float
-    multipliers: tuple[complex, complex]
-    conditions: tuple[Condition, ...]
-    failures: tuple[Condition, ...]
-
-    @property
-    def stable(self) -> bool:
-        """Whether both multipliers lie inside the unit circle by more than rounding."""
-        return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
-
-
 class BranchEnd(NamedTuple):
     """Where and why a branch ends.
 
@@ -71,12 +84,11 @@ class BranchEnd(NamedTuple):
     ----------
     kind : str
         "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a slip", "vanishing of a
-        flight", "end of the range", "no convergence" or "max_points". For c = 0 also "fold", "period doubling" and
-        "Neimark-Sacker", which damping excludes (`symosc.orbits.floquet`).
+        flight", "end of the range", "no convergence" or "max_points".
     value : float
         The parameter there: the last value with an orbit, to the resolution of doubles.
     message : str
-        Which inequality or multiplier it is, and when in the orbit.
+        Which inequality it is, and when in the orbit.
     points : tuple of SwitchingPoint
         The orbit there.
     conditions : tuple of Condition
@@ -142,7 +154,8 @@ class Branch(Drawable):
         self.word, self.labels, self.periods, self.parameter = orbit.word, orbit.labels, orbit.periods, parameter
         self.ends = ends
         self.values = np.array([point.value for point in path])
-        self.points = np.array([times_of(orbit.parameters, parameter, point) for point in path])
+        Omegas = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
+        self.points = np.array([point.times(Omega) for point, Omega in zip(path, Omegas, strict=True)])
         self.multipliers = np.array([point.multipliers for point in path])
         self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
 
@@ -210,7 +223,258 @@ class Branch(Drawable):
         return f"<Branch of {self.word} in {self.parameter}, {len(self.values)} points: {ends}>"
 
 
-def times_of(parameters: Parameters, name: str, point: BranchPoint) -> np.ndarray:
-    """Return the (n, 2) array of (t, x) of a point."""
-    Omega = point.value if name == "Omega" else float(parameters.Omega)
-    return np.column_stack([point.points[:, 1] / Omega, point.points[:, 0]])
+@public
+def continue_orbit(
+    parameters: Parameters,
+    word: WordLike,
+    parameter: str,
+    range: tuple[NumberLike, NumberLike],
+    guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
+    *,
+    periods: int | None = None,
+    max_points: int = 2000,
+    progress: Progress = False,
+) -> Branch:
+    """Follow a periodic orbit as one parameter changes, both ways, until it ends or leaves the range.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        Where the branch is begun; the parameter's value must lie in the range.
+    word : str or sequence of str
+        The mapping structure, read right to left.
+    parameter : str
+        "Omega", "A0", "FN", ...: any name of Parameters.
+    range : (low, high)
+    guess, periods : optional
+        As for `find_orbit`.
+    max_points : int
+        Of each of the two directions, at least 2.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: the part of the range that is done, and 1.
+
+    Returns
+    -------
+    Branch
+
+    Raises
+    ------
+    WordError, ConvergenceError
+        As `find_orbit`.
+    ParameterError
+        If there is no such parameter, or the range is empty, not allowed or does not contain the parameter's value.
+    BranchError
+        If the first root is not an orbit.
+
+    Examples
+    --------
+    >>> from symosc import continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> [end.kind for end in branch.ends]
+    ['birth of a stick', 'end of the range']
+    """
+    read_word(word)
+    low, high = _read_range(parameters, parameter, range)
+    orbit = find_orbit(parameters, word, guess, periods=periods)
+    if not orbit.admissible:
+        raise BranchError(orbit)
+    curve = Curve(orbit, parameter, low, high)
+    most = whole_number("max_points", max_points, 2)
+    with late_bar(progress, f"{orbit.word} over {parameter}", "orbits") as advance:
+        down, first = _follow(curve, -1.0, most, _progress(curve, advance, 0))
+        up, last = _follow(curve, 1.0, most, _progress(curve, advance, len(down)))
+    return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
+
+
+def _progress(curve: Curve, advance: Advance, before: int) -> Callable[[float, int], None]:
+    """Return a progress callback of one way, for a value and its count; `before`: points of the other way."""
+    begin, reached = curve.value, 0.0
+    done = 0.0 if before == 0 else begin - curve.low  # the other way is done, wherever it ended
+
+    def report(value: float, count: int) -> None:
+        nonlocal reached
+        reached = max(reached, abs(value - begin))
+        if advance:
+            advance(min(1.0, (done + reached) / (curve.high - curve.low)), before + count)
+
+    return report
+
+
+def _follow(
+    curve: Curve, direction: float, most: int, report: Callable[[float, int], None]
+) -> tuple[list[BranchPoint], BranchEnd]:
+    """Follow the curve one way; return its points and why they end."""
+    path, length = _begun(curve, direction), FIRST_STEP
+    current = path[-1]
+
+    def end(kind: str, message: str, conditions: tuple[Condition, ...] = ()) -> BranchEnd:
+        return BranchEnd(kind, path[-1].value, message, _switchings(curve, path[-1]), conditions)
+
+    while True:
+        if current.value == (curve.high if direction > 0 else curve.low):
+            return path, end(RANGE, "the orbit goes on")
+        following = curve.step(current, length)
+        scanned = None if following is None else _scan(curve, current, following)
+        if scanned is None:
+            length /= 2
+            if length < SHORTEST_STEP:
+                nearest = min(current.conditions, key=lambda condition: condition.value)
+                margin = f"{nearest.text} (by {nearest.value:.3g})"
+                return path, end(
+                    NO_CONVERGENCE, f"the steps became too short; nearest to failing: {margin}", (nearest,)
+                )
+            continue
+        points, failed = scanned
+        path += points
+        report(path[-1].value, len(path))
+        if len(path) > most:
+            del path[most:]
+            return path, end(MOST, f"stopped after {most} points")
+        if failed is not None:
+            return _ended(curve, path, failed, direction)
+        current, length = path[-1], min(1.5 * length, LONGEST_STEP)
+
+
+def _begun(curve: Curve, direction: float) -> list[BranchPoint]:
+    """Return the first point, and one a little further on if the first is at an end, where margins are rounding noise.
+
+    On the way between the two nothing is proven (as before an end, see NO_GAP).
+    """
+    first = curve.first(direction)
+    if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
+        return [first]
+    for length in AWAY:
+        point = curve.step(first, length)
+        if point is not None and not point.failures and not _verified(curve, point).failures:
+            return [first, point]
+    return [first]
+
+
+def _scan(
+    curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
+) -> tuple[list[BranchPoint], BranchPoint | None] | None:
+    """Return the orbits of a piece of the branch behind its point a, and the first point that is none (None: all are).
+
+    None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
+    known to end in a change.
+    """
+    length, changed = curve.distance(a, b), bool(b.failures)
+    around = min(around, length) if changed else around
+    if changed and length < NO_GAP:
+        return _located(curve, a, b)
+    m = curve.middle(a, b)
+    if m is None or not _smooth(curve, a, m, b):
+        return None
+    if not changed and not m.failures:
+        if _proven(curve, a, m, b):
+            b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
+            if not b.failures:
+                return [m, b], None
+        elif length < TOUCH_LENGTH:  # all is rounding noise here; next to a change it says nothing
+            if around <= NEAR_CHANGE:
+                return [m], None
+            # A margin is so small that doubles cannot tell whether it passes 0.
+            return [], replace(m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),))
+    first = _scan(curve, a, m, around)
+    if first is None or first[1] is not None:
+        return first
+    second = _scan(curve, first[0][-1], b, around)
+    return None if second is None else (first[0] + second[0], second[1])
+
+
+def _smooth(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
+    """Return whether the point in the middle is on the cubic of the other two, wherever along it."""
+    away = curve.level(curve.of(m) - curve.halfway(a, b))
+    along = curve.level(m.tangent)
+    away = away - (away @ along) * along
+    return bool(np.linalg.norm(away) <= BENT * curve.distance(a, b) + RESOLUTION)
+
+
+def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
+    """Return whether no margin can reach 0 between a and b."""
+    nodes, margins = [], []
+    for point in (a, curve.halfway(a, m), m, curve.halfway(m, b), b):
+        if isinstance(point, BranchPoint):
+            nodes.append((curve.equations(point.value), point.points))
+            margins.append(point.conditions)
+        else:
+            points, value = curve.split(point)
+            nodes.append((curve.equations(value), points))
+            margins.append(tuple(conditions(*nodes[-1])))
+    return clear(nodes, margins)
+
+
+def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
+    """Return the point with what the engine objects to."""
+    return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
+
+
+def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
+    """Return the last point before a change, if it is not the given one, and the first one after it, by halving."""
+    begin = good
+    while curve.distance(good, bad) > RESOLUTION:
+        m = curve.middle(good, bad)
+        if m is None:
+            break
+        good, bad = (good, m) if m.failures else (m, bad)
+    return ([] if good is begin else [good]), bad
+
+
+def _ended(
+    curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
+) -> tuple[list[BranchPoint], BranchEnd]:
+    """Return the points and why they end: what fails after the last one, and what is practically 0 there."""
+    far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
+    before = far[-1] if far else path[0]
+    pairs = zip(before.conditions, failed.conditions, strict=True)
+    touches = any(condition.value > 0 for condition in failed.failures)
+    part = TOUCHED if touches else VANISHED
+    zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
+    zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
+    kind = zero[0].event
+    reasons = tuple(condition for condition in zero if condition.event == kind)
+    message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
+    path[-1] = last = _inside(curve, path[-1])
+    outward = float(np.sign(failed.value - before.value)) or direction
+    word, instead = look_behind(curve, last, outward)
+    message += f"; beyond it {instead}" if instead else ""
+    return path, BranchEnd(kind, last.value, message, _switchings(curve, last), reasons, word)
+
+
+def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
+    """Return the last point that is an orbit with all digits, a few roundings before one that is in doubles."""
+    for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
+        z = curve.of(last) - back * last.tangent
+        point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)
+        if point is not None:
+            equations = curve.equations(point.value)
+            again = solve(equations, point.points)
+            if again.converged and not failures(equations, again.points):
+                return point
+    return last
+
+
+def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
+    Omega = point.value if curve.parameter == "Omega" else float(curve.orbit.parameters.Omega)
+    return tuple(SwitchingPoint(float(t), float(x)) for t, x in point.times(Omega))
+
+
+def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
+    if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
+        known = f"must be one of {', '.join(PARAMETER_NAMES)}"
+        raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))
+    try:
+        low, high = (None, None) if isinstance(limits, str) else limits
+    except (TypeError, ValueError):
+        low = None
+    if low is None or high is None:
+        raise ParameterError("range", limits, "must be a pair (low, high)")
+    low, high = read_exact("range", low), read_exact("range", high)
+    value = getattr(parameters, parameter)
+    if not low < high or not low <= value <= high:
+        allowed = f"must be low < high, with the value {parameter} = {show(value)} in between"
+        raise ParameterError("range", f"{show(low)}:{show(high)}", allowed)
+    for limit in (low, high):
+        parameters.replace(**{parameter: limit})
+    return float(low), float(high)

@@ -1,18 +1,59 @@
-"""The roots of the closing equations with one parameter free: a curve, and its points."""
+"""The roots of the closing equations with one parameter free: a curve, and its points.
+
+That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
+
+A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the domain,
+
+    q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
+
+Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the boundary, 1 on it, 2
+after a stick), those at its end e. A stick has F/((1 - u) tau) for the force that ends it, and for the other force its
+distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are accelerations.
+All other conditions are smooth numbers.
+
+Three points of the branch and two on its cubic between them cut a piece of it into four. Take a cell with the margins
+f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the margin is at least (1 - r) f0 + r f1 - C r
+(1 - r). That is positive for all r in [0, 1] if and only if
+
+    sqrt(f0) + sqrt(f1) > sqrt(C).
+
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound holds as long as a
+margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest value at the inner points (for the
+functions of u, also at the neighbouring u). Where it does not suffice the piece is halved. It is a bound in this sense,
+not in the sense of interval arithmetic.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from math import pi
+
 import numpy as np
 
+from symosc.aliases import Point, Points
+from symosc.engine.flow import derivatives
+from symosc.engine.state import REST
 from symosc.errors import ParameterError
+from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.orbits.admissibility import conditions, failing
-from symosc.orbits.branch import BranchPoint
-from symosc.orbits.closing_equations import ClosingEquations
-from symosc.orbits.floquet import monodromy, multipliers
-from symosc.orbits.guesses import largest_displacement
-from symosc.orbits.newton import CONVERGING, solve
+from symosc.kernels.entire_array import basis
+from symosc.orbits.admissibility import SAMPLE, Condition, conditions, failing, failures
+from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
+from symosc.orbits.find import (
+    SETTLING_EVENTS,
+    Passage,
+    WordRun,
+    follow,
+    followed,
+    largest_displacement,
+    rotated,
+    settled_word,
+    windows,
+    without_word,
+)
+from symosc.orbits.floquet import NEAR_ONE, monodromy, multipliers
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.words import Word, WordError, read_word
 
 LEAST_SIZE = 0.1  # of the largest displacement expected
 CORRECTIONS = 12
@@ -20,6 +61,41 @@ LARGEST_CORRECTION = 1.0  # in arclength; farther off another root is found
 SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
 DIFFERENCE = 1e-6  # of the range, for the derivative with respect to the parameter: Newton's method needs no more
 REMEMBERED = 32
+
+
+MARGIN_SAFETY = 4.0
+LEAST_PARTS, MOST_PARTS, REFINED = 12, 800, 8
+DEEPEST = 30
+Node = tuple[ClosingEquations, np.ndarray]
+
+
+# How far beyond an end the words are looked for, as parts of the range: the nearest that is found counts.
+DISTANCES = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+MOST_WORDS, MOST_GUESSES = 6, 4
+LONGEST_WORD = 24  # mappings of a word that is tried
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A point of a branch: value of the parameter, switching points (x, theta), multipliers, margins."""
+
+    value: float
+    points: np.ndarray
+    tangent: np.ndarray
+    trace: float
+    determinant: float
+    multipliers: tuple[complex, complex]
+    conditions: tuple[Condition, ...]
+    failures: tuple[Condition, ...]
+
+    @property
+    def stable(self) -> bool:
+        """Whether both multipliers lie inside the unit circle by more than rounding."""
+        return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
+
+    def times(self, Omega: float) -> np.ndarray:
+        """Return the (n, 2) array of (t, x), for the drive's frequency there."""
+        return np.column_stack([self.points[:, 1] / Omega, self.points[:, 0]])
 
 
 class Curve:
@@ -174,3 +250,168 @@ class Curve:
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
         """Return the point of the curve between two points."""
         return self.accepted(self.correct(self.halfway(a, b), self.of(b) - self.of(a)), a)
+
+
+# -- between two points ------------------------------------------------------------------------------------------------
+
+
+def clear(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
+    """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
+    rows = [[c.value for c in row if not of_function(c)] for row in margins]
+    if not _cells(np.array(rows)).all():
+        return False
+    equations, points = nodes[2]
+    for i, duration in enumerate(equations.durations(points)):
+        parts = duration / equations.K.Om * equations.K.rate / SAMPLE
+        u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(LEAST_PARTS, parts))))
+        if not _clear_over(nodes, i, u, DEEPEST):
+            return False
+    return True
+
+
+def of_function(condition: Condition) -> bool:
+    """Return whether a condition is about the whole of a piece, not about its end or duration."""
+    return " stays in " in condition.text or " during " in condition.text
+
+
+def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
+    """Return for each column of (5, n) values whether it is proven positive between the rows."""
+    bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
+    if bend.size > 2:
+        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
+    least = values - deficit
+    roots = np.sqrt(np.maximum(least, 0.0))
+    return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)).all(axis=0)
+
+
+def _clear_over(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
+    """Return whether the functions of piece i are positive for the parts u of its duration and all in between."""
+    found = [functions(equations, points, i, u) for equations, points in nodes]
+    for rows in zip(*found, strict=True):
+        values = np.array(rows)
+        bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
+        bend = np.concatenate([bend[:1], bend, bend[-1:]])
+        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
+        good = _cells(values, MARGIN_SAFETY / 8 * bend)
+        if good.all():
+            continue
+        if depth == 0 or not _cells(values)[~good].all():
+            return False
+        for first, last in _runs(~good):
+            low, high = u[max(first - 1, 0)], u[min(last + 1, len(u) - 1)]
+            finer = np.linspace(low, high, 1 + REFINED * (last - first + 2))
+            if finer[1] <= finer[0] or len(finer) > MOST_PARTS or not _clear_over(nodes, i, finer, depth - 1):
+                return False
+    return True
+
+
+def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """Return first and last index of every stretch of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
+    """Return the functions of piece i that have to be positive, at parts u of its duration."""
+    piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
+    tau = (end[1] - start[1]) / equations.K.Om
+    return (_of_stick if piece.sticks else _of_flight)(equations, piece, start, end, tau, u)
+
+
+def _of_flight(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
+) -> list[np.ndarray]:
+    K, times = equations.K, tau * u
+    v, a, s, c = equations.start_of_flight(piece, start)
+    _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
+    b = derivatives(v, a, s, c, K)[0]
+    found = []
+    for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
+        if boundary not in (1, 2):
+            continue
+        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        gap = sign * ((v - equations.belt(boundary).v) + dv)
+        inner = u > 0 if roots else np.ones(len(u), dtype=bool)
+        q = np.empty(len(u))
+        q[inner] = gap[inner] / times[inner] ** roots
+        q[~inner] = sign * (0.5 * b if roots == 2 else a)
+        if boundary == piece.end:
+            ends = u == 1
+            q[~ends] /= 1 - u[~ends]
+            q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)
+        found.append(q)
+    return found
+
+
+def _of_stick(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
+) -> list[np.ndarray]:
+    K, belt = equations.K, equations.belt(piece.start)
+    before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
+    half = 0.5 * K.Om * before
+    force = -piece.side * (belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half))
+    slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
+    ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
+    return [ratio, belt.J - force]
+
+
+# -- beyond an end -----------------------------------------------------------------------------------------------------
+
+
+def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
+    """Return the word of the orbit just beyond an end; or None and what the motion does there, "" if that is not known.
+
+    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
+    an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
+    """
+    instead = ""
+    for distance in DISTANCES:
+        value = point.value + direction * distance * (curve.high - curve.low)
+        if value == point.value:
+            continue
+        try:
+            equations = curve.equations(value)
+        except ParameterError:
+            break
+        x, theta = (float(value) for value in point.points[0])
+        run = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
+        found = _orbit_of(equations, run, float(np.abs(point.points[:, 0]).max()))
+        if found is not None:
+            return str(found), ""
+        instead = instead or (without_word(equations, run) if run.code == REST else "")
+    return None, instead
+
+
+def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | None:
+    """Return the word of an admissible orbit that a simulation comes near to."""
+    settled = settled_word(equations, run)
+    words = ([settled] if settled else []) + _words_of_a_period(equations, run.passages)
+    for word in dict.fromkeys(words):
+        trial = ClosingEquations(equations.parameters, word, equations.periods)
+        found = windows(run.passages, word.labels, equations.periods, max(size, 1e-300))
+        for guess in sorted(found, key=lambda each: each.defect)[:MOST_GUESSES]:
+            solution = solve(trial, guess.points)
+            if solution.converged and not failures(trial, solution.points):
+                return word
+    return None
+
+
+def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
+    """Return the words that the simulation goes through in one period, the last ones first."""
+    labels, found = followed(passages), []
+    phases = np.array([passage.theta for passage in passages])
+    turn = 2 * pi * equations.periods
+    for last in range(len(labels), 0, -1):
+        first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
+        part = labels[first:last]
+        if not 0 < len(part) <= LONGEST_WORD or None in part or phases[last] - turn < phases[0] - 1:
+            continue
+        try:
+            word = read_word(rotated(tuple(label for label in part if label), equations))
+        except WordError:
+            continue
+        if word not in found:
+            found.append(word)
+        if len(found) >= MOST_WORDS:
+            break
+    return found

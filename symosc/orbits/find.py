@@ -2,41 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from math import ceil, floor, inf, pi
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, pairwise
+from math import ceil, cos, floor, inf, pi, sin
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, Points
+from symosc.aliases import DataFrame, Number, Points
 from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
+from symosc.engine.start import belt_start, belt_state
+from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
-from symosc.mappings.arguments import text_or_booleans
-from symosc.model import Parameters
-from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, grazing_distance
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.mappings.numbers import text_or_booleans
+from symosc.model import MODE_NAMES, Parameters
+from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
 from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
-from symosc.orbits.guesses import (
-    LEAST_RUN_EVENTS,
-    Guess,
-    between,
-    evenly_spaced,
-    follow,
-    from_simulations,
-    largest_displacement,
-    settles,
-    windows,
-)
-from symosc.orbits.newton import Solution, polish, solve
-from symosc.orbits.periodic_orbit import Approach, PeriodicOrbit, SwitchingPoint
-from symosc.orbits.verification import failures
+from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.simulation.problems import named
+from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
-
-__all__ = ["Approach", "PeriodicOrbit", "SwitchingPoint", "find_orbit"]
 
 ORBIT_GUARD_DIGITS = 15
 TRIES_PER_BATCH = 4
@@ -48,6 +38,14 @@ MOST_MAPPINGS = 40
 SHORTEST_PIECE = 1e-8
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME_ORBIT = 1e-7
+
+
+EVENTS_PER_PIECE, LEAST_RUN_EVENTS = 8, 60
+MOST_GUESS_PERIODS = 1_000_000
+SETTLING_EVENTS, SETTLED = 400, 1e-6
+# Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
+START_PHASES, START_POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
+BATCH = 8
 
 
 @public
@@ -97,7 +95,7 @@ def find_orbit(
     rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c
     = 0 there may be many orbits, and they may be marginal.
 
-    Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.verification`).
+    Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.admissibility`).
 
     Examples
     --------
@@ -106,35 +104,21 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    found = _read_word(word)
-    _check_parameters(parameters)
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
-    digits = read_digits(digits)
-    equations = ClosingEquations(parameters, found, periods or 1)
-    batches = iter([[_read_guess(guess, equations, periods)]]) if guess is not None else _guesses(equations, periods)
-    root = _best_root(equations, batches)
-    return orbit_at(root[0], root[1], digits)
-
-
-def _read_word(word: Any) -> Word:
-    """Return a word that is short enough to look for its orbit."""
     found = read_word(word)
     if len(found.labels) > MOST_MAPPINGS:
         reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
         raise WordError(f"{str(found)[:20]}...", reason)
-    return found
-
-
-def _check_parameters(parameters: Parameters) -> None:
-    """Raise ParameterError unless these are Parameters with a spring."""
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-
-
-def _guesses(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    for batch in from_simulations(equations, periods):
-        yield batch[:TRIES_PER_BATCH]
-    yield evenly_spaced(equations, periods or 1)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    digits = read_digits(digits)
+    equations = ClosingEquations(parameters, found, periods or 1)
+    if guess is None:
+        simulated = (batch[:TRIES_PER_BATCH] for batch in from_simulations(equations, periods))
+        batches: Iterator[list[Guess]] = chain(simulated, [evenly_spaced(equations, periods or 1)])
+    else:
+        batches = iter([[_read_guess(guess, equations, periods)]])
+    return orbit_at(*_best_root(equations, batches), digits)
 
 
 def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:
@@ -193,42 +177,33 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
 
 def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None = None) -> PeriodicOrbit:
     """Return the orbit of a root in double precision, polished to `digits`."""
-    turns = 2 * pi * floor(solution.points[0][1] / (2 * pi))
-    solution.points = np.array(solution.points, dtype=float) - [0.0, turns]
-    failed = tuple(failures(equations, solution.points))
-    double = solution.points
-    near = grazing_distance(equations, double)
-    repeated = repetitions(equations, solution.points)
-    final, steps = equations, solution.steps
+    double = np.array(solution.points, dtype=float) - [0.0, 2 * pi * floor(solution.points[0][1] / (2 * pi))]
+    solution = replace(solution, points=double)
+    failed = tuple(failures(equations, double))
+    near, repeated = grazing_distance(equations, double), repetitions(equations, double)
+    final, steps, word = equations, solution.steps, str(equations.word)
     if digits is not None:
         final = ClosingEquations(equations.parameters, equations.word, equations.periods, digits + ORBIT_GUARD_DIGITS)
-        solution = polish(final, solution.points)
+        solution = polish(final, double)
         if not solution.converged:
             best = tuple(switching_points(equations, solution.points))
-            raise ConvergenceError(
-                str(equations.word), best, equations.periods, float(solution.residual), solution.reason
-            )
+            raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
     flow = monodromy(final, solution.points)
-    values = multipliers(flow.trace, flow.determinant, final.complex_root)
-    points: Sequence[SwitchingPoint] = switching_points(final, solution.points)
-    period = final.turn / final.K.Om
-    if digits is not None:
-        context = mp_context(digits)
-        points = [SwitchingPoint(*(+context.convert(value) for value in point)) for point in points]
-        period = +context.convert(period)
-        values = (+context.convert(values[0]), +context.convert(values[1]))
-    else:
-        values = (complex(values[0]), complex(values[1]))
+    first, second = multipliers(flow.trace, flow.determinant, final.complex_root)
+
+    def rounded(value: Number) -> Number:
+        return value if digits is None else +mp_context(digits).convert(value)
+
+    values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
     gap = inside(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
-    word = str(equations.word)
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
         labels=equations.word.labels,
-        points=tuple(points),
-        period=period,
+        points=tuple(SwitchingPoint(rounded(t), rounded(x)) for t, x in switching_points(final, solution.points)),
+        period=rounded(final.turn / final.K.Om),
         periods=equations.periods,
         multipliers=values,
         stable=stable,
@@ -251,31 +226,25 @@ def _message(
     repeated: int,
 ) -> str:
     if failed:
-        what = "; ".join(map(_failure, failed))
-        zero = any(c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS) for c in failed)
-        return f"a root that is not an orbit ({what}){_instead(equations, zero)}"
-    periods = equations.periods
+        parts, resting = [], False
+        for c in failed:
+            lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
+            how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
+            parts.append(f"{c.text}: {how} at t = {c.t:.6g}")
+            resting = resting or lasts
+        return f"a root that is not an orbit ({'; '.join(parts)}){_instead(equations, resting)}"
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-    text = f"{kind} orbit of {periods} forcing period{'s' if periods > 1 else ''}"
-    text += f", largest |multiplier| {_size(gap)}"
+    text = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
+    # The largest multiplier is 1 - gap, written so that it differs from 1.
+    if gap is None:
+        text += ", largest |multiplier| 1"
+    else:
+        size = f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
+        text += f", largest |multiplier| {size}"
     text += " (no neighbour need come nearer)" if stable is None else ""
     if near < inf:
         text += f", {near:.3g} in velocity away from grazing"
     return text + (f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else "")
-
-
-def _failure(condition: Condition) -> str:
-    if condition.value == 0:
-        lasts = condition.rank in (STICK_LASTS, FLIGHT_LASTS)
-        return f"{condition.text}: {'it has no length' if lasts else 'just fails'} at t = {condition.t:.6g}"
-    return f"{condition.text}: fails by {-condition.value:.3g} at t = {condition.t:.6g}"
-
-
-def _size(gap: float | None) -> str:
-    """Return 1 - gap, written so that it differs from 1."""
-    if gap is None:
-        return "1"
-    return f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
@@ -328,3 +297,158 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
+
+
+# -- guesses -----------------------------------------------------------------------------------------------------------
+
+
+class Passage(NamedTuple):
+    """An event of a simulation: position, phase (not wrapped), belt, and the mode after it."""
+
+    x: float
+    theta: float
+    boundary: int
+    mode: int
+
+
+class Guess(NamedTuple):
+    """Points (x, theta), after how many periods they are to close, and by how much they do not."""
+
+    points: np.ndarray
+    periods: int
+    defect: float
+
+
+class WordRun(NamedTuple):
+    """A simulation from a start on a belt: the start and the events after it, and what the last step ended with."""
+
+    passages: list[Passage]
+    code: int
+
+
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
+    """Follow the motion from a start on a belt for at most `most` events, in double precision."""
+    K, turns = equations.K, int(theta // (2 * pi))
+    start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
+    angle = theta - 2 * pi * turns
+    state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
+    passages, code = [Passage(x, theta, boundary, start.mode)], END
+    for _ in range(20 * most):
+        code, belt_met, _, _, state = equations.arithmetic.advance(state, MOST_GUESS_PERIODS * K.period, 0.0, K)
+        if code in (CROSS, STICK, SLIP):
+            passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
+        if code in (END, REST, FAILED) or len(passages) > most:
+            break
+    return WordRun(passages, code)
+
+
+def followed(passages: list[Passage]) -> list[str | None]:
+    """Return the mappings between the passages, in order of time."""
+    return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
+
+
+def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
+    """Return the word of the periodic motion that a simulation has settled to; None if it has not settled soon.
+
+    It begins with the first mapping of the equations' word if it has that.
+    """
+    labels, last = followed(run.passages), run.passages[-1]
+    for n in range(1, len(labels) // 2):
+        before = run.passages[-1 - n]
+        turn = last.theta - before.theta
+        if turn > 2 * pi + SETTLED:
+            break
+        if abs(turn - 2 * pi) < SETTLED and labels[-n:] == labels[-2 * n : -n] and last.mode == before.mode:
+            found = tuple(label for label in labels[-n:] if label)
+            return rotated(found, equations) if len(found) == n else None
+    return None
+
+
+def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
+    """Return the word that repeats `labels`, begun with the first mapping of the equations' word if it has that."""
+    first = equations.word.labels[0]
+    begin = labels.index(first) if first in labels else 0
+    return Word(labels[begin:] + labels[:begin])
+
+
+def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
+    """Say in words where the motion from a start on a belt settles; "" if it has not settled soon."""
+    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
+    word = settled_word(equations, run)
+    if word is not None:
+        return f"the motion settles to {word}"
+    return without_word(equations, run) if run.code == REST else ""
+
+
+def without_word(equations: ClosingEquations, run: WordRun) -> str:
+    """Say in words where a motion without any further event ends up."""
+    mode = run.passages[-1].mode
+    if mode <= 3:
+        return f"the motion ends up in Omega{mode} and meets no belt any more"
+    positions = rest_positions(equations.parameters, mode - 3)
+    if positions is None:
+        return f"the motion ends up on belt {mode - 3} for ever"
+    return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
+
+
+def between(positions: tuple[Number, Number]) -> str:
+    """Name an interval of positions of rest."""
+    low, high = (f"{float(value):.6g}" for value in positions)
+    return f"where every x from {low} to {high} is a position of rest"
+
+
+def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
+    """Return every stretch of a simulation that follows the word, with how far it is from closing."""
+    n = len(labels)
+    done, found = followed(passages), []
+    for k in range(len(done) - n + 1):
+        if tuple(done[k : k + n]) != labels:
+            continue
+        first, last = passages[k], passages[k + n]
+        turns = (last.theta - first.theta) / (2 * pi)
+        count = periods or max(1, round(turns))
+        shift = 2 * pi * (first.theta // (2 * pi))
+        points = np.array([(p.x, p.theta - shift) for p in passages[k : k + n]])
+        if points[-1, 1] - points[0, 1] < 2 * pi * count:
+            defect = max(abs(last.x - first.x) / size, 2 * pi * abs(turns - count))
+            found.append(Guess(points, count, float(defect)))
+    return found
+
+
+def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
+    """Return the centre of the motion and the displacement from it that forces and resonance may bring (k > 0)."""
+    K = equations.K
+    reach = (abs(K.f0) + max(abs(K.A1 - K.A3), K.cm * max(abs(K.belt1.v), abs(K.belt2.v)))) / K.w0sq
+    return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
+
+
+def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
+    """Yield guesses from simulations that start on the word's belts, the most nearly closed first, batch by batch."""
+    centre, size = largest_displacement(equations)
+    boundaries = sorted({piece.start for piece in equations.pieces})
+    most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
+    starts = [
+        (centre + offset * size, 2 * pi * j / START_PHASES, boundary)
+        for offset in START_POSITIONS
+        for j in range(START_PHASES)
+        for boundary in boundaries
+    ]
+    for k in range(0, len(starts), BATCH):
+        found: list[Guess] = []
+        for x, theta, boundary in starts[k : k + BATCH]:
+            run = follow(equations, x, theta, boundary, most)
+            found += windows(run.passages, equations.word.labels, periods, size)
+        yield sorted(found, key=lambda guess: guess.defect)
+
+
+def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
+    """Return guesses for a word that no simulation follows: even phases, positions of the steady motion."""
+    centre, size = largest_displacement(equations)
+    n = len(equations.pieces)
+    found = []
+    for j in range(2 * START_PHASES):
+        theta = 2 * pi * (j / (2 * START_PHASES) + periods * np.arange(n) / n)
+        for amplitude in (0.2, 0.6):
+            points = np.column_stack([centre + amplitude * size * np.sin(theta), theta])
+            found.append(Guess(points, periods, np.inf))
+    return found

@@ -42,8 +42,7 @@ from typing import Any, NamedTuple
 from symosc.aliases import Number, Points
 from symosc.kernels._generated import motion
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.orbits.closing_equations import ClosingEquations
-from symosc.orbits.newton import polish
+from symosc.orbits.closing_equations import ClosingEquations, polish
 
 # A multiplier this near to the unit circle is computed again with this many digits ...
 NEAR_ONE, MULTIPLIER_DIGITS = 1e-9, 50
@@ -52,14 +51,7 @@ ON_CIRCLE = 1e-25
 
 
 class Monodromy(NamedTuple):
-    """What one period makes of a perturbation of (x, v) just after the first switching point.
-
-    Attributes
-    ----------
-    matrix : ((xx, xv), (vx, vv))
-    trace, determinant : number
-        The determinant comes from its factors, not from the matrix: it keeps its digits however small it is.
-    """
+    """What one period makes of a perturbation of (x, v) just after the first switching point."""
 
     matrix: tuple[tuple[Number, Number], tuple[Number, Number]]
     trace: Number
@@ -99,16 +91,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 to 50 digits.
-
-    Parameters
-    ----------
-    equations : ClosingEquations
-        In double precision.
-    points : sequence of (x, theta)
-    values : pair of numbers
-        The multipliers that were found there.
-    """
+    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 to 50 digits."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap

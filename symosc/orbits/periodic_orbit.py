@@ -15,7 +15,7 @@ from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, unmasked
-from symosc.mappings.arguments import real_array
+from symosc.mappings.numbers import real_array
 from symosc.model import Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations
@@ -104,7 +104,7 @@ class PeriodicOrbit(Drawable):
         Largest |f1|, |f2| of eq. (54).
     admissible : bool
         Whether each piece stays in its domain, each event is the first, and Theorems 4 and 5 hold at every switching.
-        The engine has followed every such orbit over its period and found it closed (`symosc.orbits.verification`).
+        The engine has followed every such orbit over its period and found it closed (`symosc.orbits.admissibility`).
     failures : tuple of Condition
         What does not hold, where and by how much; empty for an orbit.
     grazing_distance : float

@@ -41,16 +41,9 @@ KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check returns: the verdict that follows from the computed numbers, and what was found.
+    """What a check returns: a verdict, one or two sentences with the decisive numbers, and all numbers by their names.
 
-    Attributes
-    ----------
-    verdict : str
-        One of VERDICTS; computed from the numbers, never taken from the claims file.
-    finding : str
-        What was found, in one or two sentences with the decisive numbers in them.
-    numbers : dict
-        Every number the verdict rests on, by a readable name, with its digits; kept as text. Never empty.
+    The verdict is computed from the numbers, never taken from the claims file; the numbers are kept as text.
     """
 
     verdict: str
@@ -70,24 +63,11 @@ def verdict(as_printed: object, corrected: object = False) -> str:
     return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
 
 
-@dataclass(frozen=True)
-class Claim:
-    """A statement of the paper.
+class Claim(NamedTuple):
+    """A statement of the paper, where it stands there, and the check that judges it.
 
-    Attributes
-    ----------
-    id, part, source, says : str
-        Unique name, key of PARTS, place in the paper, and the statement itself.
-    check : callable
-        Returns the evidence; can be sent to another process.
-    verdict : str
-        The committed verdict, one of VERDICTS.
-    figures, errata : tuple of str
-        Keys of the pictures that show it, and ids of the errata that it shows.
-    derivation : str or None
-        Key of the chapter that derives it.
-    correction, remark : str or None
-        The statement that does hold, if this one does not; what there is to add to one that holds.
+    `verdict` is the committed one; `figures` are keys of pictures, `derivation` is the key of a chapter; `correction`
+    is the statement that does hold, if this one does not, and `remark` what there is to add to one that holds.
     """
 
     id: str
@@ -116,19 +96,8 @@ def read_claims(
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
     """Read all claims, in the order of PARTS, and the parts of the paper without a verdict.
 
-    Parameters
-    ----------
-    pictures : collection of str
-        Keys of the pictures that there are.
-    path : Path
-    checks : str
-        The package whose modules have the check functions.
-
-    Raises
-    ------
-    RecordsError
-        For a file that is no TOML; a part or key that is unknown; a key that is missing or no text; a verdict, check
-        function, picture, erratum or chapter that does not exist; a correction or erratum too many or too few.
+    `pictures` are the keys that claims may refer to, `checks` is the package whose modules have the check functions. A
+    RecordsError says what is wrong with a file: its TOML, a key, a name that does not exist, a missing correction.
     """
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -161,7 +161,7 @@ def fig3(scene: str = "fig5") -> Figure:
         _arrow_field(ax, p, alpha, x, (low, high), (x, v))
         place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
-    stick = {"color": ONSET_COLOR, "lw": THICK + 0.6}
+    stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
     for belt, speed in ((1, v1), (2, v2)):
         lo, hi = NEIGHBOURS[belt]
         ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)

@@ -6,10 +6,10 @@ Every number in a caption comes from the scenes and their trajectories.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -30,20 +30,11 @@ LETTERS = {"Omega": "Ω", "mu1": "μ1", "mu2": "μ2"}
 POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A figure of the report; it can be sent to another process.
+class Picture(NamedTuple):
+    """A figure of the report, with its heading and one sentence (`alt`) for readers who do not see it.
 
-    Attributes
-    ----------
-    key, title, alt : str
-        Its name in PICTURES and in file names, its heading, and one sentence for readers who do not see it.
-    paper_figure : int or None
-        The number of the paper's figure that it reproduces; None for our own.
-    build, describe : callable
-        What draws it, and what returns its caption, with the numbers computed.
-    narrow : callable, optional
-        Draws it for the screen of a phone, its panels above each other.
+    `paper_figure` is the number of the paper's figure that it reproduces; `build` draws it, `describe` returns the
+    caption with its numbers computed, and `narrow` draws it for a phone, its panels above each other.
     """
 
     key: str
@@ -53,11 +44,6 @@ class Picture:
     build: Callable[[], Figure]
     describe: Callable[[], str]
     narrow: Callable[[], Figure] | None = None
-
-    @property
-    def caption(self) -> str:
-        """What the figure shows, without the paper at hand."""
-        return self.describe()
 
 
 # --- numbers and starts in captions ---
@@ -303,9 +289,10 @@ MOTION, ORBIT = (figures.motion_figure, motion_caption), (figures.orbit_figure, 
 # What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
+Form = tuple[Callable[..., Figure], Callable[..., str]]
 #: The paper's figures: key, title, form, and a sentence for readers who do not see it. From Fig. 5 on the key is
 #: the scene that is drawn.
-FIGURES = [
+FIGURES: list[tuple[str, str, Form, str]] = [
     ("fig1", "physical model", FIG1,
      "A block on a spring and a damper is pressed between two belts that move at different speeds."),
     ("fig2", "friction force", FIG2,
@@ -339,7 +326,7 @@ FIGURES = [
 ]  # fmt: skip
 
 
-def _paper_picture(key: str, title: str, form: tuple[Callable[..., Figure], Callable[..., str]], alt: str) -> Picture:
+def _paper_picture(key: str, title: str, form: Form, alt: str) -> Picture:
     build, describe = form
     figure, _, variant = key.removeprefix("fig").partition("-")
     heading, paper_figure = f"Fig. {figure}{FORMS[variant]}: {title}", None if variant else int(figure)

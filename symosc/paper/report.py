@@ -68,7 +68,7 @@ NUMBER_MEANINGS = {
     "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
 }
 REPORTS = ("report.html", "report.md", "report.json")
-FIGURES, DERIVATIONS = "figures", "derivations"
+FIGURES = "figures"
 
 
 def data(results: Results) -> dict[str, Any]:
@@ -132,7 +132,7 @@ def data(results: Results) -> dict[str, Any]:
                 "number": list(CHAPTERS).index(subject) + 1,
                 "title": CHAPTERS[subject],
                 "steps": done.value.steps if done.value else 0,
-                "file": f"{DERIVATIONS}/{done.value.name}.md" if done.value else None,
+                "file": f"report.html#derivation-{list(CHAPTERS).index(subject) + 1}" if done.value else None,
                 "claims": [each.claim.id for each in judged if each.claim.derivation == subject],
                 "seconds": round(done.seconds, 3),
             }
@@ -147,7 +147,6 @@ def files(results: Results) -> dict[str, str]:
     drawn = {key: done.value for key, done in results.drawn.items() if done.value}
     chapters = {subject: done.value for subject, done in results.chapters.items() if done.value}
     found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
-    found |= {f"{DERIVATIONS}/{each.name}.md": each.markdown for each in chapters.values()}
     # Pictures that belong to one figure of the paper stand together: fig7, fig7-corrected and fig7-exact.
     groups: dict[str, list[dict[str, Any]]] = {}
     for figure in content["figures"]:
@@ -191,13 +190,7 @@ def _data_uri(svg: str) -> str:
 
 
 class Folder:
-    """A folder for a report: made and tried out before the work, filled when all of it is done, else taken away again.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be made or written to.
-    """
+    """A folder for a report: made and tried out before the work, filled when all is done, else taken away again."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)

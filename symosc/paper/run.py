@@ -9,8 +9,8 @@ from __future__ import annotations
 import os
 import traceback
 from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import Future, as_completed
 from concurrent.futures import TimeoutError as Overdue
-from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass
@@ -62,7 +62,6 @@ class Chapter(NamedTuple):
     number: int
     steps: int
     html: str
-    markdown: str
 
 
 @dataclass(frozen=True)
@@ -85,11 +84,6 @@ class Plan:
         """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
 
         Derivations are left out: one chapter may take as long as all claims together.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such claim.
         """
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
@@ -155,15 +149,9 @@ class Results:
 
 
 def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None) -> Results:
-    """Do everything in a plan.
+    """Do everything in a plan, in one process per processor, or so many; call `progress` after each task.
 
-    Parameters
-    ----------
-    plan : Plan
-    progress : callable, optional
-        Called after each task.
-    workers : int, optional
-        How many processes; default: one per processor. 0: none, everything is done in this one, without time limits.
+    With 0 workers everything is done in this process, without time limits.
     """
     begin = perf_counter()
     # The longest first (chapters, and the searches, which are among the last claims), so that no worker is left alone
@@ -206,7 +194,8 @@ def _here(tasks: Tasks) -> Generator[tuple[tuple[str, str], Done], None, None]:
 def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str], Done], None, None]:
     """Yield what became of each task; those that a pool has lost go to the next one."""
     for _ in range(POOLS):
-        pool, futures = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn")), {}
+        pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
+        futures: dict[Future[Done], tuple[str, str]] = {}
         try:
             try:
                 for key, task in tasks.items():
@@ -248,7 +237,7 @@ def timed(task: Callable[[], Any]) -> Done:
 
 def draw(picture: Picture) -> Drawn:
     """Return a picture as SVG, with its caption, whose numbers are computed as well."""
-    return Drawn(_svg(picture.build), picture.caption, _svg(picture.narrow) if picture.narrow else "")
+    return Drawn(_svg(picture.build), picture.describe(), _svg(picture.narrow) if picture.narrow else "")
 
 
 def _svg(build: Callable[[], Figure]) -> str:
@@ -265,5 +254,5 @@ def derive(subject: str) -> Chapter:
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
-    forms = document.as_html(chapter, scope, level=4), document.as_markdown(chapter, scope)
-    return Chapter(chapter.key, chapter.number, len(chapter.steps()), *forms)
+    html = document.as_html(chapter, scope, level=4)
+    return Chapter(chapter.key, chapter.number, len(chapter.steps()), html)

@@ -33,7 +33,7 @@ DRAWN_BY = {
     "symosc.orbits.branch.Branch": "branch_figure",
     "symosc.grazing.window.GrazingWindow": "window_figure",
     "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
-    "symosc.symbolic.grazing_answers.ParameterRegion": "region_figure",
+    "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",

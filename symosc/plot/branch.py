@@ -13,8 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.arguments import public
-from symosc.orbits.branch import Branch, BranchEnd
-from symosc.orbits.continuation import MOST, NO_CONVERGENCE
+from symosc.orbits.branch import MOST, NO_CONVERGENCE, Branch, BranchEnd
 from symosc.orbits.floquet import NEAR_ONE
 from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
 

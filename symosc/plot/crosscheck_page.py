@@ -13,9 +13,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from symosc.aliases import Record
-from symosc.crosschecks.causes import CAUSES, Diagnosis
+from symosc.crosschecks.causes import CAUSES, REASONS, Diagnosis, Fault
 from symosc.crosschecks.events import FoundEvent
-from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.report import CrossCheck
 from symosc.files import check_folder_of, write_text
 from symosc.plot.crosscheck import crosscheck_figure

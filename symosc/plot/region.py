@@ -24,7 +24,7 @@ from symosc.plot.sweep import NAMES
 from symosc.plot.windows import INSIDE_COLOR, SHADE_COLOR
 
 if TYPE_CHECKING:
-    from symosc.symbolic.grazing_answers import ParameterRegion
+    from symosc.symbolic.inverse import ParameterRegion
 
 REGION_POINTS = 401
 #: A shorter piece of the border, relative to the axes, is only where one kind of border meets another.

@@ -14,8 +14,7 @@ from symosc.aliases import NumberLike, Order
 from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
-from symosc.grazing.sweep import WindowColumns, grazing_windows
-from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, grazing_windows
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,

@@ -1,30 +1,43 @@
-"""A reference case: a scene, and its events as they are known, with proof where there is one."""
+"""A reference case: a scene, its events as they are known, with proof where there is one, and their condition numbers.
+
+The condition number of an event, with out its time or position and in each parameter and start value, is
+
+    condition = max over out of  sum over in of |d out/d in| |in| / max(1, |out|),
+
+the amplification of relative errors of the input into errors of the output. A solver that works in doubles rounds every
+input, so no solver can avoid an error of condition * 1e-16. A number that is 0 has no relative error and does not
+count. A start on a belt moves with the belt, because off it there would be other events. The derivatives are
+differences of two runs with more digits; where the difference changes the events themselves it is made smaller.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cached_property
 from math import inf, pi
 from typing import Any, NamedTuple
 
 from symosc.certificates.certificate import Certificate, proven_rows
 from symosc.certificates.certify import certify
-from symosc.exact import show
-from symosc.model import Parameters
-from symosc.reference.condition import conditions, events_of
-from symosc.reference.hard_cases import last_period
+from symosc.engine.arithmetic import mp_context
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.find import find_orbit
+from symosc.reference.compare import relative_error
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import MAP_LABELS, Event
 
-#: Digits of events that are given, and of the runs where there is no proof.
+#: Digits of the given events, and of the runs where there is no proof.
 GIVEN_DIGITS, COMPUTED_DIGITS = 40, 60
 #: A neighbour of a motion that grazes has a short contact or none, this near to the graze, in forcing periods.
 NEAR_A_GRAZE = 1e-9
 PROVEN, COMPUTED = "proven", "computed, not proven"
+# Relative differences for conditions, and the digits of their runs. A start times (1 + 1/7^n) has no end as a decimal:
+# one with an end and this many digits would be taken for a number that somebody cut off there.
+INPUT_CHANGES = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
 
 
 class KnownEvent(NamedTuple):
@@ -129,10 +142,10 @@ class ReferenceCase:
         """End time."""
         return self.scene.t_end
 
-    @property
+    @cached_property
     def certificate(self) -> Certificate:
         """The proof; or what says why there is none."""
-        return _certificate(self)
+        return certify(self.scene, digits=GIVEN_DIGITS)
 
     @property
     def proven(self) -> bool:
@@ -144,20 +157,43 @@ class ReferenceCase:
         """Whether its events are "proven", or "computed, not proven"."""
         return PROVEN if self.proven else COMPUTED
 
-    @property
+    @cached_property
     def events(self) -> tuple[KnownEvent, ...]:
         """All events, in order of time; of a run with `periods` those of the last one."""
-        return _events(self)
+        names, rows = KnownEvent._fields[:-1], list[dict[str, Any]]()
+        if self.proven:
+            for row in proven_rows(self.certificate):
+                rows.append({name: row[name] for name in names} | {"t": (*row["t"],), "x": (*row["x"],)})
+        else:
+            for event in simulate(self.scene, digits=COMPUTED_DIGITS).events:
+                enclosed = {"t": _enclosed(event.t), "x": _enclosed(event.x)}
+                rows.append({name: getattr(event, name) for name in names} | enclosed)
+        before = next((boundary for boundary in (1, 2) if self.parameters.belt(boundary) == self.v0), 0)
+        for row in rows:
+            row["word"] = MAP_LABELS.get((before, row["source"], row["boundary"]), "")
+            before = row["boundary"]
+        return tuple(KnownEvent(**row) for row in rows)
 
     @property
     def count(self) -> int:
         """How many events there are in all, if only the last ones are given; else how many are given."""
         return len(self.events) * max(self.periods, 1)
 
-    @property
+    @cached_property
     def conditions(self) -> tuple[float, ...]:
-        """The condition number of each event (`symosc.reference.condition`); infinite for a graze."""
-        return _conditions(self)
+        """The condition number of each event; infinite for a graze.
+
+        Of a neighbour, contacts beside a graze are left out with the graze.
+        """
+        near = NEAR_A_GRAZE * 2 * pi / float(self.parameters.Omega)
+        grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
+
+        def apart(scene: Scene, digits: int) -> Sequence[Event]:
+            found = last_period(scene, digits) if self.periods else simulate(scene, digits=digits).events
+            return [each for each in found if all(abs(float(each.t) - float(t)) > near for t in grazes)]
+
+        known = iter(conditions(self.scene, apart))
+        return tuple(inf if event.kind == "graze" else next(known) for event in self.events)
 
     @property
     def condition(self) -> float:
@@ -169,55 +205,88 @@ class ReferenceCase:
         return f"<ReferenceCase {self.name}: {count}, {self.status}>"
 
 
-@cache
-def _certificate(case: ReferenceCase) -> Certificate:
-    return certify(case.scene, digits=GIVEN_DIGITS)
-
-
-@cache
-def _events(case: ReferenceCase) -> tuple[KnownEvent, ...]:
-    if case.proven:
-        rows = proven_rows(case.certificate)
-        found = [((*row["t"],), (*row["x"],), *(row[name] for name in KnownEvent._fields[2:6])) for row in rows]
-    else:
-        found = [
-            (_rounded(event.t), _rounded(event.x), event.kind, event.boundary, event.source, event.target)
-            for event in simulate(case.scene, digits=COMPUTED_DIGITS).events
-        ]
-    return tuple(_with_words(case, found))
-
-
-def _with_words(case: ReferenceCase, rows: Iterable[Any]) -> Iterable[KnownEvent]:
-    p = case.parameters
-    before = next((boundary for boundary in (1, 2) if p.belt(boundary) == case.v0), 0)
-    for row in rows:
-        boundary, source = row[3], row[4]
-        yield KnownEvent._make((*row, MAP_LABELS.get((before, source, boundary), "")))
-        before = boundary
-
-
-def _rounded(value: Any) -> tuple[str, str]:
+def _enclosed(value: Any) -> tuple[str, str]:
     """Return the two decimals with GIVEN_DIGITS digits that a number is between."""
     digits = Decimal(str(value.context.nstr(value, COMPUTED_DIGITS)))
     low, high = (Context(GIVEN_DIGITS, rounding=way).plus(digits) for way in (ROUND_FLOOR, ROUND_CEILING))
     return f"{low:f}", f"{high:f}"
 
 
-@cache
-def _conditions(case: ReferenceCase) -> tuple[float, ...]:
-    """Return the condition of all events; of a neighbour, contacts beside a graze are left out with the graze."""
-    near = NEAR_A_GRAZE * 2 * pi / float(case.parameters.Omega)
-    grazes = [event.middle[0] for event in case.events if event.kind == "graze"]
+def last_period(scene: Scene, digits: int) -> Sequence[Event]:
+    """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion.
 
-    def apart(scene: Scene, digits: int) -> Sequence[Event]:
-        found = last_period(scene, digits) if case.periods else events_of(scene, digits)
-        return [each for each in found if all(abs(float(each.t) - float(t)) > near for t in grazes)]
+    They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if its
+    start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and less.
+    """
+    p, word, context = scene.parameters, str(scene.structure), mp_context(digits + 10)
+    orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
+    start, count = orbit.points[0], len(orbit.points)
+    once = simulate(p, t0=start.t, x0=start.x, v0=scene.v0, t_end=start.t + 2 * orbit.period, digits=digits)
+    last = context.mpf(scene.t_end.numerator) / scene.t_end.denominator
+    period = 2 * context.pi * p.Omega.denominator / p.Omega.numerator
+    shifted = [
+        replace(event, t=event.t + period * context.floor((last - event.t) / period)) for event in once.events[:count]
+    ]
+    return sorted(shifted, key=lambda event: event.t)
 
-    known = iter(conditions(case.scene, apart))
-    return tuple(inf if event.kind == "graze" else next(known) for event in case.events)
+
+# -- condition numbers -------------------------------------------------------------------------------------------------
 
 
-def described(case: ReferenceCase) -> str:
-    """Return start and end of a case in a line."""
-    start = ", ".join(f"{name} = {show(getattr(case, name))}" for name in ("t0", "x0", "v0"))
-    return f"{start}, t_end = {show(case.t_end)}"
+def _events_of(scene: Scene, digits: int) -> Sequence[Event]:
+    return simulate(scene, digits=digits).events
+
+
+def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] = _events_of) -> list[float]:
+    """Return the condition number of every event of a scene.
+
+    They are infinite from the first event on that changes of the input, however small, turn into others. `events` is
+    called with the scene and its neighbours, and digits.
+
+    Examples
+    --------
+    >>> from symosc import load_scene
+    >>> f"{max(conditions(load_scene('fig5'))):.1f}"
+    '11.3'
+    """
+    exact = {digits: events(scene, digits) for _, digits in INPUT_CHANGES[:1]}
+    certain = len(exact[INPUT_CHANGES[0][1]])
+    totals = [[0.0, 0.0] for _ in range(certain)]
+    for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
+        for step, digits in INPUT_CHANGES:
+            neighbour = shifted(scene, name, step)
+            if neighbour == scene:
+                break
+            if digits not in exact:
+                exact[digits] = events(scene, digits)
+            moved = events(neighbour, digits)
+            same = _same(exact[digits], moved)
+            if same == len(exact[digits]) == len(moved):
+                break
+        if neighbour == scene:
+            continue
+        certain = min(certain, same)
+        for total, before, after in zip(totals, exact[digits][:same], moved, strict=False):
+            total[0] += relative_error(after.t, before.t) / float(step)
+            total[1] += relative_error(after.x, before.x) / float(step)
+    return [max(total) for total in totals[:certain]] + [inf] * (len(totals) - certain)
+
+
+def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
+    """Return a scene with a parameter or start value (t0, x0, v0) times 1 + step; on a belt the start stays on it."""
+    p = scene.parameters
+    on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
+    if name in ("t0", "x0", "v0"):
+        value = getattr(scene, name)
+        return scene if name == "v0" and on_belt else replace(scene, **{name: value * (1 + step)})
+    value = getattr(p, name) * (1 + step)
+    start = {"v0": value} if name == on_belt else {}
+    return replace(scene, parameters=p.replace(**{name: value}), **start)
+
+
+def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
+    """Return how many events two lists begin with that are of the same kind at the same boundary."""
+    for i, (event, other) in enumerate(zip(events, others, strict=False)):
+        if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
+            return i
+    return min(len(events), len(others))

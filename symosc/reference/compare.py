@@ -20,6 +20,8 @@ from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
+# -- compare --
+
 #: What `relative_error` is, for readers of tables.
 ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
 #: The error that an event may have in a score.
@@ -58,22 +60,7 @@ class OfAKind(Protocol):
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a solver's events compare with the reference.
-
-    Attributes
-    ----------
-    error_t, error_x : float or None
-        Largest error of time and position over the matched events, as `relative_error` has it; None if none matched.
-    matched : int
-        Number of matched events, grazes included.
-    missed, invented : int
-        Events of the reference that the solver does not have, and the reverse.
-    missed_grazes : int
-        Grazes of the reference that the solver does not report. They are not in `missed`: nothing changes at a graze,
-        and most solvers do not know them. A stick or crossings in place of one are invented events.
-    first_wrong : float or None
-        Time of the first event that is missed or invented.
-    """
+    """How a solver's events compare with the reference."""
 
     error_t: float | None
     error_x: float | None
@@ -102,29 +89,7 @@ def window_of(scene: Scene) -> float:
 def compare(
     found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMiddle], window: float, t0: Number = 0
 ) -> Comparison:
-    """Compare a solver's events with the reference.
-
-    Parameters
-    ----------
-    found : iterable of FoundEvents
-        In any order. An event whose time or position is not finite is invented.
-    reference : sequence of Event or ProvenMiddle
-        In order of time; t and x may be mpmath numbers, and are compared in their precision.
-    window : float
-        How far apart in time (> 0) a match may be; see `window_of`.
-    t0 : number
-        When the motion starts.
-
-    Examples
-    --------
-    >>> from symosc import simulate
-    >>> from symosc.reference.compare import compare, window_of
-    >>> exact = simulate("fig5", digits=40)
-    >>> late = [FoundEvents(float(e.t) + 1e-9, float(e.x), e.kind, e.boundary) for e in exact.events[1:]]
-    >>> result = compare(late, exact.events, window=0.3)
-    >>> result.missed, result.invented, f"{result.error_t:.0e}"
-    (1, 0, '8e-10')
-    """
+    """Compare a solver's events with the reference."""
     given = list(found)
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
     times = [float(event.t) for event in reference]
@@ -148,11 +113,6 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
     """Return |value - exact| relative to max(1, |exact - start|).
 
     For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no error.
-
-    Examples
-    --------
-    >>> f"{relative_error(1e8 + 12.07, 1e8 + 12, 1e8):.2g}", relative_error(2e8, 1e8)
-    ('0.0058', 1.0)
     """
     rounding = ulp(float(start)) if start else 0
     return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))

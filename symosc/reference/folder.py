@@ -1,4 +1,4 @@
-"""Reference cases as files that any language reads; `formats.txt` says what is in them."""
+"""Reference cases as files that any language reads, written and read back; `formats.txt` says what is in them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import csv
 import hashlib
 import io
 import json
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Context, Decimal, Inexact
 from fractions import Fraction
+from functools import cached_property
 from importlib.resources import files
-from itertools import starmap
 from math import pi
 from multiprocessing import get_context
 from pathlib import Path
@@ -23,12 +24,13 @@ from tabulate import tabulate
 import symosc
 from symosc.aliases import Record
 from symosc.crosschecks.events import WINDOW
-from symosc.exact import show
-from symosc.files import check_folder, write_folder
+from symosc.errors import ResultError
+from symosc.exact import read_exact, show
+from symosc.files import check_folder, read_path, write_folder
 from symosc.model import PARAMETER_NAMES
-from symosc.reference.case import GIVEN_DIGITS, ReferenceCase
+from symosc.reference.case import GIVEN_DIGITS, KnownEvent, ReferenceCase
+from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
-from symosc.reference.sets import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.simulation.simulate import simulate
 
 SET_FORMAT = "symosc reference cases 1"
@@ -40,19 +42,11 @@ MOST_DIGITS = 400
 #: So few cases are written without processes.
 CASES_IN_LINE = 8
 START_AND_END = ("t0", "x0", "v0", "t_end")
-EVENT_FILE_COLUMNS = (
-    "t_low",
-    "t_high",
-    "x_low",
-    "x_high",
-    "kind",
-    "boundary",
-    "source",
-    "target",
-    "word",
-    "condition",
-)
 TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
+EVENT_WORD_COLUMNS = KnownEvent._fields[2:]
+
+
+# -- writing -----------------------------------------------------------------------------------------------------------
 
 
 def write_cases(
@@ -82,23 +76,29 @@ def write_cases(
 
 def _computed(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
     if len(cases) <= CASES_IN_LINE or workers < 2:
-        yield from map(case_texts, cases)
+        yield from map(_case_files, cases)
         return
     with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
-        yield from pool.map(case_texts, cases).result()
+        yield from pool.map(_case_files, cases).result()
 
 
-def case_texts(case: ReferenceCase) -> Record:
+def _case_files(case: ReferenceCase) -> Record:
     """Return the files of a case: "texts" by name, and its "row" in the table of cases."""
-    events = [_event_row(*each) for each in zip(case.events, case.conditions, strict=True)]
+    events = [
+        {"t_low": event.t[0], "t_high": event.t[1], "x_low": event.x[0], "x_high": event.x[1]}
+        | {name: getattr(event, name) for name in EVENT_WORD_COLUMNS}
+        | {"condition": f"{condition:.3g}"}
+        for event, condition in zip(case.events, case.conditions, strict=True)
+    ]
+    columns = ("t_low", "t_high", "x_low", "x_high", *EVENT_WORD_COLUMNS, "condition")
     found = {
         CASE_FILE: _toml(case),
-        EVENTS_FILE: _csv(EVENT_FILE_COLUMNS, events),
+        EVENTS_FILE: _csv(columns, events),
         "trajectory.csv": _csv(("t", "x", "v", "mode"), _samples(case)),
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
-    about |= {"condition": condition_text(case.condition), "proven": "yes" if case.proven else "no"}
+    about |= {"condition": f"{case.condition:.3g}", "proven": "yes" if case.proven else "no"}
     about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
     return {"texts": {f"{case.name}/{name}": text for name, text in found.items()}, "row": about}
 
@@ -119,17 +119,6 @@ def exact_text(value: Fraction) -> str:
     return show(value) if "/" not in show(value) else f"{found:f}"
 
 
-def condition_text(value: float) -> str:
-    """Return a condition number with three digits."""
-    return f"{value:.3g}"
-
-
-def _event_row(event: Any, condition: float) -> Record:
-    numbers = dict(zip(EVENT_FILE_COLUMNS, (*event.t, *event.x), strict=False))
-    words = {name: getattr(event, name) for name in EVENT_FILE_COLUMNS[4:-1]}
-    return numbers | words | {"condition": condition_text(condition)}
-
-
 def _csv(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -139,22 +128,18 @@ def _csv(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _toml(case: ReferenceCase) -> str:
+    """Return the file of a case; JSON writes text, whole numbers and lists as TOML does."""
     scene = case.scene
     start: Record = {name: exact_text(getattr(scene, name)) for name in START_AND_END[:3]}
     if scene.start_error is not None:
         start["start_error"] = [show(error) for error in scene.start_error]
     about: Record = {"set_version": SET_VERSION, "group": case.group, "hard": case.hard, "source": case.source}
     about |= {"status": case.status, "reason": case.open, "events": case.count, "periods": case.periods}
-    about |= {"condition": float(condition_text(case.condition)), "closed_form": list(case.closed_form)}
+    about |= {"condition": float(f"{case.condition:.3g}"), "closed_form": list(case.closed_form)}
     top: Record = {"name": case.name, "t_end": exact_text(scene.t_end)}
-    tables = {"": top, "parameters": case.parameters.as_dict(), "start": start, "reference": about}
-    return "\n".join(starmap(_toml_table, tables.items()))
-
-
-def _toml_table(name: str, values: Record) -> str:
-    """Return a table of TOML; JSON writes text, whole numbers and lists as TOML does."""
-    head = f"[{name}]\n" if name else ""
-    return head + "".join(f"{key} = {json.dumps(value)}\n" for key, value in values.items())
+    tables = {"": top, "[parameters]\n": case.parameters.as_dict(), "[start]\n": start, "[reference]\n": about}
+    rows = {head: (f"{key} = {json.dumps(value)}\n" for key, value in table.items()) for head, table in tables.items()}
+    return "\n".join(head + "".join(lines) for head, lines in rows.items())
 
 
 def _samples(case: ReferenceCase) -> list[Record]:
@@ -224,3 +209,89 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
         return {MANIFEST, *content["files"]} if content["format"] == SET_FORMAT else set()
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return set()
+
+
+# -- reading -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class StoredCase:
+    """A case as its files have it; `count` is the number of all events, if only those of the last period are given."""
+
+    name: str
+    group: str
+    Omega: Fraction
+    t0: Fraction
+    t_end: Fraction
+    on_belt: bool
+    events: tuple[KnownEvent, ...]
+    conditions: tuple[float, ...]
+    count: int
+
+    @cached_property
+    def times(self) -> list[float]:
+        """Times of the events."""
+        return [float(event.middle[0]) for event in self.events]
+
+
+def read_set(path: str | Path) -> tuple[int, Sequence[StoredCase]]:
+    """Return version and cases of a folder; ResultError if it is none, or a file differs from its checksum."""
+    folder = Path(read_path(path))
+    manifest = _read_manifest(folder)
+    try:
+        names = [(entry["name"], manifest["files"]) for entry in manifest["cases"]]
+        return int(manifest["set_version"]), [_case(folder, name, sums) for name, sums in names]
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise ResultError(str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}") from None
+
+
+def _read_manifest(folder: Path) -> Record:
+    try:
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except OSError:
+        raise ResultError(str(folder), f"has no {MANIFEST}; `symosc cases -o {folder}` writes the cases") from None
+    except (ValueError, RecursionError):
+        raise ResultError(str(folder / MANIFEST), "is not JSON") from None
+    if not isinstance(content, dict) or content.get("format") != SET_FORMAT:
+        raise ResultError(str(folder / MANIFEST), f"is not of the format {SET_FORMAT!r}")
+    return content
+
+
+def _text(folder: Path, name: str, sums: Record) -> str:
+    try:
+        content = (folder / name).read_bytes()
+    except OSError as error:
+        raise ResultError(str(folder / name), f"cannot be read: {error.strerror or error}") from None
+    if checksum(content) != sums[name]:
+        raise ResultError(str(folder / name), "is not the file that was written: its checksum differs")
+    return content.decode()
+
+
+def _case(folder: Path, name: str, sums: Record) -> StoredCase:
+    about = tomllib.loads(_text(folder, f"{name}/{CASE_FILE}", sums))
+    rows = list(csv.DictReader(io.StringIO(_text(folder, f"{name}/{EVENTS_FILE}", sums))))
+    events = tuple(
+        KnownEvent(
+            (row["t_low"], row["t_high"]),
+            (row["x_low"], row["x_high"]),
+            **{word: row[word] for word in EVENT_WORD_COLUMNS} | {"boundary": int(row["boundary"])},
+        )
+        for row in rows
+    )
+    start, given = about["start"], about["parameters"]
+    v1, v2, Omega = (read_exact(each, given[each]) for each in ("v1", "v2", "Omega"))
+    t0, v0 = (read_exact(each, start[each]) for each in ("t0", "v0"))
+    t_end = read_exact("t_end", about["t_end"])
+    conditions = tuple(float(row["condition"]) for row in rows)
+    reference = about["reference"]
+    return StoredCase(
+        name, reference["group"], Omega, t0, t_end, v0 in (v1, v2), events, conditions, reference["events"]
+    )
+
+
+def stored(case: ReferenceCase) -> StoredCase:
+    """Return a case as its files would have it."""
+    p, on_belt = case.parameters, case.v0 in (case.parameters.v1, case.parameters.v2)
+    return StoredCase(
+        case.name, case.group, p.Omega, case.t0, case.t_end, on_belt, case.events, case.conditions, case.count
+    )

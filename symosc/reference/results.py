@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.columns import ID_COLUMN, USUAL_NAMES, plain
-from symosc.crosschecks.files import SUFFIXES, read_content, suffix_of
-from symosc.crosschecks.objects import as_table
-from symosc.crosschecks.text_tables import plain_number
+from symosc.crosschecks.files import SUFFIXES, plain_number, read_content, suffix_of
+from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
 from symosc.errors import ParameterError, ResultError, brief
 from symosc.exact import read_exact
 from symosc.files import read_path
+
+# -- results --
 
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
@@ -67,13 +67,7 @@ Results = dict[str, CaseResult]
 
 
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file.
-
-    Raises
-    ------
-    ResultError
-        If a file cannot be read, or names a case that is not in `names`. The message is one line.
-    """
+    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file."""
     source = Path(read_path(path))
     if not source.exists():
         raise ResultError(str(source), "does not exist")

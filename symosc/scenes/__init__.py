@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,8 +16,9 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
-from symosc.model import Parameters
-from symosc.scenes.reading import MOST_CHARACTERS, SceneFile, read_scene_file
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
+from symosc.scenes.quantities import ALLOWED, QUANTITIES, unit_of
 from symosc.words import WordError, read_word
 
 SCENES_FOLDER = Path(__file__).parent
@@ -163,14 +165,11 @@ def load_scene(name_or_path: SceneName) -> Scene:
 
 def read_scene(text: str, where: str) -> Scene:
     """Return a scene from the text of a TOML file; `where` is what messages call it. See `load_scene`."""
-    return _scene_from(read_scene_file(text, where), default_name=Path(where).stem)
-
-
-def _scene_from(file: SceneFile, default_name: str) -> Scene:
+    file = read_scene_file(text, where)
     data = file.data
     try:
         return Scene(
-            name=data.get("name", default_name),
+            name=data.get("name", Path(where).stem),
             parameters=Parameters(**data["parameters"]),
             t_end=data["t_end"],
             structure=data.get("structure"),
@@ -182,3 +181,50 @@ def _scene_from(file: SceneFile, default_name: str) -> Scene:
         raise file.located(error) from None
     except WordError as error:
         raise SceneError(file.where, f"{file.place('structure')}: structure: {error}") from None
+
+
+# --- writing ---
+
+#: What stands at the top of a file with comments.
+INTRODUCTION = """\
+# A scene of symosc. Try it:  symosc simulate {file}
+#
+# Numbers are exact: 0.8, "4/5" and 8e-1 are the same. Any consistent system of units will do; in brackets are those of
+# the SI. A number may have a unit, such as "2.5 cm" or "60 rpm" (extra units); plain numbers are then in these too.
+# Where a number need not be exact it may be an expression, such as "3*pi/2": it is read to 40 digits, and symosc says
+# so. With pi, sqrt, sin, cos and exp a value is no fraction, and a start is then known to these digits only.
+"""
+START_COMMENT = "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
+
+
+def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> str:
+    """Return a scene as the text of a TOML file, which reads back as the same scene.
+
+    `explained` adds comments: what each number is, its unit, and what is allowed; `file` is its name in them.
+    """
+
+    def line(name: str, text: str) -> str:
+        written = f"{name} = {_number(text)}"
+        if not explained:
+            return written
+        allowed = f", {ALLOWED[name]}" if name in ALLOWED else ""
+        unit = unit_of(name)
+        return f"{written:<16}# {QUANTITIES[name][0]}{allowed}{'' if unit == '1' else f' [{unit}]'}"
+
+    lines = [INTRODUCTION.format(file=file)] if explained else []
+    # A JSON string is a TOML string too.
+    about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
+    lines += [f"{key} = {json.dumps(value)}" for key, value in about.items() if value]
+    if explained and not scene.structure:
+        lines.append('# structure = "P32"   # the periodic orbit that the scene is about, if there is one')
+    lines += [line("t_end", show(scene.t_end)), "", "[parameters]"]
+    lines += [line(name, text) for name, text in scene.parameters.as_dict().items() if name in PARAMETER_NAMES]
+    lines += ["", "[start]", *([START_COMMENT] if explained else [])]
+    lines += [line(name, show(getattr(scene, name))) for name in ("t0", "x0", "v0")]
+    if scene.start_error is not None:
+        lines.append(f"start_error = [{', '.join(_number(show(each)) for each in scene.start_error)}]")
+    return "\n".join(lines)
+
+
+def _number(text: str) -> str:
+    return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly

@@ -1,6 +1,22 @@
-"""What the numbers of a scene are: in words, with their dimension, and their unit where units are given."""
+"""The numbers of a scene: what they are, their units, and expressions and quantities as exact numbers.
+
+An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi, sqrt, sin, cos or
+exp an enclosure is computed and rounded to 40 digits, which are right; a value whose digits cancel is refused. A
+quantity such as "3 kg" or "60 rpm" (extra `units`: pint) becomes the number in kg, m, s, N and rad.
+"""
 
 from __future__ import annotations
+
+import ast
+import operator
+import re
+from decimal import ROUND_HALF_EVEN, Context, Decimal
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from symosc.errors import MissingExtraError, ParameterError
+from symosc.exact import LARGEST, read_exact
 
 #: Long name and dimension of every parameter and start value. Any consistent system of units will do for them.
 QUANTITIES = {
@@ -22,31 +38,180 @@ QUANTITIES = {
 }
 #: The unit of each dimension in scene files where a number has one; plain numbers of such a file are in these too.
 UNITS = {
-    "mass": "kg",
-    "mass/time": "kg/s",
-    "mass/time^2": "N/m",
-    "force": "N",
-    "angle/time": "rad/s",
-    "length/time": "m/s",
-    "1": "1",
-    "time": "s",
-    "length": "m",
-}
+    "mass": "kg", "mass/time": "kg/s", "mass/time^2": "N/m", "force": "N", "angle/time": "rad/s", "length/time": "m/s",
+    "1": "1", "time": "s", "length": "m",
+}  # fmt: skip
 #: What the model allows, for who writes a scene; `Parameters` and `Scene` hold it.
 ALLOWED = {
-    "m": "> 0",
-    "c": ">= 0",
-    "k": ">= 0",
-    "B0": "any sign",
-    "Omega": "> 0",
-    "v1": "less than v2",
-    "mu1": ">= 0",
-    "mu2": ">= 0",
-    "FN": ">= 0",
-    "t_end": "later than t0",
-}
+    "m": "> 0", "c": ">= 0", "k": ">= 0", "B0": "any sign", "Omega": "> 0", "v1": "less than v2", "mu1": ">= 0",
+    "mu2": ">= 0", "FN": ">= 0", "t_end": "later than t0",
+}  # fmt: skip
 
 
 def unit_of(name: str) -> str:
     """Return the unit of a parameter or start value."""
     return UNITS[QUANTITIES[name][1]]
+
+
+def read_number(name: str, text: str) -> tuple[Fraction, bool]:
+    """Return the number of an expression or a quantity, and whether it is exact."""
+    if not is_quantity(text):
+        return read_expression(name, text)
+    number, exact = read_quantity(name, text)
+    return (number if exact else _rounded(number)), exact
+
+
+# --- expressions ---
+
+#: Digits to which an expression with pi is known, and bits with which it is computed.
+KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
+#: Bits of the numerator and denominator of an exact value.
+LONGEST_EXPRESSION, MOST_POWER, LARGEST_BITS = 200, 100, 4000
+FORMS = (
+    "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as '3*pi/2': numbers and pi "
+    "with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
+)
+_LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-]?\d)", re.ASCII)
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+
+
+def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
+    """Return the value of an expression, and whether it is exact."""
+    source = text.strip().replace("π", "pi").replace("^", "**")
+    if len(source) > LONGEST_EXPRESSION or _LETTERS.sub("", source):
+        raise ParameterError(name, text, FORMS)
+
+    def refused(allowed: str) -> ParameterError:
+        return ParameterError(name, text, allowed)
+
+    def value(node: ast.expr) -> Any:
+        """Return the value of a part: a Fraction as long as that is exact, else an enclosure."""
+        if isinstance(node, ast.Constant):
+            return read_exact(name, ast.get_source_segment(source, node))
+        if isinstance(node, ast.Name) and node.id == "pi":
+            return _enclosures().pi
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
+            inside = value(node.operand)
+            return -inside if isinstance(node.op, ast.USub) else inside
+        if isinstance(node, ast.BinOp):
+            left, right = value(node.left), value(node.right)
+            if isinstance(node.op, ast.Pow):
+                if not (isinstance(right, Fraction) and right.denominator == 1 and abs(right) <= MOST_POWER):
+                    raise refused(f"a power must be a whole number up to {MOST_POWER} in size")
+                return _limited(left ** int(right))
+            if type(node.op) in _OPERATORS:
+                if not (isinstance(left, Fraction) and isinstance(right, Fraction)):
+                    left, right = _enclosed(left), _enclosed(right)
+                return _limited(_OPERATORS[type(node.op)](left, right))
+        if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords and isinstance(node.func, ast.Name):
+            argument = _enclosed(value(node.args[0]))
+            if node.func.id == "sqrt" and argument.a < 0:
+                raise refused("has no value: the root of a negative number")
+            if node.func.id == "exp" and argument.b > LARGEST.numerator.bit_length():
+                raise OverflowError
+            if node.func.id in ("sqrt", "sin", "cos", "exp"):
+                return _limited(getattr(_enclosures(), node.func.id)(argument))
+        raise refused(FORMS)
+
+    try:
+        found = value(ast.parse(source, mode="eval").body)
+    except (SyntaxError, RecursionError, MemoryError):
+        raise refused(FORMS) from None
+    except (ZeroDivisionError, OverflowError):
+        raise refused(f"has no value of at most {float(LARGEST):g} in size") from None
+    if isinstance(found, Fraction):
+        return found, True
+    low, high = (read_exact(name, _end(end)) for end in (found.a, found.b))
+    if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
+        raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
+    return _rounded((low + high) / 2), False
+
+
+def _limited(value: Any) -> Any:
+    """Return a value that is not so large that what is made of it takes long; OverflowError for others."""
+    if isinstance(value, Fraction):
+        large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
+    else:
+        large = not (-LARGEST.numerator < value.a and value.b < LARGEST.numerator)  # where it divides by 0 too
+    if large:
+        raise OverflowError
+    return value
+
+
+def _enclosures() -> Any:
+    """Return mpmath's intervals, with their precision set."""
+    from mpmath import iv
+
+    iv.prec = ENCLOSURE_BITS
+    return iv
+
+
+def _enclosed(value: Any) -> Any:
+    return _enclosures().mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
+
+
+def _end(end: Any) -> Any:
+    """Return an end of an enclosure as a number of mpmath."""
+    from mpmath import mp
+
+    return mp.make_mpf(end._mpi_[0])
+
+
+def _rounded(value: Fraction) -> Fraction:
+    """Return a number with 40 digits."""
+    context = Context(prec=KNOWN_DIGITS, rounding=ROUND_HALF_EVEN)
+    return Fraction(context.divide(Decimal(value.numerator), Decimal(value.denominator)))
+
+
+def half_unit(value: Fraction) -> Fraction:
+    """Return half a unit of the last of 40 digits of a number."""
+    exponent = Decimal(value.numerator).adjusted() - Decimal(value.denominator).adjusted() + 1
+    return Fraction(10) ** (exponent - KNOWN_DIGITS) / 2
+
+
+# --- quantities ---
+
+#: A number, and the name of a unit with powers of one digit.
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+/\d+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*"
+    r"(?P<unit>(?!pi\b)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
+)
+#: A unit whose factor has more digits than this has pi in it, which is known to 50 digits in pint.
+LONGEST_UNIT, LONGEST_FACTOR = 50, 30
+
+
+def is_quantity(text: str) -> bool:
+    """Tell whether a text is a number with the name of something behind it."""
+    return _QUANTITY.fullmatch(text) is not None
+
+
+def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
+    """Return a quantity as a number in the unit of its dimension, and whether it is exact."""
+    parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), QUANTITIES[name][0]
+    allowed = f"{name} is a {what}: give it in {wanted}, or in a unit of the same kind"
+    if wanted == "1":
+        allowed = f"{name} is a {what}, a number without a unit"
+    if parts is None or len(parts["unit"]) > LONGEST_UNIT:
+        raise ParameterError(name, text, allowed)
+    registry = _registry()
+    try:
+        given = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))
+        unit = "dimensionless" if wanted == "1" else registry.parse_units(wanted)
+        # Both count turns or radians, and do not say which.
+        ambiguous = wanted == "rad/s" and any(part.endswith(("hertz", "counts_per_second")) for part in given._units)
+        factor = Fraction(registry.Quantity(Fraction(1), given).to(unit).magnitude)
+    except Exception:  # pint has a dozen kinds, some of them AssertionError and TypeError
+        raise ParameterError(name, text, allowed) from None
+    if ambiguous:
+        raise ParameterError(name, text, "hertz may mean turns or radians per second: write turn/s or rad/s")
+    exact = max(len(str(factor.numerator)), len(str(factor.denominator))) <= LONGEST_FACTOR
+    return read_exact(name, parts["number"]) * factor, exact
+
+
+@cache
+def _registry() -> Any:
+    try:
+        import pint
+    except ImportError:
+        raise MissingExtraError("a number with a unit in a scene", "units") from None
+    return pint.UnitRegistry(non_int_type=Fraction)

@@ -2,7 +2,9 @@
 
 The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
 and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
-branches that these decide are cut, and so is what nothing calls any more.
+branches that these decide are cut, and so is what nothing calls any more. The kernels use little of Python: assignments
+(also of tuples), if, for over a range, break, return, arithmetic, comparisons and calls. All values are real numbers,
+except for flags and loop counters.
 
 A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases unwrapped, in order of
 time. `residual` returns f1, f2 of each mapping, 2 n numbers; `jacobian` for each mapping the derivatives of its f1 and
@@ -12,19 +14,51 @@ f2 with respect to its (x_i, theta_i, x_j, theta_j), n x 2 x 4 numbers.
 from __future__ import annotations
 
 import ast
+import inspect
+import keyword
 import re
+import sys
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any
 
+from symosc.aliases import Record
 from symosc.errors import OutputError, ParameterError
 from symosc.files import read_path, write_text
-from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.symbolic.export_program import FLAGS, Program, program
-from symosc.symbolic.languages import LANGUAGES, MATRIX, RESERVED, C, Julia, wrapped
-from symosc.words import WordLike, read_word
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.words import Map, Word, WordLike, read_word
 
+#: Languages that a mapping structure can be written in.
+LANGUAGES = ("python", "numpy", "c", "julia")
+EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
+#: What the Jacobian of a mapping's function adds to its name. It returns two rows.
+MATRIX = "_jacobian"
+
+_PYTHON = frozenset(keyword.kwlist) | frozenset(keyword.softkwlist) | sys.stdlib_module_names | {"numpy"}
+_C_WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int long register
+restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+"""
+_C_HEADERS = """
+assert complex ctype errno fenv inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio
+stdlib string tgmath time wchar wctype
+"""
+_JULIA = """
+abstract baremodule begin break catch const continue do else elseif end export false finally for function global if
+import in isa let local macro module mutable outer primitive public quote return struct true try type using where while
+Base Core Main
+"""
+#: Names that a file cannot have: words of the language, and what the source or the compiler would find in its place.
+RESERVED = {
+    "python": _PYTHON,
+    "numpy": _PYTHON,
+    "c": frozenset((_C_WORDS + _C_HEADERS).split()),
+    "julia": frozenset(_JULIA.split()),
+}
 
 
 def export(
@@ -100,6 +134,527 @@ def _holds(path: Path, text: str) -> bool:
         raise OutputError(str(path), error.strerror or str(error)) from None
 
 
+# --- what a word needs of the kernels ---
+
+SETTINGS = ("EPS", "SERIES_BELOW", "APART_ABOVE", "TERMS")
+FLAGS = ("under", "apart")
+
+#: `symosc.engine.flow.constants` in double precision, in the syntax that can be printed; APART is that of `flow`.
+SETUP = """
+h = c / (2.0 * m)
+w0sq = k / m
+square = w0sq - h * h
+under = square > 0.0
+omega_d = sqrt(abs(square))
+w0 = sqrt(w0sq)
+l2 = -(h + omega_d)
+l1 = w0sq / l2 if l2 != 0.0 else 0.0
+rate0 = w0 if under else -l2
+rate = rate0 if rate0 > Omega else Omega
+p = w0sq - Omega * Omega
+q = 2.0 * h * Omega
+larger = w0sq if w0sq > Omega * Omega else Omega * Omega
+apart = under and p * p + q * q >= APART * larger * larger
+detuning = (square - Omega * Omega) / (omega_d + Omega) if under else -Omega
+cm = 2.0 * h
+f0 = B0 / m
+Om = Omega
+A1 = (A0 + (mu1 + mu2) * FN) / m
+A2 = (A0 + (mu2 - mu1) * FN) / m
+A3 = (A0 - (mu1 + mu2) * FN) / m
+"""
+
+#: What the functions for arrays need besides.
+FLAT = '''
+def flat(*given):
+    """Return numbers or arrays as flat arrays of one length, and the shape that they have together."""
+    columns = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in given))
+    return [column.ravel() for column in columns], columns[0].shape
+'''
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is to be printed."""
+
+    word: Word
+    functions: dict[str, ast.FunctionDef]  # each after those that it calls
+    maps: list[
+        str
+    ]  # functions of the word's mappings in order of time: "P2", "P4_above"; their Jacobians end in MATRIX
+    fields: list[str]  # names of the constants that are used
+    values: Record | None  # their values, if the parameters are fixed
+    settings: dict[str, float]  # thresholds that the kernels use
+    parameters: Parameters | None  # the fixed ones
+
+    def returns(self) -> dict[str, int]:
+        """Return how many numbers each function returns."""
+        found: dict[str, int] = {}
+        for name, node in self.functions.items():
+            value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
+            if isinstance(value, ast.Tuple):
+                found[name] = len(value.elts)
+            elif isinstance(value, ast.Call) and isinstance(value.func, ast.Name):
+                found[name] = found.get(value.func.id, 1)
+            else:
+                found[name] = 1
+        return found
+
+    @property
+    def passed(self) -> list[str]:
+        """The argument that passes the constants, unless they are fixed."""
+        return ["K"] if self.values is None else []
+
+    def numbers(self) -> dict[str, float]:
+        """Return the named numbers at the top of the source."""
+        return self.settings | {f"K_{name}": value for name, value in (self.values or {}).items()}
+
+    def calls(self, first: int) -> list[tuple[str, str, str]]:
+        """Return for each mapping of the word its function, and the arguments in z of it and of its Jacobian."""
+        found = []
+        for n, label in enumerate(self.maps):
+            z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
+            needs = [argument.arg for argument in self.functions[label + MATRIX].args.args]
+            few = [z[need] for need in needs if need != "K"]
+            found.append((label, ", ".join([*z.values(), *self.passed]), ", ".join([*few, *self.passed])))
+        return found
+
+    def setup(self) -> list[ast.Assign]:
+        """Return the assignments that compute the fields from the parameters."""
+        needed, kept = set(self.fields), []
+        for name, node in reversed(_setup_steps().items()):
+            if name in needed:
+                kept.append(node)
+                needed |= _names(node.value)
+        return kept[::-1]
+
+
+def _setup_steps() -> dict[str, ast.Assign]:
+    """Return the assignments of SETUP by the name that each defines."""
+    from symosc.engine.flow import APART
+
+    source = SETUP.replace("APART", repr(float(APART**2)))
+    return {ast.unparse(node.targets[0]): node for node in ast.parse(source).body if isinstance(node, ast.Assign)}
+
+
+def program(word: Word, arrays: bool, fix: Parameters | None) -> Program:
+    """Collect the functions that a word needs; for numpy arrays or for numbers, with or without fixed parameters."""
+    from symosc.engine.flow import constants  # late: `symosc codegen --help` needs none of these
+    from symosc.kernels import _generated, entire, entire_array, mapping
+
+    K = constants(fix) if fix else None
+    known = {} if K is None else {f"K.{flag}": getattr(K, flag) for flag in FLAGS}
+    if K is not None and K.rate0 == K.rate:
+        known["K.rate0 * tau < SERIES_BELOW"] = False  # where it is asked, rate * tau is not
+        known["slow.any()"] = False
+    if K is not None and K.apart and K.w0 == K.rate:
+        known["K.w0 * tau >= APART_ABOVE"], known["rest.any()"] = True, False
+    modules = [_generated, entire_array if arrays else entire, mapping]
+    fold = Fold(known, fixed=K is not None)
+    trees = [_functions(inspect.getsource(module)) for module in modules]
+    library = {name: fold.function(node) for tree in trees for name, node in tree.items()}
+    maps: list[str] = []
+    wanted: dict[str, str] = {}
+    for row, exit in zip(word.maps, word.exits(), strict=True):
+        for each in [exit] if exit or not row.sticks else ["below", "above"]:
+            label, source = _map_source(row, each, arrays)
+            wanted[label] = wanted[label + MATRIX] = source
+            maps.append(label)
+    if word.maps[-1].sticks and word.exits()[-1] is None:
+        maps.pop()  # the word's own functions take the exit below; the other one is there to be called
+    for source in wanted.values():
+        library |= {name: fold.function(node) for name, node in _functions(source).items()}
+    if arrays:
+        library |= _functions(FLAT)
+    functions: dict[str, ast.FunctionDef] = {}
+    for label in wanted:
+        _add(label, library, functions)
+    leaves = [leaf for node in functions.values() for leaf in ast.walk(node)]
+    used = {leaf.attr for leaf in leaves if isinstance(leaf, ast.Attribute) and _is_K(leaf.value)}
+    used |= {leaf.id[2:] for leaf in leaves if isinstance(leaf, ast.Name) and leaf.id.startswith("K_")}
+    named = {leaf.id for leaf in leaves if isinstance(leaf, ast.Name)}
+    thresholds = vars(entire) | vars(entire_array)
+    settings = {name: thresholds[name] for name in SETTINGS if name in named}
+    fields = [name for name in (*_setup_steps(), "v1", "v2") if name in used]
+    values = None
+    if K is not None:
+        of_belts = {"v1": K.belt1.v, "v2": K.belt2.v}
+        values = {name: of_belts[name] if name in of_belts else getattr(K, name) for name in fields}
+    return Program(word, functions, maps, fields, values, settings, fix)
+
+
+def _is_K(node: ast.expr) -> bool:
+    return isinstance(node, ast.Name) and node.id == "K"
+
+
+def _functions(source: str) -> dict[str, ast.FunctionDef]:
+    return {node.name: node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)}
+
+
+def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, ast.FunctionDef]) -> None:
+    """Add a function after those that it calls."""
+    if name in functions or name not in library:
+        return
+    for leaf in ast.walk(library[name]):
+        if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
+            _add(leaf.func.id, library, functions)
+    functions[name] = library[name]
+
+
+def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
+    """Return the name of a mapping's function, and the source of it and of its Jacobian.
+
+    For arrays, the arguments are made flat and of one length, and all results get their shape.
+    """
+    begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
+    if row.sticks:
+        domain = NEIGHBOURS[row.start.boundary][exit == "above"]
+        label, what = f"{row.label}_{exit}", f"stick on belt {row.start.boundary}, slips into domain {domain}"
+        residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
+        lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"
+        entries = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1"
+        arguments = "theta_j"
+    else:
+        label, what = row.label, f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
+        residual = f"flight(x_i, theta_i, x_j, theta_j, {begin}, {end}, K.A{row.domain}, K)"
+        slopes = f"flight_slopes(x_i, theta_i, theta_j, {begin}, K.A{row.domain}, K)"
+        lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
+        entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
+        arguments = "x_i, theta_i, theta_j"
+    flattened = ""
+    if arrays:
+        residual = f"[part.reshape(shape) for part in np.broadcast_arrays(*{residual})]"
+        entries = f"[part.reshape(shape) for part in np.broadcast_arrays({entries})]"
+        flattened = "[{0}], shape = flat({0})\n    "
+    source = f'''
+def {label}(x_i, theta_i, x_j, theta_j, K):
+    """Return f1, f2 of {row.label}: {what}."""
+    {flattened.format("x_i, theta_i, x_j, theta_j")}return {residual}
+
+def {label}{MATRIX}({arguments}, K):
+    """Return the derivatives of f1, then of f2, by x_i, theta_i, x_j, theta_j."""
+    {flattened.format(arguments)}{lines}
+    return {entries}
+'''
+    return label, source
+
+
+class Fold(ast.NodeTransformer):
+    """Replaces conditions by their truth, `known` by their source; constants by names (K_cm) if they are `fixed`."""
+
+    def __init__(self, known: dict[str, bool], fixed: bool) -> None:
+        self.known, self.fixed = known, fixed
+
+    def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        """Return a folded copy of a function without annotations; its docstring is cut to the first paragraph."""
+        node = self.visit(ast.parse(ast.unparse(node)).body[0])
+        for argument in node.args.args:
+            argument.annotation = None
+        node.returns = None
+        if self.fixed:
+            node.args.args = [argument for argument in node.args.args if argument.arg != "K"]
+        doc = ast.get_docstring(node)
+        if doc:
+            first = " ".join(doc.split("\n\n")[0].split())
+            node.body[0] = ast.Expr(ast.Constant(re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", first)))
+        return ast.fix_missing_locations(node)
+
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        """Replace a condition that is known."""
+        if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
+            return ast.Constant(self.known[ast.unparse(node)])
+        return super().generic_visit(node)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        """Write K.name as K_name, or leave it where the constants stay a tuple."""
+        if not _is_K(node.value) or ast.unparse(node) in self.known:
+            return self.generic_visit(node)
+        return ast.Name(f"K_{node.attr}") if self.fixed else node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        """Write INVERSES[n] as 1.0/n."""
+        if isinstance(node.value, ast.Name) and node.value.id == "INVERSES":
+            return ast.BinOp(ast.Constant(1.0), ast.Div(), node.slice)
+        return self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Leave out the argument K where the constants are names of their own."""
+        node_ = self.generic_visit(node)
+        if self.fixed and isinstance(node_, ast.Call):
+            node_.args = [argument for argument in node_.args if not _is_K(argument)]
+        return node_
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        """Leave out what is known in an `and` or `or`, or all of it if that decides."""
+        values = [self.visit(value) for value in node.values]
+        decides = isinstance(node.op, ast.Or)
+        if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
+            return ast.Constant(decides)
+        values = [value for value in values if not isinstance(value, ast.Constant)]
+        if not values:
+            return ast.Constant(not decides)
+        return values[0] if len(values) == 1 else ast.BoolOp(node.op, values)
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        """Keep the branch that is taken, if that is known."""
+        test = self.visit(node.test)
+        if isinstance(test, ast.Constant):
+            return self.visit(node.body if test.value else node.orelse)
+        return ast.IfExp(test, self.visit(node.body), self.visit(node.orelse))
+
+    def visit_If(self, node: ast.If) -> Any:
+        """Keep the block that is run, if that is known."""
+        test = self.visit(node.test)
+        if isinstance(test, ast.Constant):
+            return self._block(node.body if test.value else node.orelse)
+        return ast.If(test, self._block(node.body), self._block(node.orelse))
+
+    def _block(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        folded = map(self.visit, body)
+        return [node for part in folded for node in (part if isinstance(part, list) else [part])]
+
+
+# --- the languages ---
+
+
+class Language(ast.NodeTransformer):
+    """Prints functions: expressions as Python does, with what differs replaced by names of that text.
+
+    `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
+    """
+
+    member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
+    renamed: dict[str, str] = {}  # noqa: RUF012 (a table, never changed)
+    loop: Callable[[str, int, int], str]
+    unpack: Callable[[list[ast.expr], ast.expr], Iterator[str]]
+    give_back: Callable[[ast.expr], Iterator[str]]
+
+    def __init__(self, returns: dict[str, int]) -> None:
+        self.returns = returns
+
+    def expression(self, node: ast.expr) -> str:
+        """Return the source of an expression."""
+        choice = isinstance(node, ast.IfExp)
+        text = ast.unparse(self.visit(ast.parse(ast.unparse(node), mode="eval").body))
+        return text[1:-1] if choice else text
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
+        """Write a && b, or a || b."""
+        texts = [
+            f"({self.expression(each)})" if isinstance(each, ast.BoolOp) else self.expression(each)
+            for each in node.values
+        ]
+        return ast.Name((" && " if isinstance(node.op, ast.And) else " || ").join(texts))
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
+        """Write a ? b : c in parentheses."""
+        return ast.Name(
+            f"({self.expression(node.test)} ? {self.expression(node.body)} : {self.expression(node.orelse)})"
+        )
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        """Write K.name as the language does."""
+        return ast.Name(f"{ast.unparse(node.value)}{self.member}{node.attr}")
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """Write a name as the language does."""
+        return ast.Name(self.renamed.get(node.id, node.id))
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        """Write a number or a flag."""
+        return ast.Name(str(node.value).lower()) if isinstance(node.value, bool) else node
+
+    def block(self, body: list[ast.stmt]) -> Iterator[str]:
+        """Yield the lines of a block."""
+        for node in body:
+            match node:
+                case ast.Expr(ast.Constant()):
+                    continue
+                case ast.Assign([ast.Tuple(targets)], value):
+                    yield from self.unpack(targets, value)
+                case ast.Assign([target], value):
+                    yield f"{self.expression(target)} = {self.expression(value)}{self.end}"
+                case ast.AugAssign(ast.Name(name), ast.Add(), value):
+                    yield f"{name} += {self.expression(value)}{self.end}"
+                case ast.If(test, then, other):
+                    yield self.condition.format(self.expression(test))
+                    yield from indented(self.block(then))
+                    if other:
+                        yield self.otherwise
+                        yield from indented(self.block(other))
+                    yield self.close
+                case ast.For(ast.Name(name), ast.Call(_, [ast.Constant(int(first)), ast.Constant(int(stop))]), loop):
+                    yield self.loop(name, first, stop)
+                    yield from indented(self.block(loop))
+                    yield self.close
+                case ast.Break():
+                    yield f"break{self.end}"
+                case ast.Return(ast.expr() as value):
+                    yield from self.give_back(value)
+                case _:
+                    raise ValueError(f"cannot be printed: {ast.unparse(node)}")
+
+
+class Julia(Language):
+    """Julia 1.x."""
+
+    def function(self, node: ast.FunctionDef) -> str:
+        """Return the source of a function."""
+        arguments = ", ".join(argument.arg for argument in node.args.args)
+        head = [*comment(ast.get_docstring(node), "# "), f"function {node.name}({arguments})"]
+        return "\n".join([*head, *indented(self.block(node.body)), "end"])
+
+    def loop(self, name: str, first: int, stop: int) -> str:
+        """Return the head of a loop."""
+        return f"for {name} in {first}:{stop - 1}"
+
+    def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
+        """Assign several names at once."""
+        yield f"{', '.join(map(self.expression, targets))} = {self.listed(value)}"
+
+    def give_back(self, value: ast.expr) -> Iterator[str]:
+        """Return one value or several."""
+        yield f"return {self.listed(value)}"
+
+    def listed(self, value: ast.expr) -> str:
+        """Return an expression, or those of a tuple without parentheses."""
+        return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
+
+
+class C(Language):
+    """C99. A function with several results writes them to the array `out`."""
+
+    member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
+    renamed = {"abs": "fabs"}  # noqa: RUF012
+
+    def __init__(self, returns: dict[str, int], struct: str) -> None:
+        super().__init__(returns)
+        self.struct, self.name, self.count = struct, "", 0
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        """Write a flag as 0 or 1, and every number as a double."""
+        return ast.Name(str(int(node.value)) if isinstance(node.value, bool) else repr(float(node.value)))  # type: ignore[arg-type]
+
+    def head(self, node: ast.FunctionDef, prefix: str = "") -> str:
+        """Return the declaration of a function without the semicolon."""
+        count = self.returns[node.name]
+        names = [argument.arg for argument in node.args.args]
+        arguments = [f"const {self.struct} *K" if name == "K" else f"double {name}" for name in names]
+        if count > 1:
+            arguments.append(f"double out{''.join(f'[{size}]' for size in self.shape(node.name))}")
+        return f"{'void' if count > 1 else 'double'} {prefix}{node.name}({', '.join(arguments)})"
+
+    def function(self, node: ast.FunctionDef, static: bool = True, prefix: str = "") -> str:
+        """Return the source of a function."""
+        self.name, self.count = node.name, 0
+        body = list(self.block(node.body))
+        if body[-1] == "return;":
+            body.pop()
+        kinds = _kinds(node)
+        lines = comment(ast.get_docstring(node), " * ", "/*", " */")
+        lines += [f"{'static ' * static}{self.head(node, prefix)}", "{"]
+        for kind in ("double", "int"):
+            declared = ", ".join(name for name, of in kinds.items() if of == kind)
+            lines += [f"    {kind} {declared};"] * bool(declared)
+        lines += [f"    (void){argument.arg};" for argument in node.args.args if argument.arg not in _names(node)]
+        return "\n".join([*lines, *indented(body), "}"])
+
+    def shape(self, name: str) -> list[int]:
+        """Return the shape of the array that a function fills: two rows for a mapping's Jacobian."""
+        count = self.returns[name]
+        return [2, count // 2] if re.fullmatch(rf"P\d\w*{MATRIX}", name) else [count]
+
+    def loop(self, name: str, first: int, stop: int) -> str:
+        """Return the head of a loop."""
+        return f"for (int {name} = {first}; {name} < {stop}; {name}++) {{"
+
+    def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
+        """Assign one by one: from the array of a call, or through copies if a value uses an earlier target."""
+        names = [self.expression(target) for target in targets]
+        if isinstance(value, ast.Call):
+            self.count += 1
+            results = f"results{self.count}"
+            yield f"double {results}[{len(targets)}];"
+            yield f"{self.call_into(value, results)};"
+            yield from (f"{name} = {results}[{n}];" for n, name in enumerate(names) if name != "_")
+            return
+        assert isinstance(value, ast.Tuple)
+        values = value.elts
+        if any(name in _names(later) for n, name in enumerate(names) for later in values[n + 1 :]):
+            yield "{"
+            yield from (f"    const double next{n} = {self.expression(each)};" for n, each in enumerate(values))
+            yield from (f"    {name} = next{n};" for n, name in enumerate(names))
+            yield "}"
+        else:
+            yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, values, strict=True))
+
+    def give_back(self, value: ast.expr) -> Iterator[str]:
+        """Return one value, or write several to `out`."""
+        if isinstance(value, ast.Tuple):
+            columns = self.shape(self.name)[-1]
+            for n, each in enumerate(value.elts):
+                place = f"[{n // columns}][{n % columns}]" if columns < len(value.elts) else f"[{n}]"
+                yield f"out{place} = {self.expression(each)};"
+            yield "return;"
+        elif isinstance(value, ast.Call) and self.returns.get(ast.unparse(value.func), 1) > 1:
+            yield f"{self.call_into(value, 'out')};"
+            yield "return;"
+        else:
+            yield f"return {self.expression(value)};"
+
+    def call_into(self, call: ast.Call, target: str) -> str:
+        """Return a call that writes its results to an array."""
+        return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target})"
+
+
+def _names(node: ast.AST) -> set[str]:
+    """Return the names in a syntax tree."""
+    return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
+
+
+def _kinds(node: ast.FunctionDef) -> dict[str, str]:
+    """Return "double" or "int" (a flag) for each local variable of a function."""
+    kinds: dict[str, str] = {}
+    given = {argument.arg for argument in node.args.args} | {"_"}
+    for leaf in (each for each in ast.walk(node) if isinstance(each, ast.Assign)):
+        target, value = leaf.targets[0], leaf.value
+        flag = isinstance(value, ast.Compare | ast.BoolOp)
+        flag = flag or (isinstance(value, ast.Constant) and isinstance(value.value, bool))
+        for name in target.elts if isinstance(target, ast.Tuple) else [target]:
+            if isinstance(name, ast.Name) and name.id not in given:
+                kinds.setdefault(name.id, "int" if flag else "double")
+    return kinds
+
+
+def wrapped(text: str) -> str:
+    """Return C source with long lines folded at spaces; C does not care where."""
+    lines = []
+    for line in text.splitlines():
+        indent = line[: len(line) - len(line.lstrip())]
+        long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
+        folded = textwrap.wrap(line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False)
+        lines += folded if long else [line]
+    return "\n".join(lines) + "\n"
+
+
+def indented(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines one level deeper."""
+    return (f"    {line}" for line in lines if line)
+
+
+def comment(text: str | None, mark: str, opening: str = "", closing: str = "") -> list[str]:
+    """Return the first sentence of a docstring as comment lines."""
+    if not text:
+        return []
+    first = " ".join(text.split("\n\n")[0].split())
+    lines = [mark + line for line in textwrap.wrap(first, EXPORT_WIDTH - len(mark))]
+    if not opening:
+        return lines
+    if len(lines) == 1:
+        return [f"{opening} {first} */"]
+    return [opening, *lines, closing]
+
+
 # --- layout ---
 
 
@@ -119,66 +674,46 @@ def _about(program: Program, mark: str) -> list[str]:
     return [f"{mark}{line}".rstrip() for line in lines]
 
 
-def _numbers(program: Program) -> dict[str, float]:
-    """Return the named numbers at the top of the source."""
-    values = {} if program.values is None else program.values
-    return program.settings | {f"K_{name}": value for name, value in values.items()}
-
-
-def _calls(program: Program, first: int) -> list[tuple[str, list[str], list[str]]]:
-    """Return for each mapping of the word its function, and the arguments in z of it and of its Jacobian."""
-    found = []
-    for n, label in enumerate(program.maps):
-        z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
-        needs = [argument.arg for argument in program.functions[label + MATRIX].args.args]
-        found.append((label, list(z.values()), [z[need] for need in needs if need != "K"]))
-    return found
-
-
 def _python(program: Program, arrays: bool) -> str:
     functions = [ast.unparse(node) for node in program.functions.values()]
-    used = {leaf.id for node in program.functions.values() for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
-    passed, parts = ([], []) if program.values is not None else (["K"], [_python_setup(program)])
-    if passed:
-        used.add("sqrt")
-    source = "numpy" if arrays else "math"
-    imports = ["from collections import namedtuple", ""] * bool(passed) + ["import numpy as np"] * arrays
-    imports.append(f"from {source} import {', '.join(name for name in MATH if name in used)}")
+    used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
+    imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
+    imports.append(f"from {'numpy' if arrays else 'math'} import {', '.join(name for name in MATH if name in used)}")
     head = ['"""' + "\n".join(_about(program, "")) + '\n"""', "\n".join(imports)]
-    if _numbers(program):
-        head.append("\n".join(f"{name} = {value!r}" for name, value in _numbers(program).items()))
-    whole = _numpy_whole(program, passed) if arrays else _python_whole(program, passed)
-    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*parts, *functions, *whole]) + "\n"
+    if program.numbers():
+        head.append("\n".join(f"{name} = {value!r}" for name, value in program.numbers().items()))
+    setup = [_python_setup(program)] if program.passed else []
+    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*setup, *functions, *_python_whole(program, arrays)]) + "\n"
 
 
-def _python_whole(program: Program, passed: list[str]) -> list[str]:
-    """Return the functions of the whole word, on numbers."""
-    calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
-    residual = [f"        *{label}({', '.join([*z, *passed])})," for label, z, _ in calls]
-    jacobian = [f"        {label}{MATRIX}({', '.join([*z, *passed])})," for label, _, z in calls]
-    doc = '    """Return f1, f2 of each map, in order of time."""'
-    first = "\n".join([f"def residual({arguments}):", doc, "    return [", *residual, "    ]"])
-    doc = '    """Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."""'
-    end = ["    ]", "    return [[list(block[:4]), list(block[4:])] for block in blocks]"]
-    return [first, "\n".join([f"def jacobian({arguments}):", doc, "    blocks = [", *jacobian, *end])]
-
-
-def _numpy_whole(program: Program, passed: list[str]) -> list[str]:
-    """Return the functions of the whole word, on numbers and arrays that broadcast."""
-    calls, arguments = _calls(program, 0), ", ".join(["z", *passed])
-    lines = []
-    for name, spread, shape, what in (
-        ("residual", "*", str(2 * len(calls)), "f1, f2 of each map, in order of time: shape"),
-        ("jacobian", "", f"{len(calls)}, 2, 4", "the derivatives of f1, f2 of each map, in order of time: shape"),
-    ):
-        rows = [
-            f"        {spread}{label}{MATRIX * (not spread)}({', '.join([*(z if spread else few), *passed])}),"
-            for label, z, few in calls
+def _python_whole(program: Program, arrays: bool) -> list[str]:
+    """Return the functions of the whole word, on numbers, or on arrays that broadcast."""
+    calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
+    spread = [f"        *{label}({z})," for label, z, _ in calls]
+    blocks = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
+    if arrays:
+        docs = [
+            f"{what} of each map, in order of time: shape ({shape}) and that of the numbers in z."
+            for what, shape in (("f1, f2", 2 * len(calls)), ("the derivatives of f1, f2", f"{len(calls)}, 2, 4"))
         ]
-        head = [f"def {name}({arguments}):", f'    """Return {what} ({shape}) and that of the numbers in z."""']
-        body = ["    z, shape = flat(*z)", "    rows = [", *rows, "    ]"]
-        lines.append("\n".join([*head, *body, f"    return np.array(rows).reshape(({shape}, *shape))"]))
-    return lines
+        bodies = [
+            [
+                "    z, shape = flat(*z)",
+                "    rows = [",
+                *rows,
+                "    ]",
+                f"    return np.array(rows).reshape(({shape}, *shape))",
+            ]
+            for rows, shape in ((spread, 2 * len(calls)), (blocks, f"{len(calls)}, 2, 4"))
+        ]
+    else:
+        docs = [f"{what} of each map, in order of time." for what in ("f1, f2", "the 2 x 4 derivatives of f1, f2")]
+        end = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
+        bodies = [["    return [", *spread, "    ]"], ["    blocks = [", *blocks, "    ]", end]]
+    return [
+        "\n".join([f"def {name}({arguments}):", f'    """Return {doc}"""', *body])
+        for name, doc, body in zip(("residual", "jacobian"), docs, bodies, strict=True)
+    ]
 
 
 def _python_setup(program: Program) -> str:
@@ -190,7 +725,7 @@ def _python_setup(program: Program) -> str:
 
 def _c(program: Program, name: str) -> dict[str, str]:
     c, count, fixed = C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
-    constants, passed = ("", []) if fixed else (f"const {name}_constants *K, ", ["K"])
+    constants = "" if fixed else f"const {name}_constants *K, "
     public = [label for label in program.functions if re.match(r"P[1-8]", label)]
     residual = f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
     jacobian = f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
@@ -206,16 +741,16 @@ def _c(program: Program, name: str) -> dict[str, str]:
     header += [f"{c.head(program.functions[label], f'{name}_')};" for label in public]
     header += ["", "#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */"]
     source = [f'#include "{name}.h"\n\n#include <math.h>']
-    numbers = _numbers(program).items()
+    numbers = program.numbers().items()
     source.append("\n".join(f"static const double {key} = {float(value)!r};" for key, value in numbers))
     for label, node in program.functions.items():
         source.append(c.function(node, label not in public, f"{name}_" if label in public else ""))
     if not fixed:
         source.append(_c_setup(program, c, setup))
-    calls = list(enumerate(_calls(program, 0)))
-    lines = [f"    {name}_{label}({', '.join([*z, *passed])}, f + {2 * n});" for n, (label, z, _) in calls]
+    calls = list(enumerate(program.calls(0)))
+    lines = [f"    {name}_{label}({z}, f + {2 * n});" for n, (label, z, _) in calls]
     source.append("\n".join([residual, "{", *lines, "}"]))
-    lines = [f"    {name}_{label}{MATRIX}({', '.join([*z, *passed])}, J[{n}]);" for n, (label, _, z) in calls]
+    lines = [f"    {name}_{label}{MATRIX}({z}, J[{n}]);" for n, (label, _, z) in calls]
     source.append("\n".join([jacobian, "{", *lines, "}"]))
     parts = (part for part in source if part)
     return {f"{name}.h": wrapped("\n".join(header)), f"{name}.c": wrapped("\n\n".join(parts))}
@@ -227,16 +762,16 @@ def _c_setup(program: Program, c: C, signature: str) -> str:
     for node in program.setup():
         name = ast.unparse(node.targets[0])
         lines.append(f"    const {'int' if name in FLAGS else 'double'} {name} = {c.expression(node.value)};")
-        used |= {leaf.id for leaf in ast.walk(node.value) if isinstance(leaf, ast.Name)}
+        used |= _names(node.value)
     lines += [f"    K->{field} = {field};" for field in program.fields]
     lines += [f"    (void){name};" for name in PARAMETER_NAMES if name not in used]
     return "\n".join([signature, "{", *lines, "}"])
 
 
 def _julia(program: Program, name: str) -> str:
-    julia, passed = Julia(program.returns()), ["K"] if program.values is None else []
+    julia, passed = Julia(program.returns()), program.passed
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
-    numbers = _numbers(program)
+    numbers = program.numbers()
     head = [f"module {_module(name, {*exports, *program.functions, *numbers, 'Constants'})}"]
     head.append(f"export {', '.join(exports)}")
     parts = ["\n".join(_about(program, "# ")), *head]
@@ -249,12 +784,11 @@ def _julia(program: Program, name: str) -> str:
         arguments = ", ".join(PARAMETER_NAMES)
         parts.append("\n".join([f"function constants(; {arguments})", *(f"    {line}" for line in lines), "end"]))
     parts += [julia.function(node) for node in program.functions.values()]
-    calls = _calls(program, 1)
-    arguments = ", ".join(["z", *passed])
-    lines = [f"        {label}({', '.join([*z, *passed])})...," for label, z, _ in calls]
+    calls, arguments = program.calls(1), ", ".join(["z", *passed])
+    lines = [f"        {label}({z})...," for label, z, _ in calls]
     doc = "# Return f1, f2 of each map, in order of time."
     parts.append("\n".join([doc, f"function residual({arguments})", "    return [", *lines, "    ]", "end"]))
-    lines = [f"        {label}{MATRIX}({', '.join([*z, *passed])})," for label, _, z in calls]
+    lines = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
     doc = "# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."
     rows = "    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]"
     body = [f"function jacobian({arguments})", "    blocks = (", *lines, "    )", rows, "end"]

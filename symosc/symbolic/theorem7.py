@@ -10,18 +10,19 @@ Phases are points of the circle [0, 2 pi): where the paper writes [0, a) U (b, 2
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy as sp
+from sympy.printing.latex import LatexPrinter
 
 from symosc.aliases import Expr, NumberLike, Order
 from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
-from symosc.mappings.latex import table
-from symosc.mappings.phase import has_pi, read_text
+from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase_text
 from symosc.mappings.theorem7_cases import (
     ALL_BUT_ONE,
     EMPTY,
@@ -32,7 +33,6 @@ from symosc.mappings.theorem7_cases import (
     place,
     window_kind,
 )
-from symosc.symbolic.grazing_latex import latex
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -74,7 +74,7 @@ class Case(NamedTuple):
         return f"${self.latex()}$"
 
 
-class Theorem7Cases(tuple[Case, ...]):
+class Theorem7Cases(tuple[Case, ...], LatexAnswer):
     """The cases of Theorem 7 for symbols: a tuple of Case that can be printed and computed with.
 
     Examples
@@ -96,16 +96,8 @@ class Theorem7Cases(tuple[Case, ...]):
     def latex(self) -> str:
         """Return the cases as a table in LaTeX (an array, no dollar signs)."""
         heads = [r"\text{case}", r"\text{condition}", r"\mathrm{mod}(\Omega t_m, 2\pi) \in"]
-        rows = ((_label_latex(case.label), latex(case.condition), latex(case.phases)) for case in self)
-        return table(heads, rows)
-
-    def _repr_latex_(self) -> str:
-        return f"${self.latex()}$"
-
-
-def _label_latex(label: str) -> str:
-    number, shifted, _ = label.partition(" shifted by pi")
-    return rf"{number}\text{{, shifted by }}\pi" if shifted else number
+        rows = [(case.label, latex(case.condition), latex(case.phases)) for case in self]
+        return latex_table(heads, rows).replace(" shifted by pi", r"\text{, shifted by }\pi")
 
 
 @public
@@ -153,14 +145,7 @@ def theorem7(
 
 def window_phases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Expr:
     """Return the set for numbers; see `theorem7`."""
-    gamma_sign, amplitude_sign, excess_sign = signs(gamma, amplitude)
-    kind = window_kind(where.side, gamma_sign, amplitude_sign, excess_sign, full)
-    if kind in (EMPTY, EVERYTHING):
-        return CIRCLE if kind == EVERYTHING else sp.S.EmptySet
-    above = where.side * amplitude_sign > 0
-    if kind == ALL_BUT_ONE:
-        return _all_but(above)
-    return _arc(sp.asin(-gamma / amplitude), kind, above)
+    return _phases(where, signs(gamma, amplitude), gamma, amplitude, full)
 
 
 def signs(gamma: Expr, amplitude: Expr) -> tuple[int, int, int]:
@@ -178,18 +163,20 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 # --- the sets ---
 
 
-def _arc(theta_cr: Expr, kind: int, above: bool) -> Expr:
-    """Return where sin(theta) > sin(theta_cr), or < if not `above`."""
+def _phases(where: Place, of: tuple[int, int, int], gamma: Expr, amplitude: Expr, full: bool) -> Expr:
+    """Return the set where gamma, amplitude and |gamma| - |amplitude| have these signs."""
+    kind = window_kind(where.side, *of, full)
+    if kind in (EMPTY, EVERYTHING):
+        return CIRCLE if kind == EVERYTHING else sp.S.EmptySet
+    above = where.side * of[1] > 0  # where sin(theta) > sin(theta_cr), else where it is less
+    if kind == ALL_BUT_ONE:
+        point = BOTTOM if above else TOP
+        return _through_zero(point, point)
+    theta_cr = sp.asin(-gamma / amplitude) if of[0] else sp.S.Zero
     turned, wrapped = sp.pi - theta_cr, 2 * sp.pi + theta_cr
     if kind == WRAPPED_ARC:
         return _through_zero(turned, wrapped) if above else _through_zero(theta_cr, turned)
     return _interval(theta_cr, turned) if above else _interval(turned, wrapped)
-
-
-def _all_but(above: bool) -> Expr:
-    """Return the circle without the point where sin(theta) = -1, or 1 if not `above`."""
-    point = BOTTOM if above else TOP
-    return _through_zero(point, point)
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
@@ -208,73 +195,38 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 
 def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
-    values = {GAMMA: gamma, AMPLITUDE: amplitude}
-    found = []
-    for case in all_cases(where, full):
-        condition = case.condition.subs(values, simultaneous=True)
-        if condition != sp.false:
-            # The sets are written for the signs that the condition demands.
-            phases = _substituted(case.phases, values)
-            found.append(Case(case.label, condition, phases))
-    return Theorem7Cases(found)
+    def substituted(expr: Expr) -> Expr:
+        if isinstance(expr, sp.Union):
+            return sp.Union(*map(substituted, expr.args), evaluate=False)
+        return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
-
-def _substituted(phases: Expr, values: dict[Expr, Expr]) -> Expr:
-    if isinstance(phases, sp.Union):
-        return sp.Union(*(_substituted(part, values) for part in phases.args), evaluate=False)
-    return phases.subs(values, simultaneous=True)
+    conditions = [(case, substituted(case.condition)) for case in all_cases(where, full)]
+    # The sets are written for the signs that the condition demands.
+    found = ((case, condition) for case, condition in conditions if condition != sp.false)
+    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in found)
 
 
 @cache
 def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
     """Return every case in the real symbols gamma and a = B0 Omega/m, those with a > 0 first, in the paper's order."""
     g, a = GAMMA, AMPLITUDE
-    found = [
-        Case(*_case(where, g, a, amplitude_sign, gamma_sign, excess_sign, condition, full))
-        for amplitude_sign in (1, -1)
-        for gamma_sign, excess_sign, condition in _conditions(where, g, amplitude_sign * a)
-    ]
+    found = []
+    for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
+        size = amplitude_sign * a
+        low = [((0, -1), sp.Eq(g, 0)), ((-1, -1), (g < 0) & (g > -size))]
+        equal, beyond = ((-1, 0), sp.Eq(g, -size)), ((-1, 1), g < -size)
+        if where.side > 0:
+            high = [((1, 0), sp.Eq(g, size)), ((1, 1), g > size)]
+            low += [beyond, equal]
+        else:
+            high = [((1, 0), g >= size)]
+            low += [equal, beyond]
+        for (gamma_sign, excess_sign), condition in [((1, -1), (g > 0) & (g < size)), *high, *low]:
+            found.append(((gamma_sign, amplitude_sign, excess_sign), condition & sign))
     nothing, everything = (g <= 0, g > 0) if where.side > 0 else (g >= 0, g < 0)
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
-        found.append(Case(*_case(where, g, a, 0, gamma_sign, gamma_sign, condition, full)))
-    return tuple(found)
-
-
-def _conditions(where: Place, g: Expr, size: Expr) -> list[tuple[int, int, Expr]]:
-    """Return the signs of gamma and |gamma| - size with what says so; size = |amplitude| > 0."""
-    small = [(1, -1, (g > 0) & (g < size)), (0, -1, sp.Eq(g, 0)), (-1, -1, (g < 0) & (g > -size))]
-    if where.side > 0:
-        return [
-            small[0],
-            (1, 0, sp.Eq(g, size)),
-            (1, 1, g > size),
-            *small[1:],
-            (-1, 1, g < -size),
-            (-1, 0, sp.Eq(g, -size)),
-        ]
-    return [small[0], (1, 0, g >= size), *small[1:], (-1, 0, sp.Eq(g, -size)), (-1, 1, g < -size)]
-
-
-def _case(
-    where: Place,
-    g: Expr,
-    a: Expr,
-    amplitude_sign: int,
-    gamma_sign: int,
-    excess_sign: int,
-    condition: Expr,
-    full: bool,
-) -> tuple[str, Expr, Expr]:
-    label = case_label(where, gamma_sign, amplitude_sign, excess_sign)
-    condition &= {1: a > 0, 0: sp.Eq(a, 0), -1: a < 0}[amplitude_sign]
-    kind = window_kind(where.side, gamma_sign, amplitude_sign, excess_sign, full)
-    above = where.side * amplitude_sign > 0
-    if kind in (EMPTY, EVERYTHING):
-        return label, condition, CIRCLE if kind == EVERYTHING else sp.S.EmptySet
-    if kind == ALL_BUT_ONE:
-        return label, condition, _all_but(above)
-    theta_cr = sp.asin(-g / a) if gamma_sign else sp.S.Zero
-    return label, condition, _arc(theta_cr, kind, above)
+        found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
+    return tuple(Case(case_label(where, *of), condition, _phases(where, of, g, a, full)) for of, condition in found)
 
 
 # --- exact numbers ---
@@ -298,7 +250,7 @@ def real(name: str, value: NumberLike) -> Expr:
                 raise ParameterError(name, value, "must be a real number")
         return value
     if has_pi(value):
-        return read_text(name, value).symbolic()
+        return read_phase_text(name, value).symbolic()
     try:
         return rational(read_exact(name, value))
     except ParameterError as error:
@@ -340,3 +292,64 @@ def _is_zero(number: Expr) -> bool:
         x = sp.Dummy("x")
         return bool(sp.minimal_polynomial(number, x) == x)
     return bool(sp.simplify(number) == 0)
+
+
+# --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
+
+LESS = {sp.StrictLessThan: "<", sp.LessThan: r"\leq"}
+
+
+class AnswerPrinter(LatexPrinter):
+    """sympy's printer with the order of terms and the chains of inequalities that a reader expects."""
+
+    def __init__(self) -> None:
+        super().__init__({"inv_trig_style": "full"})
+
+    def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
+        """Return multiples of pi first where arcsines follow."""
+        terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
+        arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
+        return [term for term in terms if term not in arcs] + arcs
+
+    def _print_EmptySet(self, expr: Expr) -> str:
+        return r"\varnothing"
+
+    def _print_And(self, expr: Expr, char: Any = None) -> str:
+        return r",\ ".join(self._chained(list(expr.args)))
+
+    def _print_Or(self, expr: Expr, char: Any = None) -> str:
+        # A chain has commas, so that alternatives are words.
+        return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
+
+    def _chained(self, conditions: list[Expr]) -> Iterable[str]:
+        """Yield conditions, two bounds of one expression as a chain a < b < c; what is compared most comes last."""
+        bounds = [_bound(each) for each in conditions]
+        texts = []
+        while conditions:
+            each, (low, subject, high) = conditions.pop(0), bounds.pop(0)
+            for i, (other_low, other, other_high) in enumerate(bounds):
+                if subject is not None and subject == other and (low is None) != (other_low is None):
+                    low, high = low or other_low, high or other_high
+                    del conditions[i], bounds[i]
+                    break
+            if low and high:
+                ends = [self._print(part) for part in (low[0], subject, high[0])]
+                texts.append((True, f"{ends[0]} {LESS[low[1]]} {ends[1]} {LESS[high[1]]} {ends[2]}"))
+            else:
+                texts.append((isinstance(each, sp.Eq), self._print(each)))
+        yield from (text for _, text in sorted(texts, key=lambda pair: (not pair[0], pair[1])))
+
+
+def _bound(condition: Expr) -> tuple[Any, Any, Any]:
+    """Return (low, subject, high) of an inequality, where low or high is (expression, kind) or None."""
+    if not isinstance(condition, sp.StrictLessThan | sp.LessThan | sp.StrictGreaterThan | sp.GreaterThan):
+        return None, None, None
+    strict = isinstance(condition, sp.StrictLessThan | sp.StrictGreaterThan)
+    kind = sp.StrictLessThan if strict else sp.LessThan
+    bound = condition.rhs, kind
+    return (bound, condition.lhs, None) if condition.lhs == condition.gts else (None, condition.lhs, bound)
+
+
+def latex(expr: Expr) -> str:
+    """Return LaTeX of a set of phases or values, a condition or an expression (no dollar signs)."""
+    return str(AnswerPrinter().doprint(expr))

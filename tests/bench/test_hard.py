@@ -15,7 +15,7 @@ from bench_moods import moody
 from symosc import load_scene
 from symosc.bench import hard, hard_table, ours
 from symosc.bench.solvers import Solver
-from symosc.reference.hard_cases import (
+from symosc.reference.cases import (
     GROUPS,
     HardCase,
     hard_cases,

@@ -26,7 +26,7 @@ from symosc.certificates.settled import prove_settled
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.exact import read_exact, read_start_error
 from symosc.model import MODE_NAMES
-from symosc.reference.hard_cases import hard_cases
+from symosc.reference.cases import hard_cases
 
 
 def test_a_motion_begins_as_the_engine_says() -> None:

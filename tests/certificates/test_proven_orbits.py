@@ -8,13 +8,14 @@ from fractions import Fraction
 from functools import cache
 
 import pytest
+from collect_orbits import collect
 from flint import arb
 from mpmath import mp
 
 from symosc import Parameters, certify, continue_orbit, find_orbit, grazing_window, load_scene
 from symosc.certificates.branch import BranchProver
 from symosc.certificates.orbit import certify_orbit
-from symosc.certificates.orbit_list import collect, listed_orbits, prove_list, summary, verify_list
+from symosc.certificates.orbit_list import listed_orbits, prove_list, summary, verify_list
 from symosc.certificates.window import ALL_PHASES, BUT_ONE_PHASE, NO_PHASE, ON_AN_ARC
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit

@@ -14,7 +14,7 @@ from cli_runs import COMMANDS, good, run
 
 from symosc import ParameterError, load_scene
 from symosc.cli.common import scene_with
-from symosc.scenes.writing import as_toml
+from symosc.scenes import as_toml
 
 
 def test_a_scene_with_changes() -> None:

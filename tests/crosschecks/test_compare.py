@@ -1,8 +1,11 @@
-"""Cross-checks: right solutions pass, and each kind of mistake is found for what it is."""
+"""Whole cross-checks: right solutions pass, each mistake is found for what it is; summaries; several solutions."""
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,10 +14,16 @@ import pytest
 from careful_solver import TIGHT, Run, random_parameters, solve
 from excerpts import crosscheck
 from samples import sample_of
+from solution_files import COLUMNS, T, V, X
+from units import UNITS, Units
 
-from symosc import ParameterError, Scene, load_scene, simulate
+from symosc import CrossCheck, ParameterError, Parameters, Scene, load_scene, simulate
 from symosc.crosschecks import compare
-from symosc.crosschecks.compare import CrossCheck
+from symosc.crosschecks.causes import explain
+from symosc.crosschecks.samples import Samples, check_joints, checked
+from symosc.crosschecks.velocities import NOTE, with_velocities
+
+# -- compare -----------------------------------------------------------------------------------------------------------
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
@@ -265,35 +274,6 @@ def test_a_solution_goes_on_to_the_end_of_the_scene() -> None:
     assert compare.crosscheck(resting, simulate(resting)).ok
 
 
-def test_units_are_the_largest_values_and_at_least_those_of_the_belts() -> None:
-    rng = np.random.default_rng(5)
-    p = load_scene("fig9").parameters
-    fastest = max(abs(float(p.v1)), abs(float(p.v2)))
-    rate = max(float(p.Omega), float(p.k / p.m) ** 0.5)
-    for size_x, size_v in ((1e-6, 1e-6), (1e3, 1e-6), (1e-6, 1e3), (1e3, 1e3)):
-        exact = np.array([size_x, size_v])[:, None] * rng.uniform(-1, 1, (2, 50))
-        x, v = compare._scales(p, exact)
-        assert v == max(np.abs(exact[1]).max(), fastest)
-        assert x == max(np.abs(exact[0]).max(), v / rate)
-
-
-def test_a_wrong_decision_behind_many_wrong_steps_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first wrong steps are explained, and of all others those with an event, or where the mode is another one."""
-    n, most = 40, 5
-    modes = np.full(n + 1, 2)
-    steps = SimpleNamespace(t=np.arange(n + 1.0), last=modes[1:].copy())
-    sizes = np.full(n, 2.0)
-    sizes[[10, 25]] = 0.5
-    steps.last[[20, 30]] = 5  # the samples fly where the exact motion sticks
-    modes[33] = 0  # where they only pass a belt there is no mode to compare
-    matching = SimpleNamespace(invented=[SimpleNamespace(step=15), SimpleNamespace(step=25)], missed=[])
-    monkeypatch.setattr(compare, "MOST_FAULTS", most)
-    monkeypatch.setattr(compare, "explain", lambda steps, chosen, *_: tuple(chosen))
-    assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 20, 30)
-    matching.missed.append(SimpleNamespace(t=18.5))
-    assert compare._faults(steps, modes, sizes, None, None, matching) == (0, 1, 2, 3, 4, 15, 18, 20, 30)
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -351,3 +331,479 @@ def test_right_samples_of_random_systems_pass(count: int) -> None:
         assert not crosscheck(p, t, x, v * (1 + 1e-6)).ok
         events += len(exact.events)
     assert events > 8 * count
+
+
+# -- compare parts -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("column", "name"), [(0, "x"), (1, "v")])
+def test_a_joint_may_jump_by_a_part_of_the_largest_value(column: int, name: str) -> None:
+    """... and by what rounding leaves open on both sides; the time and the jump are named."""
+    t = np.array([0.0, 1.0, 1.0, 2.0, 2.0, 3.0])
+    for largest, slack in ((5.0, 0.0), (5.0, 0.3), (1e-3, 0.0)):
+        limit = 1e-2 * largest + 2 * slack
+        for part, fine in ((0.99, True), (1.01, False), (-0.99, True), (-1.01, False)):
+            values = np.zeros((2, 6))
+            values[column, 0], values[column, 4] = -largest, part * limit
+            values[column, 5] = values[column, 4]
+            slacks = np.zeros((2, 6))
+            slacks[column] = slack
+            samples = Samples(t, *values)
+            if fine:
+                check_joints(samples, 1e-2, *slacks)
+                continue
+            with pytest.raises(ParameterError, match=rf"t\[4\] = 2.* \({name} jumps by {abs(part) * limit:.3g}\)"):
+                check_joints(samples, 1e-2, *slacks)
+
+
+def test_arguments_are_read() -> None:
+    t = np.linspace(0, 3, 9)
+    x, v = simulate("fig5", t_end=3)(t)
+    for name in ("tolerance", "global_tolerance"):
+        for bad in (0, -1e-8, "0"):
+            with pytest.raises(ParameterError, match=f"^{name} = "):
+                crosscheck("fig5", t, x, v, **{name: bad})
+    with pytest.raises(ParameterError, match="must be a Scene"):
+        crosscheck(None, t, x, v)  # type: ignore[arg-type]
+    result = crosscheck("fig5", t, x, v, tolerance="1e-6")  # type: ignore[arg-type]
+    assert (result.tolerance, result.global_tolerance) == (1e-6, 1e-3)
+    assert crosscheck("fig5", t, x, v, global_tolerance=0.5).global_tolerance == 0.5
+    assert crosscheck("fig5", {"t": t, "x": x, "v": v}).ok
+    listed = [(event.t, event.kind) for event in simulate("fig5", t_end=3).events]
+    assert len(crosscheck("fig5", {"t": t, "x": x, "v": v}, events=listed).matched) == len(listed)
+
+
+# -- report ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_right_solution_in_words() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    result = crosscheck("fig5", t, x, v)
+    lines = result.summary().splitlines()
+    assert lines[0] == "ok: 200 samples, tolerance 1e-08 per step"
+    assert "wrong steps: 0 of 199" in lines[1]
+    assert lines[3] == f"events: {len(simulate('fig5', t_end=7).events)} matched, 0 missed, 0 invented, " + (
+        "0 within the global error"
+    )
+
+
+def test_long_lists_are_cut_and_counted() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    given = [(0.3 + 0.1 * i, "cross") for i in range(8)]
+    result = crosscheck("fig5", t, x, v, events=given)
+    exact = simulate("fig5", t_end=7).events
+    assert not result.ok
+    assert len(result.invented) == 8
+    assert len(result.missed) == len(exact)
+    lines = result.summary().splitlines()
+    assert lines[0].startswith("FAILED")
+    assert [line for line in lines if line.startswith("invented")] == [
+        *(f"invented: cross at t = {time:.10g}" for time, _ in given[:5]),
+        "invented: and 3 more",
+    ]
+    missed = [f"missed: {event.kind} on belt {event.boundary} at t = {event.t:.10g}" for event in exact]
+    assert [line for line in lines if line.startswith("missed")] == missed[:5]
+
+
+def test_plain_data_is_the_result() -> None:
+    t = np.linspace(0, 7, 200)
+    x, v = simulate("fig5", t_end=7)(t)
+    v[100] += 0.1
+    result = crosscheck("fig5", t, x, v)
+    data = json.loads(json.dumps(result.as_dict()))
+    assert data["ok"] is False
+    assert data["wrong_steps"] == [99, 100]
+    assert data["first_wrong"]["words"] == "without sample 100 the step from 99 to 101 is right"
+    assert len(data["matched"]) == len(result.matched)
+    assert (data["max_error_x"], data["max_error_v"]) == (result.max_error_x, result.max_error_v)
+    assert [data["max_defect_x"], data["max_defect_v"]] == np.abs(result.defects).max(axis=0).tolist()
+    assert data["max_defect_x"] != data["max_defect_v"]
+    worst = f"{data['max_defect_x']:.2e} in x, {data['max_defect_v']:.2e} in v; wrong steps: 2 of 199"
+    assert f"largest defect of a step: {worst}" in result.summary()
+    assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()
+
+
+@pytest.mark.parametrize("which", [0, 2])
+def test_the_largest_error_of_a_time_is_named(which: int) -> None:
+    t = np.linspace(0, 7, 200)
+    run = simulate("fig5", t_end=7)
+    given = [(event.t + (-3e-9 if i == which else 1e-10), event.kind) for i, event in enumerate(run.events)]
+    result = crosscheck("fig5", t, *run(t), events=given)
+    assert result.ok
+    assert len(result.matched) > 2
+    worst = run.events[which]
+    assert f"largest error of an event's time: 3.00e-09 at t = {worst.t:.10g}" in result.summary()
+
+
+def test_what_is_probably_wrong_is_in_the_summary_with_its_evidence() -> None:
+    """... and with what the samples cannot tell from it; that samples are rounded is a note already."""
+    t = np.linspace(0, 7, 300)
+    for k, digits in ((1.1, 15), (1, 5)):
+        x, v = simulate(load_scene("fig5").parameters.replace(k=k), t0=0, x0=0, v0=0, t_end=7)(t)
+        result = crosscheck("fig5", t, np.round(x, digits), np.round(v, digits))
+        assert result.diagnosis
+        told = [each for one in result.diagnosis if one.cause != "precision" for each in (one, *one.alternatives)]
+        expected = [f"{each.words} ({each.evidence})" for each in told]
+        lines = [line.partition(": ")[2] for line in result.summary().splitlines() if line.startswith("diagnosis: ")]
+        assert [line.removeprefix("or: ") for line in lines] == expected
+        assert bool(expected) == (digits == 15)
+
+
+def test_a_start_that_is_rounded_is_the_scenes() -> None:
+    scene = replace(load_scene("fig9"), t0=Fraction(0), x0=Fraction("0.123449"), v0=Fraction("0.654351"))
+    t = np.linspace(0, 7, 300)
+    x, v = simulate(scene, t_end=7)(t)
+    for shift, told in ((0.0, False), (0.01, True)):
+        result = crosscheck(scene, t, np.round(x + shift, 3), np.round(v, 3))
+        assert any("the solution starts at t0 = 0, x0 = 0.13" in note for note in result.notes) == told
+
+
+# -- many --------------------------------------------------------------------------------------------------------------
+
+
+WRONG = {**COLUMNS, "v": V + 0.1 * (T > 2)}
+THREE = [COLUMNS, WRONG, np.column_stack([T, X])]
+
+
+@pytest.mark.slow
+def test_a_list_of_results_with_a_summary() -> None:
+    calls: list[tuple[int, int]] = []
+    checks = crosscheck("fig9", THREE, progress=lambda *numbers: calls.append(numbers))
+    assert isinstance(checks, list)
+    assert [check.ok for check in checks] == [True, False, True]
+    assert not checks.ok
+    assert calls == [(1, 3), (2, 3), (3, 3)]
+    assert repr(checks) == "<CrossChecks of 3 solutions: 2 ok, 1 failed>"
+    assert checks.summary().startswith("FAILED: 3 solutions, 1 failed\n")
+    assert f"\n1: {len(checks[1].wrong_steps)} wrong steps" in checks.summary()
+    assert "velocities were not given" in checks.summary()
+    assert [each["name"] for each in checks.as_dict()["checks"]] == ["0", "1", "2"]
+    alone = crosscheck("fig9", WRONG)
+    assert checks[1] == alone
+
+
+def test_results_as_tables() -> None:
+    checks = crosscheck("fig9", THREE)
+    frame = checks.to_pandas()
+    assert frame["ok"].tolist() == [True, False, True]
+    assert frame["max_error_v"].tolist() == [check.max_error_v for check in checks]
+    assert frame["wrong_steps"].tolist() == [len(check.wrong_steps) for check in checks]
+    assert frame["reason"].tolist()[0] == ""
+    data = checks.to_xarray()
+    assert dict(data.sizes) == {"solution": 3}
+    assert data["samples"].sel(solution="1").item() == 60
+    assert data["first_wrong_t"].isnull().values.tolist() == [True, False, True]
+
+
+@pytest.mark.slow
+def test_processes_find_the_same() -> None:
+    calls: list[tuple[int, int]] = []
+    checks = crosscheck("fig9", THREE, workers=2, progress=lambda *numbers: calls.append(numbers))
+    assert list(checks) == list(crosscheck("fig9", THREE))
+    assert calls == [(1, 3), (2, 3), (3, 3)]
+    sparse = [COLUMNS, {"t": [0.2, 2.9], "x": [1.0, 2.0]}]
+    for workers in (1, 2):
+        with pytest.raises(ParameterError, match=r"too far apart to tell it: give velocities \(solution 1\)"):
+            crosscheck("fig9", sparse, workers=workers)
+
+
+def test_arguments() -> None:
+    for options in ({"workers": 0}, {"workers": "two"}, {"progress": 5}, {"events": [(1.0, "cross")]}):
+        with pytest.raises(ParameterError):
+            crosscheck("fig9", THREE, **options)
+    with pytest.raises(ParameterError, match="workers"):  # one solution has no use for them
+        crosscheck("fig9", COLUMNS, workers=0)
+
+
+# -- units -------------------------------------------------------------------------------------------------------------
+
+
+@cache
+def samples(name: str) -> tuple[Parameters, np.ndarray, CrossCheck]:
+    """Return a scene's parameters, samples of its motion with several faults, and what a cross-check says of them."""
+    scene = load_scene(name)
+    t = np.linspace(float(scene.t0), float(scene.t0) + 8, 97)
+    x, v = simulate(scene, t_end=9)(t)
+    x, v = x + 1e-10 * np.sin(9 * t), v + 1e-10 * np.cos(7 * t)
+    x[20] += 0.01
+    v[40:] += 1e-3
+    v[70] = float(scene.parameters.v1) - 0.3
+    return scene.parameters, np.array([t, x, v]), crosscheck(scene.parameters, t, x, v)
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("units", UNITS, ids=str)
+@pytest.mark.parametrize("name", ["fig5", "fig9"])
+def test_a_cross_check_is_the_same(units: Units, name: str) -> None:
+    """Errors and what is allowed, step by step; events, reasons and words, for samples with several faults."""
+    T, L, V = float(units.time), float(units.length), units.speed
+    p, columns, one = samples(name)
+    two = crosscheck(units.of(p), *(columns * np.array([[T], [L], [V]])))
+    for kind in ("errors", "defects", "allowed"):
+        found = getattr(two, kind) / [L, V]
+        assert found == pytest.approx(getattr(one, kind), rel=1e-6, abs=1e-11 if kind != "allowed" else 0)
+    assert two.scales == pytest.approx((one.scales[0] * L, one.scales[1] * V), rel=1e-9)
+    assert two.wrong_steps.tolist() == one.wrong_steps.tolist()
+    assert two.modes.tolist() == one.modes.tolist()
+    said = [[(f.step, f.reason, f.expected, f.found) for f in each.faults] for each in (one, two)]
+    assert said[0] == said[1]
+    for name_of in ("missed", "invented", "unresolved"):
+        found, right = ([(e.kind, e.boundary) for e in getattr(each, name_of)] for each in (two, one))
+        assert found == right
+    assert [float(m.t) for m in two.matched] == pytest.approx([float(m.t) * T for m in one.matched], rel=1e-9)
+    assert len(one.faults) > 2
+
+
+# -- velocities --------------------------------------------------------------------------------------------------------
+
+
+def test_velocities_are_those_of_the_motion() -> None:
+    """Random systems and times: across events, in sticks, at the ends; errors as far as they are said to be."""
+    rng, events, far, left_out = np.random.default_rng(7), 0, 0, 0
+    for _ in range(12):
+        p = random_parameters(rng)
+        motion = simulate(p, t0=0, x0=float(rng.uniform(-2, 2)), v0=float(rng.uniform(-4, 4)), t_end=8)
+        if motion.status not in ("t_end", "equilibrium"):
+            continue
+        t = np.sort(rng.uniform(0, float(motion.t_end), 300))
+        x, v = motion(t)
+        found = with_velocities(checked(t, x), p, 1e-8)
+        assert found.v_off is not None
+        error = np.abs(found.v - v[len(v) - len(found.v) :])
+        left_out += len(v) - len(found.v)
+        far += int(np.sum(error > found.v_off + 1e-7))
+        events += len(motion.events)
+        assert np.median(error) < 1e-11
+    assert events > 20
+    assert left_out <= 4  # two motions have an event in their first step
+    assert far == 0
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize(("name", "count"), [("fig5", 400), ("fig9", 40), ("fig10", 200), ("fig5", 1000)])
+def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> None:
+    scene = load_scene(name)
+    t = np.linspace(float(scene.t0), float(scene.t0) + 8, count)
+    x = simulate(scene, t_end=float(t[-1]))(t)[0]
+    check = crosscheck(scene, t, x)
+    assert check.ok, check.summary()
+    assert NOTE in check.notes
+    events = [event.kind for event in simulate(scene, t_end=float(t[-1])).events]
+    assert [match.event.kind for match in check.matched] == events
+    assert not crosscheck(scene, t, x + 1e-3 * (t > 5)).ok
+    other = simulate(
+        scene.parameters.replace(mu1=scene.parameters.mu1 * 2), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=9
+    )
+    assert not crosscheck(scene, t, other(t)[0]).ok
+
+
+def test_rounded_positions_pass() -> None:
+    t = np.linspace(0.2, 6, 200)
+    x = simulate("fig9", t_end=7)(t)[0]
+    for digits in (4, 6, 9):
+        assert crosscheck(load_scene("fig9").parameters, t, np.round(x, digits)).ok
+
+
+def test_positions_that_are_too_far_apart_are_refused() -> None:
+    p = load_scene("fig9").parameters
+    with pytest.raises(ParameterError, match="too far apart to tell it: give velocities"):
+        crosscheck(p, [0.0, 3.0, 6.0], [1.0, 2.0, 3.0])
+    assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
+
+
+@pytest.mark.parametrize("decimals", [pytest.param(5, marks=pytest.mark.slow), 15])
+def test_dense_positions_of_another_force_are_wrong(decimals: int) -> None:
+    """Not too far apart: no two steps agree about a velocity, and no scene tells the first one."""
+    p, t = load_scene("fig9").parameters.replace(v1=-500, v2=500), np.linspace(0, 10, 801)
+    x = np.round(simulate(p.replace(A0=p.A0 + 1), t0=0, x0=1, v0=1, t_end=10)(t)[0], decimals)
+    check = crosscheck(p, t, x)
+    assert not check.ok
+    assert len(check.t) == 801
+
+
+# -- faults ------------------------------------------------------------------------------------------------------------
+
+
+FAULTS_T = np.linspace(0.5, 8, 801)
+
+
+def faults_samples(name: str = "fig9") -> tuple[np.ndarray, np.ndarray]:
+    x, v = simulate(name, t_end=8)(FAULTS_T)
+    return x.copy(), v.copy()
+
+
+def flying(name: str, domain: str, least: int = 10) -> int:
+    """Return a sample in the middle of a flight, far from its events."""
+    motion = simulate(name, t_end=8)
+    modes = [motion.mode(float(t)) for t in FAULTS_T]
+    for i in range(least, len(FAULTS_T) - least):
+        if set(modes[i - least : i + least]) == {domain}:
+            return i
+    raise AssertionError(domain)
+
+
+@pytest.mark.parametrize(("name", "domain"), [("fig9", "Omega1"), ("fig9", "Omega2"), ("fig10", "Omega2")])
+def test_one_sample_off_is_an_outlier(name: str, domain: str) -> None:
+    x, v = faults_samples(name)
+    i = flying(name, domain)
+    x[i] += 0.01
+    result = crosscheck(name, FAULTS_T, x, v)
+    assert result.wrong_steps.tolist() == [i - 1, i]
+    fault = result.first_wrong
+    assert fault is not None
+    assert (fault.reason, fault.step, fault.t, fault.t_next) == ("outlier", i - 1, FAULTS_T[i - 1], FAULTS_T[i])
+    assert (fault.expected, fault.found) == (domain, domain)
+    assert not fault.wrong_decision
+    assert fault.words == f"without sample {i} the step from {i - 1} to {i + 1} is right"
+    assert (fault.defect_x, fault.defect_v) == pytest.approx((-0.01, 0), abs=1e-10)
+
+
+@pytest.mark.parametrize(("here", "force"), [("Omega1", 2), ("Omega2", 1)])
+def test_the_force_of_another_domain_is_named(here: str, force: int) -> None:
+    """From a sample on, over one step, with the friction of another domain; from there on the true motion."""
+    scene = load_scene("fig9")
+    x, v = faults_samples()
+    i = flying("fig9", here)
+    p, mine = scene.parameters, int(here[-1])
+    # The same force is that of a system whose friction differs: A_mine of the other is A_force of this.
+    step = FAULTS_T[i + 1] - FAULTS_T[i]
+    push = float(p.A(force) - p.A(mine)) / float(p.m)
+    rest = simulate(p, t0=float(FAULTS_T[i + 1]), x0=x[i] + (x[i + 1] - x[i]), v0=v[i + 1], t_end=8)
+    assert rest.status == "t_end"
+    # Its effect in a linear system: the response to a constant push, here by its series.
+    c, k = float(p.c / p.m), float(p.k / p.m)
+    dv = push * (step - c * step**2 / 2 + (c * c - k) * step**3 / 6 - (c**3 - 2 * c * k) * step**4 / 24)
+    dx = push * (step**2 / 2 - c * step**3 / 6 + (c * c - k) * step**4 / 24)
+    after = simulate(p, t0=float(FAULTS_T[i + 1]), x0=x[i + 1] + dx, v0=v[i + 1] + dv, t_end=8)
+    x[i + 1 :], v[i + 1 :] = after(FAULTS_T[i + 1 :])
+    fault = crosscheck(scene, FAULTS_T, x, v).first_wrong
+    assert fault is not None
+    assert (fault.step, fault.reason) == (i, "wrong force")
+    assert fault.words == f"the force of Omega{force} explains the step, which lies in {here}"
+
+
+@pytest.mark.slow
+def test_a_jump_where_two_pieces_are_joined() -> None:
+    x, v = faults_samples()
+    i = flying("fig9", "Omega2")
+    t, x, v = (np.insert(column, i + 1, column[i]) for column in (FAULTS_T, x, v))
+    x[i + 1 :] += 1e-5
+    fault = crosscheck("fig9", t, x, v).first_wrong
+    assert fault is not None
+    assert (fault.step, fault.reason) == (i, "jump")
+    assert fault.words == f"samples {i} and {i + 1} are at one time and differ"
+
+
+def test_a_step_too_far_is_a_local_error() -> None:
+    """All later faults_samples are those of the motion from there: nothing but the one step is wrong."""
+    x, v = faults_samples()
+    i = flying("fig9", "Omega2")
+    after = simulate(load_scene("fig9").parameters, t0=float(FAULTS_T[i]), x0=x[i] + 1e-4, v0=v[i], t_end=8)
+    x[i:], v[i:] = after(FAULTS_T[i:])
+    result = crosscheck("fig9", FAULTS_T, x, v)
+    assert result.wrong_steps.tolist() == [i - 1]
+    assert result.first_wrong is not None
+    assert result.first_wrong.reason == "local error"
+    assert result.first_switching is None
+
+
+# --- one reason against the next, on steps that are made up ---
+
+
+class MadeUp(SimpleNamespace):
+    """Three faults_samples and the steps between; `flight` misses the next sample by what is told for each domain."""
+
+    @property
+    def states(self) -> np.ndarray:
+        return np.column_stack([self.x, self.v])
+
+    def flight(self, domain: int, since: np.ndarray, until: np.ndarray) -> np.ndarray:
+        gap = self.misses.get((domain, int(until[0])), (9.0, 9.0))
+        return np.array([[self.x[until[0]] + gap[0], self.v[until[0]] + gap[1]]])
+
+
+def made_up(**told: Any) -> tuple[str, str]:
+    """Return the reason for a step from 0 to 1, and its words; nothing is odd about the step but what is told."""
+    value = {
+        "first": 2, "last": 2, "found": 2, "before": 2, "v": (0.5, 0.5, 0.5), "times": (), "targets": (), "misses": {},
+        "size": 10.0, "defect": (1.0, 1.0), "near": 1e-3, "t": (0.0, 1.0, 2.0), "belts": (),
+    } | told  # fmt: skip
+    events = SimpleNamespace(
+        target=np.array(value["targets"], int),
+        t=np.array(value["times"], float),
+        boundary=np.array(value["belts"] or [1] * len(value["times"]), int),
+        rows=lambda first, last: slice(None),
+    )
+    K = SimpleNamespace(belt1=SimpleNamespace(v=0.0), belt2=SimpleNamespace(v=2.0), period=1.0)
+    n = len(value["t"])
+    steps = MadeUp(
+        t=np.array(value["t"]), x=np.zeros(n), v=np.array(value["v"][:n]), first=np.full(n - 1, value["first"]),
+        last=np.full(n - 1, value["last"]), defects=np.array([value["defect"]] * (n - 1)), events=events, K=K,
+        misses=value["misses"],
+    )  # fmt: skip
+    modes, near = np.array([value["before"], value["found"], 2][:n]), np.full(n, value["near"])
+    allowed = np.full((n - 1, 2), 0.1)
+    (fault,) = explain(steps, [0], modes, np.full(n - 1, value["size"]), allowed, near)  # type: ignore[arg-type]
+    assert fault.words
+    assert (fault.defect_x, fault.defect_v) == pytest.approx(value["defect"], nan_ok=True)
+    return fault.reason, fault.words
+
+
+def test_a_force_explains_a_step_if_it_misses_by_a_fiftieth_of_it() -> None:
+    """... or by what is allowed, if that is more: on both sides of the border, in x and in v."""
+    for size, limit in ((10.0, 1.0), (50.0, 1.0), (1000.0, 20.0)):
+        for part, explains in ((0.99, True), (1.01, False)):
+            miss = 0.1 * limit * part
+            for gap in ((miss, 0.0), (0.0, -miss)):
+                reason, words = made_up(size=size, misses={(3, 1): gap})
+                assert reason == ("wrong force" if explains else "local error")
+                assert not explains or words == "the force of Omega3 explains the step, which lies in Omega2"
+                assert made_up(size=size, misses={(2, 2): gap})[0] == ("outlier" if explains else "local error")
+
+
+def test_the_reasons_come_in_their_order() -> None:
+    """Each reason needs all its signs: without one of them the next reason that fits is given."""
+    fits = {(3, 1): (0.0, 0.0)}
+    event = {"times": (0.4,), "targets": (3,)}
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"size": np.nan, "t": (0.0, 0.0, 2.0)}, "undecidable"),
+        ({"size": np.inf}, "undecidable"),
+        ({"t": (0.0, 0.0, 2.0)}, "jump"),
+        ({"last": 4, "found": 4, "v": (0.0, 1e-9, 0.0), "defect": (0.1, 1.0)}, "drift on the belt"),
+        ({"last": 4, "found": 4, "v": (0.0, 1e-9, 0.0), "defect": (0.11, 1.0)}, "local error"),
+        ({"last": 4, "found": 4, "v": (0.0, 0.0, 0.0), "defect": (0.0, 1.0)}, "local error"),
+        ({"last": 4, "found": 5, "v": (0.0, 1e-9, 0.0), "defect": (0.0, 1.0)}, "local error"),
+        ({"last": 5, "found": 5, "v": (2.0, 2.0, 2.0), "defect": (0.0, 1.0)}, "local error"),
+        ({"last": 5, "found": 5, "v": (2.0, 2.1, 2.0), "defect": (0.0, 1.0)}, "drift on the belt"),
+        ({"misses": fits}, "wrong force"),
+        ({"misses": fits, "first": 3, "found": 3}, "wrong force"),
+        ({"misses": fits, "first": 4, "found": 3}, "event at the start"),
+        ({"misses": fits, "first": 4, "found": 4}, "local error"),
+        ({"misses": fits, **event}, "double root"),
+        ({"first": 4, "found": 3}, "event at the start"),
+        ({"first": 5, "found": 1}, "event at the start"),
+        ({"misses": fits, "v": (1e-3, 0.5, 0.5), "times": (1e-7,), "targets": (3,)}, "event at the start"),
+        ({"misses": fits, "v": (2.001, 0.5, 0.5), "times": (1e-6,), "targets": (3,)}, "event at the start"),
+        ({"misses": fits, "v": (2.002, 0.5, 0.5), "times": (1e-6,), "targets": (3,)}, "sign tolerance"),
+        ({"misses": fits, "v": (1e-3, 0.5, 0.5), **event}, "double root"),
+        ({"misses": fits, "v": (1e-3, 0.5, 0.5), "first": 4, "found": 4}, "event at the start"),
+        ({"times": (1e-6,), "targets": (3,)}, "sign tolerance"),
+        ({"times": (2e-6,), "targets": (3,)}, "double root"),
+        ({"times": (1e-6,), "targets": (3,), "found": 4}, "crossing inside the step"),
+        ({"times": (1e-6,), "targets": (3,), "first": 4, "found": 4}, "crossing inside the step"),
+        ({"found": 4, "before": 4}, "sign tolerance"),
+        ({"found": 4, "before": 2}, "local error"),
+        ({"found": 4, "before": 4, "last": 5}, "local error"),
+        (event, "double root"),
+        ({**event, "last": 3}, "crossing inside the step"),
+        ({**event, "found": 3}, "crossing inside the step"),
+        ({"misses": {(2, 2): (0.0, 0.0)}}, "outlier"),
+        ({"misses": {(2, 2): (0.0, 0.0)}, "t": (0.0, 1.0)}, "local error"),
+        ({"misses": {(1, 2): (0.0, 0.0)}}, "local error"),
+        ({"misses": {(2, 2): (0.0, 0.0)}, "first": 4, "found": 4}, "local error"),
+        ({}, "local error"),
+    ]
+    for told, reason in cases:
+        assert made_up(**told)[0] == reason, told

@@ -1,16 +1,24 @@
-"""Switching events that samples show: those of the motion, whatever the grid, and in their order."""
+"""Events of samples and lists against the exact ones, and how far off they may be."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
 import pytest
+from careful_solver import TIGHT, random_parameters, solve
+from excerpts import crosscheck
 
-from symosc import load_scene, simulate
-from symosc.crosschecks.events import find_events, labels
+from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
+from symosc.crosschecks.compare import STEP_TOLERANCE, CrossCheck, Judge
+from symosc.crosschecks.events import Reach, find_events, in_order, labels
+from symosc.crosschecks.samples import checked
 from symosc.crosschecks.steps import ExactSteps, follow_steps
 from symosc.model import MODE_NAMES
+
+# -- events ------------------------------------------------------------------------------------------------------------
 
 
 def found_in(name: str, t: np.ndarray, t_end: float) -> tuple[list[Any], np.ndarray, np.ndarray, ExactSteps]:
@@ -74,3 +82,435 @@ def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
         assert event.spread == 0 or (event.spread == pytest.approx(0.01) and event.t == pytest.approx(line, abs=1e-12))
     assert sum(event.spread > 0 for event in events) >= 2
     assert modes.tolist() == [1, 1, 3, 1]
+
+
+# -- matching ----------------------------------------------------------------------------------------------------------
+
+
+Pairs = list[tuple[float, str]]
+KINDS = ("cross", "stick", "slip", "graze")
+
+
+def listed(trajectory: Trajectory, until: float = np.inf) -> Pairs:
+    return [(float(event.t), event.kind) for event in trajectory.events if event.t <= until]
+
+
+def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory]:
+    """Return parameters, samples at random times (half of the events among them) and the exact motion."""
+    p = random_parameters(rng)
+    t0 = float(rng.choice([0.0, 3.5, 1e6]))
+    v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
+    exact = simulate(p, t0=t0, x0=round(rng.uniform(-5, 5), 2), v0=v0, t_end=t0 + 6)
+    own = [float(event.t) for event in exact.events if rng.random() < 0.5]
+    end = float(exact.t_end)
+    if own and rng.random() < 0.3:
+        end = own[-1]  # the last sample is an event
+    t = np.unique([t0, *rng.uniform(t0, end, int(rng.choice([15, 100, 300]))), *own, end])
+    return p, (t, *exact(t)), exact
+
+
+def spoiled(how: str, events: Pairs, i: int, rng: np.random.Generator, times: np.ndarray) -> Pairs | None:
+    """Return a list with one mistake, at event `i` where there is a place, or None if there is no room for it."""
+    events, (t, kind) = list(events), events[i]
+    shift = float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-4, -1.3)
+    if how == "duplicate":
+        events.insert(i, events[i])
+    elif how == "five times":
+        events = [event for event in events for _ in range(5)]
+    elif how == "late":
+        events[i] = (t + shift, kind)
+    elif how == "shifted":
+        events = [(time + shift, kind) for time, kind in events]
+    elif how == "missing":
+        del events[i]
+    elif how == "invented":
+        new = rng.uniform(times[0], times[-1], 50)
+        far = np.min(np.abs(new[:, None] - [times[0], *(time for time, _ in events)]), axis=1)
+        if np.max(far) < 1e-3:
+            return None
+        events.append((float(new[np.argmax(far)]), str(rng.choice(KINDS))))
+    elif how == "wrong kind":
+        events[i] = (t, str(rng.choice([other for other in KINDS if other != kind])))
+    elif i + 1 == len(events) or events[i + 1][0] - t < 1e-3 or events[i + 1][1] == kind:
+        return None
+    elif how == "wrong order":
+        events[i : i + 2] = events[i + 1], events[i]
+    elif how == "kinds swapped":
+        events[i : i + 2] = (t, events[i + 1][1]), (events[i + 1][0], kind)
+    return events if how == "wrong order" else sorted(events)
+
+
+MISTAKES = ("duplicate", "five times", "late", "shifted", "missing", "invented", "wrong kind", "wrong order")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.campaign)])
+def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tried = dict.fromkeys([*MISTAKES, "kinds swapped"], 0)
+    for _ in range(8 if seed == 1 else 60):
+        p, samples, exact = random_motion(rng)
+        events = listed(exact, samples[0][-1])
+        result = crosscheck(p, *samples, events=events)
+        assert result.ok, (p, result.summary())
+        assert len(result.matched) + len(result.unresolved) == len(events)
+        # A graze changes nothing, and one beside the last sample may be left out: no place for a mistake.
+        last = float(samples[0][-1]) - 1e-3
+        places = [i for i, (t, kind) in enumerate(events) if kind != "graze" and samples[0][0] + 1e-6 < t < last]
+        for how in tried if places else ():
+            wrong = spoiled(how, events, int(rng.choice(places)), rng, samples[0])
+            if wrong is None:
+                continue
+            tried[how] += 1
+            result = crosscheck(p, *samples, events=wrong)
+            assert not result.ok, (how, p, samples[0][0], events, wrong)
+            if how in ("late", "shifted", "wrong kind"):
+                assert result.missed
+                assert result.invented
+    assert min(tried.values()) >= 3
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_the_mistakes_that_were_accepted_once(name: str) -> None:
+    exact = simulate(name, t_end=8)
+    t = np.linspace(float(load_scene(name).t0), 8, 801)
+    events = listed(exact)
+    samples = (t, *exact(t))
+    assert crosscheck(name, *samples, events=events).ok
+    five = crosscheck(name, *samples, events=[event for event in events for _ in range(5)])
+    assert len(five.invented) == 4 * len(events)
+    late = crosscheck(name, *samples, events=[(events[0][0] + 0.05, events[0][1]), *events[1:]])
+    assert [event.t for event in late.missed] == [exact.events[0].t]
+    assert [event.t for event in late.invented] == [events[0][0] + 0.05]
+    shifted = crosscheck(name, *samples, events=[(time + 0.009, kind) for time, kind in events])
+    assert len(shifted.missed) == len(shifted.invented) == len(events)
+    with pytest.raises(ParameterError, match="finite"):
+        crosscheck(name, *samples, events=[*events[:-1], (np.nan, events[-1][1])])
+
+
+@pytest.mark.slow
+def test_an_event_may_be_off_as_far_as_the_tolerance_moves_it() -> None:
+    exact = simulate("fig9", t_end=8)
+    t = np.linspace(0.1324, 8, 801)
+    samples, event = (t, *exact(t)), exact.events[3]
+    # One side of the belt: the velocity changes by 1e-4 of its scale in about that time.
+    speed = abs(float(np.diff(exact([event.t - 2e-6, event.t - 1e-6])[1])[0])) / 1e-6
+    for tolerance in (1e-8, 1e-6, 1e-4):
+        moved = tolerance * crosscheck("fig9", *samples).scales[1] / speed
+        for part, right in ((0.5, True), (10.0, False)):
+            events = listed(exact)
+            events[3] = (events[3][0] + part * moved, events[3][1])
+            assert crosscheck("fig9", *samples, events=events, tolerance=tolerance).ok == right
+
+
+def late_solution(scene: str, delay: float) -> tuple[Any, Pairs]:
+    """Return samples of a motion that is everywhere late, with its events."""
+    own, p = load_scene(scene), load_scene(scene).parameters
+    exact = simulate(p, t0=own.t0, x0=own.x0, v0=own.v0, t_end=8)
+    t = np.linspace(float(own.t0), 8, 801)
+    x, v = exact(np.maximum(t - delay * np.minimum(1.0, (t - t[0]) / 4.0), t[0]))
+    return (t, x, v), [(time + delay * min(1.0, (time - t[0]) / 4.0), kind) for time, kind in listed(exact)]
+
+
+def test_a_list_that_fits_its_own_samples_is_not_blamed_for_their_error() -> None:
+    samples, events = late_solution("fig9", 1e-6)
+    assert crosscheck("fig9", *samples, events=events, tolerance=1e-6).ok
+    assert not crosscheck("fig9", *samples, events=events, tolerance=1e-6, global_tolerance=1e-9).ok
+
+
+def test_a_start_on_a_belt_may_be_listed_once() -> None:
+    for name, kind in (("fig9", "cross"), ("fig10", "cross"), ("fig6", "stick")):
+        scene = load_scene(name)
+        exact = simulate(name, t_end=6)
+        t = np.linspace(float(scene.t0), 6, 301)
+        start = (float(scene.t0), kind)
+        result = crosscheck(name, t, *exact(t), events=[start, *listed(exact)])
+        assert result.ok, result.summary()
+        assert any("is the start on belt" in note for note in result.notes)
+        twice = crosscheck(name, t, *exact(t), events=[start, start, *listed(exact)])
+        assert [event.t for event in twice.invented] == [start[0]]
+    t = np.linspace(0, 6, 301)
+    # fig5 starts between no belts.
+    assert crosscheck("fig5", t, *simulate("fig5", t_end=6)(t), events=[(0.0, "cross")]).invented
+
+
+@pytest.mark.slow
+def test_an_event_at_the_last_sample_may_be_listed_or_not() -> None:
+    exact = simulate("fig9", t_end=8)
+    for event in exact.events:
+        t = np.append(np.linspace(0.1324, float(event.t), 200)[:-1], event.t)
+        events = listed(exact, float(event.t))
+        for pairs in (events, events[:-1], [*events[:-1], (np.nextafter(events[-1][0], 9.0), event.kind)]):
+            result = crosscheck("fig9", t, *exact(t), events=pairs)
+            assert result.ok, result.summary()
+        assert not crosscheck("fig9", t, *exact(t), events=[*events, events[-1]]).ok
+
+
+def test_events_outside_the_samples_are_invented() -> None:
+    exact = simulate("fig9", t_end=8)
+    t = np.linspace(0.1324, 8, 300)
+    for time in (-5.0, 0.1, 8.01, 1e9):
+        result = crosscheck("fig9", t, *exact(t), events=sorted([*listed(exact), (time, "cross")]))
+        assert [event.t for event in result.invented] == [time]
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(("name", "t_end"), [("fig8", 9.0), ("fig8-exact", 6.0), ("fig7-exact", 8.0), ("fig7", 8.0)])
+def test_touches_and_the_shortest_sticks(name: str, t_end: float) -> None:
+    """A graze may be left out or seen as a contact of either kind, but not five times."""
+    exact = simulate(name, t_end=t_end)
+    t = np.linspace(2.5, t_end, 300)
+    events, samples = listed(exact), (t, *exact(t))
+    assert crosscheck(name, *samples, events=events).ok
+    assert crosscheck(name, *samples, events=[event for event in events if event[1] != "graze"]).ok
+    grazes = [i for i, (_, kind) in enumerate(events) if kind == "graze"]
+    for i in grazes:
+        for kinds, right in ((("stick", "slip"), True), (("cross", "cross"), True), (("graze",) * 5, False)):
+            pairs = [(events[i][0], kind) for kind in kinds]
+            assert crosscheck(name, *samples, events=[*events[:i], *pairs, *events[i + 1 :]]).ok == right
+    if name == "fig8":
+        # 5e-5 deep, 2.6 ms long: a matter of the tolerance.
+        assert not crosscheck(name, *samples, events=events[2:]).ok
+        assert crosscheck(name, *samples, events=events[2:], tolerance=1e-3).ok
+
+
+def test_a_near_touch_may_be_listed_as_one() -> None:
+    """The exact motion misses the belt by less than the tolerance."""
+    scene = load_scene("fig8-exact")
+    own = {name: float(getattr(scene, name)) for name in ("t0", "x0", "v0")}
+    exact = simulate(scene.parameters, **own | {"x0": own["x0"] - 1e-9}, t_end=3.5)
+    t = np.linspace(2.5, 3.5, 101)
+    samples = (t, *exact(t))
+    assert not exact.events
+    for kinds, right in (
+        (("graze",), True),
+        (("stick", "slip"), True),
+        (("graze", "graze"), False),
+        (("stick",), False),
+    ):
+        result = crosscheck(scene.parameters, *samples, events=[(np.pi, kind) for kind in kinds])
+        assert result.ok == right, result.summary()
+    assert not crosscheck(scene.parameters, *samples, events=[(np.pi + 0.01, "graze")]).ok
+
+
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.campaign)])
+def test_lists_of_a_careful_solver_pass(seed: int) -> None:
+    """Tight DOP853, started anew at each event; also with the start listed and with both samples at each joint."""
+    rng = np.random.default_rng(seed)
+    for _ in range(3 if seed == 3 else 15):
+        p = random_parameters(rng)
+        v0 = str(rng.choice([str(p.v1), str(p.v2), "0.5"]))
+        scene = Scene("random", p, "0", str(round(rng.uniform(-5, 5), 2)), v0, "30")
+        joined = bool(rng.random() < 0.5)
+        # Short steps: without them even a careful solver passes over two roots at a time.
+        run = solve(scene, 5.0, joined=joined, max_step=0.02, **TIGHT)
+        on_belt = float(scene.v0) in (float(p.v1), float(p.v2))
+        for events in (None, run.events, [(0.0, "cross"), *run.events] if on_belt else run.events):
+            result = crosscheck(scene, run.t, run.x, run.v, events=events)
+            assert result.ok, (p, scene, result.summary())
+
+
+def test_both_samples_of_each_joint_are_kept() -> None:
+    for name in ("fig5", "fig9"):
+        run = solve(load_scene(name), 10.0, joined=True, **TIGHT)
+        assert np.sum(np.diff(run.t) == 0.0) >= len(run.events)
+        result: CrossCheck = crosscheck(name, run.t, run.x, run.v, events=run.events)
+        assert result.ok, result.summary()
+        assert len(result.defects) == len(run.t) - 1
+        assert crosscheck(name, run.t, run.x, run.v).ok
+
+
+def test_a_jump_at_a_joint_is_a_wrong_step() -> None:
+    run = solve(load_scene("fig9"), 6.0, joined=True, **TIGHT)
+    joint = int(np.flatnonzero(np.diff(run.t) == 0.0)[3])
+    run.x[joint + 1 :] = list(np.array(run.x[joint + 1 :]) + 1e-5)
+    result = crosscheck("fig9", run.t, run.x, run.v, tolerance=1e-7, global_tolerance=1e-3)
+    assert result.first_wrong is not None
+    assert (result.first_wrong.step, result.first_wrong.reason) == (joint, "jump")
+    assert result.defects[joint, 0] == pytest.approx(-1e-5, rel=1e-6)
+    run.x[joint + 1 :] = list(np.array(run.x[joint + 1 :]) + 0.1)
+    with pytest.raises(ParameterError, match=rf"t\[{joint + 1}\] .* is repeated with another state \(x jumps by 0.1"):
+        crosscheck("fig9", run.t, run.x, run.v)
+
+
+def test_the_longest_chain_is_the_best_of_all() -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(200):
+        cells = [(i, j) for i, j in product(range(4), range(4)) if rng.random() < 0.4]
+        pairs = [(i, j, float(rng.integers(1, 9))) for i, j in cells]
+        cost = {pair[:2]: pair[2] for pair in pairs}
+        chains = [
+            chain
+            for n in range(5)
+            for chain in combinations(cells, n)
+            if all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(chain))
+        ]
+        best = min(chains, key=lambda chain: (-len(chain), sum(cost[pair] for pair in chain)))
+        found = in_order(pairs)
+        assert set(found) <= set(cells)
+        assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(found))
+        assert (len(found), sum(cost[pair] for pair in found)) == (len(best), sum(cost[pair] for pair in best))
+
+
+# -- reach -------------------------------------------------------------------------------------------------------------
+
+
+SIZE = 1e-6
+
+
+def reach_of(name: str, t_end: float, errors: tuple[float, float] = (0.0, 0.0), allowed_v: float = 0.0) -> Reach:
+    scene = load_scene(name)
+    t = np.linspace(float(scene.t0), t_end, 401)
+    x, v = simulate(scene, t_end=t_end)(t)
+    steps = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
+    return Reach(steps, np.tile(errors, (len(t), 1)), allowed_v, 0.0, np.zeros(0))
+
+
+@pytest.mark.parametrize(("name", "t_end"), [("fig5", 12.0), ("fig9", 8.0), ("fig10", 10.0)])
+def test_an_event_of_the_motion_and_of_the_steps_reach_equally_far(name: str, t_end: float) -> None:
+    reach, events = reach_of(name, t_end, (SIZE, 3 * SIZE), SIZE), simulate(name, t_end=t_end).events
+    assert len(events) == len(reach.steps.events.t) > 3
+    for row, event in enumerate(events):
+        assert reach.of_row(row) == pytest.approx(reach.of(event), rel=1e-6), event
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+@pytest.mark.parametrize("changed", ["x0", "v0"])
+def test_what_an_error_does_is_within_reach_and_not_far_below_it(name: str, changed: str) -> None:
+    """Up to the first event, restarted one sample before it with an error: moved no farther than it reaches."""
+    scene = load_scene(name)
+    for event in simulate(scene, t_end=12).events[:6]:
+        before = float(event.t) - 1e-4
+        x, v = (float(value) for value in simulate(scene, t_end=12)(before))
+        if event.kind == "slip":
+            continue  # there the force decides, which an error of x alone moves
+        push = {"x0": (SIZE, 0.0), "v0": (0.0, SIZE)}[changed]
+        reach = reach_of(name, 12.0, push)
+        moved = simulate(scene, t0=before, x0=x + push[0], v0=v + push[1], t_end=before + 1).events[0]
+        assert moved.kind == event.kind
+        shift = abs(float(moved.t) - float(event.t))
+        assert shift <= reach.of(event)
+        if changed == "v0":
+            assert reach.of(event) <= 3 * shift
+
+
+def test_the_end_of_a_stick_moves_with_x() -> None:
+    """Its force changes by k dx: the end is moved by that over the slope of the force."""
+    scene = load_scene("fig5")
+    p, seen = scene.parameters, 0
+    for event in simulate(scene, t_end=12).events:
+        if event.kind == "slip":
+            v = float(p.belt(event.boundary))
+            slope = -float(p.k) * v - float(p.B0 * p.Omega) * np.sin(float(event.theta))
+            expected = 2 * float(p.k) * SIZE / abs(slope)  # REACH_SAFETY is 2
+            assert reach_of("fig5", 12.0, (SIZE, 0.0)).of(event) == pytest.approx(expected, rel=1e-3)
+            seen += 1
+    assert seen >= 3
+
+
+def test_without_errors_only_rounding_is_left() -> None:
+    reach = reach_of("fig9", 8.0)
+    for event in simulate("fig9", t_end=8).events:
+        assert reach.of(event) <= 4.1 * np.spacing(float(event.t)) + 1e-15
+
+
+def test_a_near_touch() -> None:
+    """v = peak - b (t - t_m)^2/2 stays within twice the error of a belt below it for this long."""
+    scene = load_scene("fig7-exact")
+    trajectory = simulate(scene, t_end=8)
+    graze = next(event for event in trajectory.events if event.kind == "graze")
+    p, t_m = scene.parameters, float(graze.t)
+    half = 1e-3
+    bend = abs(float(trajectory(t_m + half)[1] - 2 * trajectory(t_m)[1] + trajectory(t_m - half)[1])) / half**2
+    reach = reach_of("fig7-exact", 8.0, (0.0, SIZE), SIZE)
+    assert reach.of_near_graze(trajectory, t_m) == pytest.approx(2 * np.sqrt(2 * 2 * SIZE / bend), rel=1e-3)
+    assert reach.of_near_graze(trajectory, t_m + 1.0) is None
+    assert reach.of_near_graze(trajectory, float(scene.t0) - 1) is None
+    assert reach.of_near_graze(trajectory, 8.1) is None
+    assert p.belt(graze.boundary) == graze.v
+
+
+def test_a_start_on_a_belt_reaches_as_far_as_its_slower_side() -> None:
+    scene = load_scene("fig9")
+    found: list[Any] = []
+    for belt in (1, 2):
+        speed = scene.parameters.belt(belt)
+        t = np.linspace(0, 1, 50)
+        x, v = simulate(scene.parameters, t0=0, x0=1, v0=speed, t_end=1)(t)
+        steps = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
+        reach = Reach(steps, np.tile((0.0, SIZE), (50, 1)), 0.0, 0.0, np.zeros(0))
+        p = scene.parameters
+        forces = [abs(float(p.A(alpha) + p.B0 - p.c * speed - p.k * 1) / float(p.m)) for alpha in (belt, belt + 1)]
+        found.append(reach.of_start(belt))
+        assert found[-1] == pytest.approx(2 * SIZE / min(forces), rel=1e-3)
+    assert found[0] != found[1]
+
+
+@pytest.mark.parametrize("belt", [1, 2])
+def test_an_event_without_slope_reaches_as_far_as_its_bend_allows(belt: int) -> None:
+    """At an end of a stick where the force turns, and at a touch: the root of twice the error over the bend."""
+    reach = reach_of("fig9", 8.0, (0.0, SIZE), SIZE)
+    K = reach.steps.K
+    v, error = (K.belt1, K.belt2)[belt - 1].v, max(K.Om, np.sqrt(K.w0sq)) * SIZE
+    if abs(K.w0sq * v) < abs(K.fB):
+        theta = np.arcsin(-K.w0sq * v / K.fB)
+        bend = K.fB * K.Om * np.cos(theta)
+        found = reach._width(1.0, 0.0, float(theta), belt, 3 + belt)
+        assert found == pytest.approx(2 * np.sqrt(2 * error / abs(bend)), rel=1e-2)
+    assert belt == 2 or abs(K.w0sq * v) < abs(K.fB)
+    for domain in (belt, belt + 1):  # x so that the acceleration vanishes
+        A = (K.A1, K.A2, K.A3)[domain - 1]
+        for theta in (0.3, 2.0, 4.4):
+            x = (A - K.cm * v + K.f0 * np.cos(theta)) / K.w0sq
+            slope = -(K.w0sq * v + K.fB * np.sin(theta))
+            found = reach._width(1.0, float(x), theta, belt, domain)
+            assert found == pytest.approx(2 * np.sqrt(2 * 2 * SIZE / abs(slope)), rel=1e-2)
+
+
+def test_a_stick_touches_nothing_nor_does_what_is_outside_the_motion() -> None:
+    trajectory = simulate("fig5", t_end=12)
+    reach = reach_of("fig5", 12.0, (SIZE, SIZE), 1e3)  # so loose that each flight with a turn nearly touches a belt
+    found = {"flight": 0, "stick": 0}
+    for segment in trajectory.segments:
+        for part in (0.01, 0.5, 0.99):
+            time = float(segment.t_start) + part * float(segment.t_end - segment.t_start)
+            touch = reach.of_near_graze(trajectory, time)
+            kind = "stick" if segment.mode.startswith("belt") else "flight"
+            found[kind] += touch is not None
+    assert found["stick"] == 0
+    assert found["flight"] > 3
+    for outside in (float(trajectory.t_start) - 1e-9, 12.0 + 1e-9):
+        assert reach.of_near_graze(trajectory, outside) is None
+
+
+# -- solver times ------------------------------------------------------------------------------------------------------
+
+
+FIG9 = load_scene("fig9")
+MOTION = simulate(FIG9, t_end=6)
+T = np.linspace(0.1324, 6, 400)
+SAMPLES = checked(T, *MOTION(T))
+TIMES = [float(event.t) for event in MOTION.events]
+
+
+def verdict(times: list[float]):  # type: ignore[no-untyped-def]
+    listed = replace(SAMPLES, events=tuple((time, "") for time in sorted(times)))
+    return Judge(FIG9, STEP_TOLERANCE, None, True, True)(listed)
+
+
+def test_a_list_may_have_all_or_some_of_the_events() -> None:
+    for times in (TIMES, TIMES[::2], TIMES[:1], [float(T[0]), *TIMES]):
+        check = verdict(times)
+        assert check.ok, check.summary()
+        assert [match.event for match in check.matched] == list(MOTION.events)
+
+
+def test_a_time_that_is_late_or_at_no_event_is_invented() -> None:
+    for late in (1e-3, 1.0):
+        check = verdict([*TIMES[:-1], TIMES[-1] - late])
+        assert not check.ok
+        assert [event.t for event in check.invented] == [TIMES[-1] - late]
+    errors = [match.error for match in verdict([TIMES[0] + 1e-10]).matched]
+    assert abs(errors[0] - 1e-10) < 1e-13

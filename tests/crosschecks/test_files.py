@@ -1,20 +1,152 @@
-"""Files and objects that samples are read from."""
+"""Files of every format: those of their libraries, damaged ones, any layout of text, and the page about them."""
 
 from __future__ import annotations
 
 import bz2
 import gzip
+import io
+import os
+import pickle
 import random
+import re
+import shlex
+import struct
+import subprocess
+import sys
+from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import sparse
+from scipy.io import savemat
+from solution_files import COLUMNS, WRITERS, T, V, X, read_samples
 
-from symosc import ParameterError
-from symosc.crosschecks import files, text_tables
-from symosc.crosschecks.files import read_samples
+from symosc import MissingExtraError, ParameterError, simulate
+from symosc.crosschecks import files
+from symosc.crosschecks.files import PACKED, SUFFIXES, has_wrong_tags, read_text
+
+# -- formats -----------------------------------------------------------------------------------------------------------
+
+
+BINARY = ("npz", "mat", "parquet", "feather", "h5", "nc")
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_a_library_writes_is_read_to_the_last_digit(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    WRITERS[name](path)
+    samples = read_samples(path)
+    few = 1e-14 if name == "pandas.json" else 0.0  # it has 15 digits
+    for column, right in (("t", T), ("x", X), ("v", V)):
+        np.testing.assert_allclose(getattr(samples, column), right, rtol=few, atol=few)
+
+
+def test_every_suffix_has_a_file_in_this_test() -> None:
+    tested = {Path(name.removesuffix(".gz").removesuffix(".bz2").removesuffix(".xz")).suffix for name in WRITERS}
+    alike = {".out": ".dat", ".asc": ".dat", ".pq": ".parquet", ".arrow": ".feather", ".hdf": ".h5"}
+    assert {alike.get(suffix, suffix) for suffix in SUFFIXES} == tested
+
+
+@pytest.mark.parametrize("name", list(WRITERS))
+def test_standard_input_is_known_by_its_content(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / name
+    WRITERS[name](path)
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(path.read_bytes())))
+    np.testing.assert_allclose(read_samples("-").x, X, rtol=1e-14)
+
+
+def one_line(path: Path, *words: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        read_samples(path)
+    text = str(caught.value)
+    assert "\n" not in text
+    assert len(text) < 300 + len(str(path))
+    assert all(word in text for word in words), text
+
+
+@pytest.mark.parametrize("name", [name for name in WRITERS if name.endswith(BINARY) or ".csv." in name])
+def test_a_file_that_is_cut_off_or_damaged_is_one_line(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    WRITERS[name](path)
+    content, rng = path.read_bytes(), np.random.default_rng(1)
+    for part in (0, 1, 7, len(content) // 2, len(content) - 1):
+        path.write_bytes(content[:part])
+        if part == len(content) - 1 and name.endswith(("mat", "nc", "h5", "npz")):
+            continue  # the last byte need not be read
+        one_line(path)
+    for _ in range(0 if name.endswith("mat") else 20):  # random bytes; scipy itself crashes for some of those
+        damaged = bytearray(content)
+        for place in rng.integers(0, len(content), 20).tolist():
+            damaged[place] = int(rng.integers(0, 256))
+        path.write_bytes(damaged)
+        with suppress(ParameterError):
+            read_samples(path)
+
+
+@pytest.mark.parametrize("suffix", sorted(SUFFIXES))
+def test_rubbish_is_one_line_under_any_name(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"file{suffix}"
+    rng = np.random.default_rng(2)
+    for content in (b"", b"\n\n", b"\0" * 5000, rng.bytes(5000), pickle.dumps(COLUMNS), b"[" * 200_000, b"t,x,v\n" * 3):
+        path.write_bytes(content)
+        one_line(path)
+
+
+def test_objects_of_python_are_not_loaded(tmp_path: Path) -> None:
+    """A pickle could run anything."""
+
+    class Trap:
+        def __reduce__(self) -> Any:
+            return (tmp_path / "sprung").touch, ()
+
+    np.savez(tmp_path / "trap.npz", t=T, x=np.array([Trap()] * 60), v=V)
+    one_line(tmp_path / "trap.npz", "not of Python objects")
+    np.save(tmp_path / "trap.npy", np.array([Trap()] * 60))
+    one_line(tmp_path / "trap.npy", "not an npz file")
+    assert not (tmp_path / "sprung").exists()
+
+
+def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
+    import pandas
+
+    for values, words in (
+        ({"x": np.where(T > 1, np.nan, X)}, "x[18] = nan: must be finite"),
+        ({"x": ["text"] * 60}, "x[0] = 'text': is not a number"),
+        ({"x": X + 0j}, "x[0]"),
+    ):
+        frame = pandas.DataFrame({**COLUMNS, **values})
+        for name, write in (("parquet", frame.to_parquet), ("feather", frame.to_feather)):
+            if "0]" in words and np.iscomplexobj(values["x"]):
+                continue  # these have no complex numbers
+            write(tmp_path / f"run.{name}")
+            one_line(tmp_path / f"run.{name}", words)
+        np.savez(tmp_path / "run.npz", **{**COLUMNS, **values})
+        one_line(tmp_path / "run.npz", words)
+    pandas.DataFrame({"t": T, "x": X, "w": V}).to_parquet(tmp_path / "other.parquet")
+    one_line(tmp_path / "other.parquet", "column = 'v': is missing", "there are: t, x, w")
+    (tmp_path / "none.parquet").write_bytes(b"PAR1" * 9)
+    with pytest.raises(ParameterError, match=r"is not a parquet file, or it is damaged: \w.*\w"):
+        read_samples(tmp_path / "none.parquet")
+
+
+def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for suffix, package in ((".parquet", "pyarrow"), (".feather", "pyarrow"), (".h5", "h5py")):
+        (tmp_path / f"run{suffix}").write_bytes(b"anything")
+
+        def none_of(name: str, package: str = package) -> Any:
+            assert name.partition(".")[0] == package
+            raise ImportError(name)
+
+        monkeypatch.setattr(files, "import_module", none_of)
+        with pytest.raises(MissingExtraError, match=r"file needs an optional package: pip install 'symosc\[tables\]'"):
+            read_samples(tmp_path / f"run{suffix}")
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
 
 
 def test_what_cannot_be_read(tmp_path: Path) -> None:
@@ -52,7 +184,7 @@ def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
             return data
 
     monkeypatch.setitem(files.PACKED, ".gz", Counting)
-    monkeypatch.setattr(text_tables, "MOST_EMPTY_LINES", 50_000)
+    monkeypatch.setattr(files, "MOST_EMPTY_LINES", 50_000)
     path = tmp_path / "run.csv.gz"
     path.write_bytes(gzip.compress(b"t,x,v\n" + piece * (8_000_000 // len(piece)), compresslevel=1))
     with pytest.raises(ParameterError, match=r"lines without data|not text in lines"):
@@ -136,9 +268,231 @@ def test_names_of_columns_are_checked() -> None:
         read_samples(dict(list(many.items())[:12]))
 
 
-def test_results_of_solvers_have_two_rows() -> None:
-    t = np.linspace(0, 1, 5)
-    assert read_samples(SimpleNamespace(t=t, y=np.array([t, 2 * t]))).v.tolist() == (2 * t).tolist()
-    for y in (t, np.array([t, t, t]), np.array([[t, t], [t, t]]), [[0], [1, 2]]):
-        with pytest.raises(ParameterError, match="must have two rows"):
-            read_samples(SimpleNamespace(t=t, y=y))
+# -- text tables -------------------------------------------------------------------------------------------------------
+
+
+def read(text: str, **asked: str | None) -> dict[str, np.ndarray]:
+    return read_text(io.BufferedReader(io.BytesIO(text.encode())), asked, "here")  # type: ignore[arg-type]
+
+
+def test_numbers_are_read_however_they_are_written() -> None:
+    """Any delimiter, decimal sign, order and name of columns, header or none, comments, a few lines at a time."""
+    rng = random.Random(3)
+    for _ in range(150):
+        count, sign = rng.randint(2, 9), rng.choice([",", ";", "\t", " ", "  "])
+        columns = {name: [rng.choice([rng.uniform(-9, 9), rng.uniform(-9, 9) * 1e-30, float(rng.randint(0, 9))])
+                          for _ in range(count)] for name in "txv"}  # fmt: skip
+        names = {
+            "t": ["t", "T", "time", "Time"],
+            "x": ["x", "X", "position", "POS"],
+            "v": ["v", "vel", "Velocity", "dx/dt"],
+        }
+        headless = rng.random() < 0.3
+        order = ["t", "x", "v"] if headless else rng.sample("txv", 3)
+        comma = sign != "," and rng.random() < 0.5
+        lines = [] if headless else [sign.join(rng.choice(names[name]) for name in order)]
+        for row in zip(*(columns[name] for name in order), strict=True):
+            cells = [repr(value) for value in row]
+            lines.append(sign.join(cell.replace(".", ",") for cell in cells) if comma else sign.join(cells))
+        for _ in range(rng.randint(0, 4)):
+            lines.insert(rng.randint(0, len(lines)), rng.choice(["", "# why", "% 1 2", "// t x", " "]))
+        found = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
+        assert {name: column.tolist() for name, column in found.items()} == columns, lines
+
+
+def test_a_header_may_be_a_comment_and_a_comment_is_no_header() -> None:
+    assert read("# t v x\n0 1 2\n1 2 3\n")["x"].tolist() == [2, 3]
+    assert read("# made by hand\n0 1 2\n1 2 3\n")["x"].tolist() == [1, 2]
+    assert set(read("# t x\n0 1\n1 2\n")) == {"t", "x"}
+
+
+def test_columns_may_be_named_by_their_numbers() -> None:
+    text = "9 0 5 1\n9 1 6 2\n"
+    found = read(text, t="2", x="4", v="3")
+    assert [found[name].tolist() for name in "txv"] == [[0, 1], [1, 2], [5, 6]]
+    with pytest.raises(ParameterError, match="has no header and 4 columns; say which are meant, such as t=1,x=2,v=3"):
+        read(text)
+
+
+def test_what_spreadsheets_and_fortran_write() -> None:
+    assert read("sep=;\nt;x;v\n0,5;1;2\n1,5;2;3\n")["t"].tolist() == [0.5, 1.5]
+    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["t"].tolist() == [1.5e-3, 1.5]
+    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["v"].tolist() == [20, 3]
+
+
+def test_ids_are_texts() -> None:
+    found = read('id;t;x;v\n"a 1";0;0,5;1\nb;1;2;3\n')
+    assert found["id"].tolist() == ["a 1", "b"]
+    assert found["x"].tolist() == [0.5, 2]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("t,x,v\n0,1,2\n1,x,2\n", r"x\[1\] = 'x': is not a number \(line 3\)"),
+        ("t;x;v\n0;1;2\n1;1.234,5;2\n", r"x\[1\] = '1.234.5': is not a number \(line 3\)"),
+        ("t,x,v\n0,1,2\n\n1,2\n", "row 4 has 2 entries, the header 3"),
+        ("t x v\n0 1 2\n1 2 3 4\n", "row 3 has 4 entries, the header 3"),
+        ("0,1\n1\n", "row 2 has 1 entries, the header 2"),
+        ("t,x,v,x\n0,1,2,3\n", "has 'x' twice"),
+        ("time,pos,position,v\n0,1,2,3\n", "may be any of pos, position in here; say which, such as x=pos"),
+        ("a,b,c\n0,1,2\n", "is missing in here; there are: a, b, c"),
+        ("", "is empty"),
+        ("\n \n", "is empty"),
+        ("t,x,v\n0,1,2\n\x00\n", "is not text in lines"),
+    ],
+)
+def test_what_is_wrong_is_said(text: str, words: str) -> None:
+    with pytest.raises(ParameterError, match=words) as caught:
+        read(text)
+    assert "\n" not in str(caught.value)
+
+
+# -- octave ------------------------------------------------------------------------------------------------------------
+
+
+SAVED = Path(__file__).parent / "octave"
+OCTAVE_T = np.arange(12) / 8  # all numbers are exact, in single precision too
+FILES = ("samples.txt", "samples.h5", "struct.mat", "struct.h5", "matrix.h5", "range", "range.h5")
+
+
+def assert_right(source: str | Path) -> None:
+    samples = read_samples(source)
+    np.testing.assert_array_equal([samples.t, samples.x, samples.v], [OCTAVE_T, OCTAVE_T**2, 2 * OCTAVE_T])
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_octave_saves_is_read(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Columns beside values of every other kind, a struct, a matrix, a range; of standard input too."""
+    assert_right(SAVED / name)
+    if name != "struct.mat":
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO((SAVED / name).read_bytes())))
+        assert_right("-")
+
+
+def test_a_range_ends_where_octave_ends_it(tmp_path: Path) -> None:
+    """3 * 0.1 is beyond 0.3 in doubles, and Octave ends at 0.3. A range may go down, or end before its limit."""
+    for text, values in (
+        ("0 0.3 0.1", [0, 0.1, 0.2, 0.3]),
+        ("0 0.35 0.1", [0, 0.1, 0.2, 0.1 * 3]),
+        ("1 0 -0.5", [1, 0.5, 0]),
+    ):
+        head = "# Created by Octave 7.3.0\n# name: x\n# type: range\n# base, limit, increment\n"
+        times = f"# name: t\n# type: matrix\n# rows: 1\n# columns: {len(values)}\n"
+        (tmp_path / "run.txt").write_text(f"{head}{text}\n\n\n{times} {' '.join(map(str, range(len(values))))}\n")
+        assert read_samples(tmp_path / "run.txt").x.tolist() == values
+
+
+@pytest.mark.parametrize("name", ["packed.txt.gz", "packed.dat.gz", "packed.gz", "packed.mat.gz"])
+def test_a_packed_text_of_octave_is_read(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(gzip.compress((SAVED / "samples.txt").read_bytes()))
+    assert_right(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["range", pytest.param("samples.txt", marks=pytest.mark.slow)])
+def test_a_damaged_text_of_octave_is_one_line(name: str, tmp_path: Path) -> None:
+    """Each line left out, cut off there, or with other numbers: read, or refused in one line."""
+    lines, path, refused = (SAVED / name).read_text().splitlines(keepends=True), tmp_path / name, 0
+    for i in range(1, len(lines)):
+        bad = "".join(letter if letter.isalpha() else "9" for letter in lines[i].strip()) + "\n"
+        for text in (lines[:i] + lines[i + 1 :], lines[:i], [*lines[:i], bad, *lines[i + 1 :]]):
+            path.write_text("".join(text))
+            said = what_is_said(path)
+            assert "\n" not in said
+            refused += bool(said)
+    assert refused > len(lines)
+
+
+def what_is_said(path: Path) -> str:
+    try:
+        read_samples(path)
+    except ParameterError as error:
+        return str(error)
+    return ""
+
+
+# -- matlab tags -------------------------------------------------------------------------------------------------------
+
+
+def written(variables: dict[str, Any], packed: bool = False) -> bytes:
+    file = BytesIO()
+    savemat(file, variables, do_compression=packed)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize(
+    "variables",
+    [
+        COLUMNS,
+        {"sol": COLUMNS},
+        {"z": np.array([1j, 2]), "empty": np.array([]), "flag": True, "text": "abc", "short": np.arange(5, dtype="u1")},
+        {"s": sparse.csc_matrix(np.eye(3)), "c": np.array([1, "a"], dtype=object), "deep": {"a": {"b": [1.5]}}},
+    ],
+)
+def test_what_scipy_writes_is_sound(variables: dict[str, Any], packed: bool) -> None:
+    assert not has_wrong_tags(written(variables, packed))
+
+
+@pytest.mark.parametrize(("at", "value"), [(176, 0xFF), (176, 0), (145, 0x08), (133, 0xFF), (180, 0xFF), (128, 99)])
+def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
+    """The kind of the numbers, a second (imaginary) part that is not there, sizes beyond the end."""
+    data = bytearray(written(COLUMNS))
+    assert struct.unpack_from("<I", data, 176) == (9,)  # numbers in double precision
+    data[at] = value
+    assert has_wrong_tags(bytes(data))
+    (tmp_path / "run.mat").write_bytes(data)
+    with pytest.raises(ParameterError, match="is not a MATLAB file, or it is damaged"):
+        read_samples(tmp_path / "run.mat")
+
+
+# -- page --------------------------------------------------------------------------------------------------------------
+
+
+PAGE = (Path(__file__).parents[2] / "docs" / "checking.md").read_text(encoding="utf-8")
+SOLVER, EXAMPLE = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+COMMANDS = re.findall(r"^\$ (.*)$", PAGE, re.MULTILINE)
+# Those that find the solution wrong: its method steps over belts.
+WRONG = ("--solver",)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    import pandas
+
+    folder = tmp_path_factory.mktemp("checking")
+    t = np.linspace(0.1324, 10, 500)
+    x, v = simulate("fig9")(t)
+    frame = pandas.DataFrame({"t": t, "x": x, "v": v})
+    frame.to_csv(folder / "run.csv", index=False)
+    frame.to_parquet(folder / "other.parquet")
+    frame[["t", "x"]].to_csv(folder / "positions.csv", index=False)
+    np.savetxt(folder / "run.txt", np.column_stack([t, x, 0 * t, v]), fmt="%.17g")
+    (folder / "mysolver.py").write_text(SOLVER)
+    program = folder / "bin" / "symosc"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m symosc "$@"\n')
+    program.chmod(0o755)
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_commands_run(command: str, folder: Path) -> None:
+    environment = {**os.environ, "PATH": os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])}
+    result = subprocess.run(command, shell=True, cwd=folder, env=environment, capture_output=True, text=True)
+    assert (result.returncode, result.stderr) == (int(any(word in command for word in WRONG)), ""), result.stdout
+    assert result.stdout.startswith(("ok", "{", "FAILED"))
+
+
+@pytest.mark.slow
+def test_the_example_prints_what_it_says(tmp_path: Path) -> None:
+    (expected,) = re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    result = subprocess.run([sys.executable, "-c", EXAMPLE], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.stderr, result.stdout) == ("", expected)
+
+
+def test_every_format_is_named() -> None:
+    alike = {".out", ".asc", ".pq", ".arrow", ".hdf"}
+    for suffix in {*SUFFIXES, *PACKED} - alike:
+        assert f"`{suffix}`" in PAGE, suffix

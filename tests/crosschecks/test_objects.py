@@ -1,22 +1,40 @@
-"""Solutions as objects, as their own libraries make them."""
+"""Solutions as objects, functions and results of solvers; wrong input is one line."""
 
 from __future__ import annotations
 
+import json
+import sys
+from collections.abc import Callable
+from fractions import Fraction
 from functools import cache
+from math import cos, sin
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from excerpts import crosscheck
-from solution_files import COLUMNS, LISTS, RECORDS, ROWS, T, V, X, frame
+from solution_files import COLUMNS, LISTS, RECORDS, ROWS, T, V, X, frame, read_samples
 
 from symosc import ParameterError, load_scene, simulate
-from symosc.crosschecks.functions import solver_task
-from symosc.crosschecks.objects import solutions_in
+from symosc.crosschecks.objects import (
+    MOST_TIMES,
+    SolverTask,
+    asked_columns,
+    find_columns,
+    of_function,
+    plain,
+    run_solver,
+    solutions_in,
+    solver_events,
+)
 from symosc.crosschecks.samples import Samples
 
-PROBLEM = solver_task(load_scene("fig9"))
+# -- objects -----------------------------------------------------------------------------------------------------------
+
+
+PROBLEM = SolverTask.of(load_scene("fig9"))
 
 
 @cache
@@ -201,3 +219,395 @@ def test_rows_of_several_ids_are_sorted_out() -> None:
         for samples, i in zip(found, order, strict=True):
             for name, column in columns.items():
                 assert getattr(samples, name).tolist() == column[ids == i].tolist()
+
+
+# -- functions ---------------------------------------------------------------------------------------------------------
+
+
+FIG9 = load_scene("fig9")
+
+
+def test_functions_of_one_time_and_of_many() -> None:
+    problem = SolverTask.of(FIG9)
+    for function in (
+        lambda t: (sin(t), cos(t)),
+        lambda t: np.array([np.sin(t), np.cos(t)]),
+        lambda t: np.column_stack([np.sin(t), np.cos(t)]) if np.ndim(t) else [sin(t), cos(t)],
+    ):
+        samples = of_function(function, problem)
+        np.testing.assert_allclose(samples.x, np.sin(samples.t), rtol=0, atol=1e-15)
+        np.testing.assert_allclose(samples.v, np.cos(samples.t), rtol=0, atol=1e-15)
+        assert (samples.t[0], samples.t[-1]) == (float(FIG9.t0), float(FIG9.t_end))
+    long = of_function(lambda t: (t, t), SolverTask(FIG9.parameters, 0.0, 1e9))
+    assert len(long.t) == MOST_TIMES + 1
+
+
+def test_a_function_may_be_given_with_times() -> None:
+    motion, t = simulate("fig9", t_end=3), np.linspace(0.2, 3, 50)
+    for first in ("fig9", FIG9.parameters):
+        check = crosscheck(first, t, lambda time: motion(time))
+        assert check.ok
+        assert check.t.tolist() == t.tolist()
+    assert crosscheck("fig9", simulate("fig9")).ok
+    assert len(crosscheck("fig9", simulate("fig9")).matched) == len(simulate("fig9").events)
+
+
+def test_what_is_no_solution_of_a_function() -> None:
+    with pytest.raises(ParameterError, match=r"needs times: give crosscheck\(parameters, t, function\)"):
+        crosscheck(FIG9.parameters, lambda t: (t, t))
+    with pytest.raises(ParameterError, match="must return two numbers"):
+        crosscheck("fig9", lambda t: t)
+    for function, kind in ((lambda t: (t / 0, 1), ZeroDivisionError), (lambda: (0, 0), TypeError)):
+        with pytest.raises(ParameterError, match=rf"fails at t = 0.1324: {kind.__name__}: ") as caught:
+            crosscheck("fig9", function)
+        assert isinstance(caught.value.__cause__, kind)  # an error of the function itself, with its place
+    with pytest.raises(ParameterError, match=r"x\[0\] = nan"):
+        crosscheck("fig9", lambda t: (np.nan, 1))
+
+
+def test_only_events_at_a_belt_count_and_each_once() -> None:
+    v1, v2 = float(FIG9.parameters.v1), float(FIG9.parameters.v2)
+    result = SimpleNamespace(
+        t_events=[np.array([1.0, 2.0]), np.array([1.0 + 1e-12, 3.0]), np.array([])],
+        y_events=[np.array([[0, v1], [0, v2]]), np.array([[0, v1], [0, v2 + 1.0]]), np.array([])],
+    )
+    events, notes = solver_events(result, SolverTask.of(FIG9))
+    assert events == ((1.0, ""), (2.0, ""))
+    assert notes[1] == "1 of the solver's t_events are not at a belt, and left out"
+    assert solver_events(SimpleNamespace(t_events=None), SolverTask.of(FIG9)) == (None, ())
+    assert solver_events(result, None) == (None, ())
+
+
+@pytest.mark.parametrize(
+    ("t_events", "y_events", "words"),
+    [
+        ([["a"]], None, "must be lists of finite times"),
+        ([[np.nan]], None, "must be lists of finite times"),
+        (5, None, "must be lists of finite times"),
+        ([[1.0, 2.0]], [[[0, 1]]], "must have x and v for each of t_events"),
+        ([[1.0]], [[[None]]], "must have x and v for each of t_events"),
+    ],
+)
+def test_events_of_a_solver_that_are_none(t_events: object, y_events: object, words: str) -> None:
+    result = SimpleNamespace(t_events=t_events, y_events=y_events)
+    with pytest.raises(ParameterError, match=words):
+        solver_events(result, SolverTask.of(FIG9))
+
+
+# -- solver runs -------------------------------------------------------------------------------------------------------
+
+
+SOURCE = """
+print("loading")
+def solve(p, t0, x0, v0, t_end):
+    print("solving")
+    return {"t": [t0, t_end], "x": [x0, x0], "v": [v0, float(p.k)]}
+class Many:
+    @staticmethod
+    def solve(*start):
+        return start
+def none(*start): pass
+def broken(*start):
+    return 1 / 0
+def leaves(*start):
+    raise SystemExit(3)
+number = 5
+async def later(*start):
+    return start
+"""
+
+
+def test_a_function_gets_the_problem(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "solver_of_a_test.py").write_text(SOURCE)
+    scene = load_scene("fig9")
+    start = [float(getattr(scene, name)) for name in ("t0", "x0", "v0", "t_end")]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    for module in ("solver_of_a_test", str(tmp_path / "solver_of_a_test.py")):
+        found = run_solver(f"{module}:solve", scene)
+        assert found == {"t": [start[0], start[3]], "x": [start[1]] * 2, "v": [start[2], float(scene.parameters.k)]}
+        assert run_solver(f"{module}:Many.solve", scene) == (scene.parameters, *start)
+    printed = capsys.readouterr()
+    assert "solving" in printed.err
+    assert printed.out == ""
+    for name, words in (
+        ("solver_of_a_test:none", "returned None"),
+        ("solver_of_a_test:broken", r"failed: ZeroDivisionError: division by zero \(line 12 of solver_of_a_test.py\)"),
+        ("solver_of_a_test:leaves", "failed: SystemExit: 3"),
+        ("solver_of_a_test:number", "is no function of"),
+        ("solver_of_a_test:later", "is async"),
+        ("solver_of_a_test:other", "is no function of"),
+        ("no_such_module:solve", "cannot be imported: ModuleNotFoundError"),
+        ("no_such_file.py:solve", "cannot be imported: FileNotFoundError"),
+        ("solver_of_a_test", "must be MODULE:FUNCTION"),
+        (":solve", "must be MODULE:FUNCTION"),
+    ):
+        with pytest.raises(ParameterError, match=words) as caught:
+            run_solver(name, scene)
+        assert "\n" not in str(caught.value)
+        assert "importlib" not in str(caught.value)  # a place is one in the solver's own files
+        assert "objects.py" not in str(caught.value)
+
+
+# -- columns -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "simple"),
+    [
+        ("Time (s)", "time"),
+        ("x(t)", "x"),
+        ("dx/dt", "dxdt"),
+        ("x'", "xprime"),
+        ("ẋ", "xdot"),
+        ("V [m/s]", "v"),
+        ("(x)", "x"),
+    ],
+)
+def test_names_without_units(name: str, simple: str) -> None:
+    assert plain(name) == simple
+
+
+def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
+    assert find_columns(["X", "x", "T", "V"], {}, "here") == {"t": "T", "x": "x", "v": "V"}
+    assert find_columns(["Time", "Pos", "Run", "velocity"], {}, "here") == {
+        "t": "Time", "x": "Pos", "id": "Run", "v": "velocity",
+    }  # fmt: skip
+    assert find_columns(["t", "x", "events"], {}, "here") == {"t": "t", "x": "x"}
+    assert find_columns(["t", "x", "w"], {"v": None}, "here") == {"t": "t", "x": "x"}
+    assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {"t": "t", "x": "A", "v": "w"}
+
+
+def test_a_velocity_under_another_name_is_not_passed_over() -> None:
+    with pytest.raises(ParameterError, match="'v': is missing in here; there are: t, x, w; without velocities"):
+        find_columns(["t", "x", "w"], {}, "here")
+
+
+@pytest.mark.parametrize("columns", [{"x": None}, {"t": "none"}, {"q": "x"}, {"x": "v"}, {"x": "a", "v": "a"}])
+def test_what_cannot_be_asked(columns: dict[str, str | None]) -> None:
+    with pytest.raises(ParameterError, match="columns"):
+        asked_columns(columns)
+
+
+def test_no_velocity_can_be_asked_for() -> None:
+    assert asked_columns({"v": "none"}) == asked_columns({"v": None}) == {"v": None}
+
+
+# -- samples -----------------------------------------------------------------------------------------------------------
+
+
+SAMPLES_T = np.linspace(0.1324, 3, 30)
+SAMPLES_X, SAMPLES_V = simulate("fig9", t_end=3)(SAMPLES_T)
+
+SAMPLES_COLUMNS: dict[str, Any] = {
+    "nothing": None,
+    "text": "abc",
+    "a number": 5.0,
+    "truth values": SAMPLES_T > 1,
+    "True among numbers": [True, *SAMPLES_T[1:]],
+    "complex": SAMPLES_T + 0j,
+    "complex without a part": [1j * 0] * 30,
+    "dates": np.arange(30).astype("datetime64[s]"),
+    "spans of time": np.arange(30).astype("timedelta64[s]"),
+    "masked": np.ma.array(SAMPLES_T, mask=[1] + [0] * 29),
+    "NaN": np.where(SAMPLES_T > 1, np.nan, SAMPLES_T),
+    "infinite": np.where(SAMPLES_T > 1, np.inf, SAMPLES_T),
+    "too large": np.where(SAMPLES_T > 1, 1e200, SAMPLES_T),
+    "a huge int": [10**400] * 30,
+    "more digits than Python prints": [10**5000] * 30,
+    "ragged": [[1, 2], [3]],
+    "two-dimensional": [[1.0]] * 30,
+    "a mapping": {"a": 1},
+    "underscores": ["1_000"] * 30,
+    "full-width digits": ["１"] * 30,
+    "a generator": (value for value in SAMPLES_T),
+    "too short": SAMPLES_T[:3],
+    "empty": [],
+    "None inside": [None] * 30,
+    "records": np.array([(1.0, 2.0)] * 30, dtype="f8,f8"),
+    "long text": ["a" * 10000] * 30,
+}
+
+EVENTS: dict[str, Any] = {
+    "a number": 5,
+    "text": "abc",
+    "bytes": b"ab",
+    "an array of nothing": np.array(5),
+    "None inside": [None],
+    "a number inside": [1.0],
+    "three": [(1, "cross", 2)],
+    "NaN": [(np.nan, "cross")],
+    "infinite": [(np.inf, "cross")],
+    "complex": [(1j, "cross")],
+    "True": [(True, "cross")],
+    "huge": [(10**400, "cross")],
+    "underscore": [("1_0", "cross")],
+    "no kind": [(1.0, None)],
+    "another kind": [(1.0, "jump")],
+    "a list for a kind": [(1.0, [])],
+    "deep": [[[[[1]]]]],
+    "rows": [{"t": 1, "kind": "cross"}],
+}
+
+
+def one_line(call: Callable[[], Any], *words: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        call()
+    text = str(caught.value)
+    assert "\n" not in text
+    assert len(text) < 300
+    text.encode()  # it can be printed
+    for word in words:
+        assert word in text
+
+
+@pytest.mark.parametrize("what", SAMPLES_COLUMNS)
+def test_what_is_no_column(what: str) -> None:
+    for name in "tx" if what == "nothing" else "txv":  # without velocities they are computed
+        columns = {"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V} | {name: SAMPLES_COLUMNS[what]}
+        words = ("lengths", f"'{name}'") if what in ("too short", "empty") else (f"{name}",)
+        one_line(lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]), *words)  # type: ignore[misc]
+
+
+def test_what_is_a_column_all_the_same() -> None:
+    for kind in (np.float32, np.longdouble, object):
+        assert crosscheck("fig9", SAMPLES_T.astype(kind), SAMPLES_X, SAMPLES_V, tolerance=1e-5).ok
+    assert crosscheck(
+        "fig9",
+        [str(value) for value in SAMPLES_T],
+        [Fraction(value) for value in SAMPLES_X.tolist()],
+        SAMPLES_V.tolist(),
+    ).ok
+    assert crosscheck("fig9", np.ma.array(SAMPLES_T, mask=False), SAMPLES_X, SAMPLES_V).ok
+
+
+@pytest.mark.parametrize("what", EVENTS)
+def test_what_is_no_list_of_events(what: str) -> None:
+    one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X, SAMPLES_V, events=EVENTS[what]), "events")
+
+
+def test_times() -> None:
+    one_line(lambda: crosscheck("fig9", SAMPLES_T[::-1], SAMPLES_X, SAMPLES_V), "t[1]", "comes after")
+    one_line(lambda: crosscheck("fig9", np.ones(30), SAMPLES_X, SAMPLES_V), "t", "repeated")
+    one_line(lambda: crosscheck("fig9", SAMPLES_T + 1e40, SAMPLES_X, SAMPLES_V), "t", "repeated")
+    for shift in (1e6, -1e6):
+        assert not crosscheck("fig9", SAMPLES_T + shift, SAMPLES_X, SAMPLES_V).ok
+
+
+def test_a_missing_column_is_said() -> None:
+    one_line(lambda: crosscheck("fig9", SAMPLES_T, v=SAMPLES_V), "x = None", "missing")
+    for source in (None, 5, [1, 2], b"x", np.zeros((3, 4)), {}, {"t": SAMPLES_T}, (value for value in SAMPLES_T)):
+        one_line(lambda source=source: crosscheck("fig9", source), " = ")  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("y", [np.zeros((4, 30)), np.zeros((1, 30)), np.zeros(30), [[1, 2], [3]], None, 5])
+def test_results_of_another_number_of_rows(y: Any) -> None:
+    one_line(lambda: crosscheck("fig9", SimpleNamespace(t=SAMPLES_T, y=y)), "y = ", "two rows")
+
+
+@pytest.mark.parametrize("columns", ["t=x", [1], {"q": "x"}, {"x": None}, {"x": ["x"]}, {"t": "x"}])
+def test_names_of_columns(columns: Any) -> None:
+    one_line(lambda: read_samples({"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V}, columns), "columns")
+
+
+GOOD = {"t": SAMPLES_T.tolist(), "x": SAMPLES_X.tolist(), "v": SAMPLES_V.tolist()}
+SAMPLES_ROWS = "\n".join(",".join(map(repr, row)) for row in zip(*GOOD.values(), strict=True))
+
+TEXTS = {
+    "text.json": ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', "t[0] = 'abc'"),
+    "events.json": (json.dumps(GOOD | {"events": 5}), "events = 5"),
+    "deep.json": ("[" * 100000 + "]" * 100000, "nested too deeply"),
+    "deep_column.json": ('{"t": ' + "[" * 800 + "]" * 800 + ', "x": [1], "v": [1]}', "t[0]"),
+    "empty.json": ("", "is empty"),
+    "blank.json": (" \n", "is empty"),
+    "number.json": ("5", "must hold columns"),
+    "null.json": ("null", "must hold columns"),
+    "mixed.json": ("[{}, 1]", "must hold columns"),
+    "cut.json": (json.dumps(GOOD)[:-5], "cannot be read"),
+    "rows.json": ('[{"t": 0, "x": 0, "v": 0}, {"t": 1, "x": 1}]', "v[1] = None"),
+    "twice.json": ('{"t": [0, 1], "t": [0, 2], "x": [0, 1], "v": [0, 1]}', "has 't' twice"),
+    "nan.json": ('{"t": [0, NaN], "x": [0, 1], "v": [0, 1]}', "t[1] = nan"),
+    "digits.json": ('{"t": [0, ' + "1" * 5000 + '], "x": [0, 1], "v": [0, 1]}', "thousands of digits"),
+    "long.json": ('{"t": [0, ' + "1" * 400 + '], "x": [0, 1], "v": [0, 1]}', "t[1]"),
+    "mapping.json": ('{"t": {"a": 1}, "x": [0, 1], "v": [0, 1]}', "t[0]"),
+    "true.json": ('{"t": [true, false], "x": [0, 1], "v": [0, 1]}', "t[0] = True"),
+    "surrogate.json": ('{"\\ud800": ["0"], "x": [0], "v": [0]}', "there are: \\ud800"),
+    "empty.csv": ("", "is empty"),
+    "header.csv": ("t,x,v\n", "at least 2"),
+    "one.csv": ("t,x,v\n0,0,0\n", "at least 2"),
+    "headless.csv": ("0,0,0,0\n1,1,1,1", "has no header and 4 columns; say which are meant, such as t=1,x=2,v=3"),
+    "semicolons.csv": ("t;x;w\n0;0;0", "there are: t, x, w"),
+    "twice.csv": ("t,x,v,v\n0,0,0,0\n1,1,1,1", "has 'v' twice"),
+    "holes.csv": ("t,x,v\n0,,0\n1,1,1", "x[0] = ''"),
+    "blank.csv": ("\nt,x,v\n\n0,0,0\n\n1,1\n", "row 6 has 2 entries"),
+    "field.csv": ("t,x,v\n" + "1" * 200000 + ",0,0\n1,1,1", "must be finite"),
+    "hex.csv": ("t,x,v\n0x10,0,0\n1,1,1", "'0x10'"),
+    "underscore.csv": ("t,x,v\n0,0,0\n1_0,1,1", "'1_0'"),
+    "infinite.csv": ("t,x,v\n0,0,inf\n1,1,1", "v[0] = inf"),
+    "wide.csv": (",".join(f"c{i}" for i in range(5000)), "and 4988 more"),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_files_of_text(name: str, tmp_path: Path) -> None:
+    text, words = TEXTS[name]
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ParameterError) as caught:
+        crosscheck("fig9", tmp_path / name)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 300 + len(str(tmp_path))
+    str(caught.value).encode()
+
+
+def test_files_that_are_read_although_they_look_odd(tmp_path: Path) -> None:
+    texts = {
+        "bom.json": "\ufeff" + json.dumps(GOOD),
+        "none.json": json.dumps(GOOD | {"events": None}),
+        "bom.csv": "\ufefft,x,v\n" + SAMPLES_ROWS,
+        "crlf.csv": ("t,x,v\n" + SAMPLES_ROWS).replace("\n", "\r\n"),
+        "savetxt.csv": "# t,x,v\n" + SAMPLES_ROWS,
+        "spaces.csv": " t , x , v \n" + SAMPLES_ROWS.replace(",", " , ") + "\n\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_bytes(text.encode())
+        assert crosscheck("fig9", tmp_path / name).ok
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json"])
+def test_files_that_are_no_text(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"file{suffix}"
+    path.write_text(json.dumps(GOOD), encoding="utf-16")
+    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8")
+
+
+def test_npz_files(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    objects = np.array([None])
+    for arrays, words in (
+        (GOOD | {"t": np.array([0, None])}, "not of Python objects"),
+        (GOOD | {"events": np.array([(0.5, "stick")], object)}, "not of Python objects"),
+        (GOOD | {"events": 5}, "events"),
+        (GOOD | {"t": SAMPLES_T + 0j}, "t[0]"),
+        ({"t": SAMPLES_T, "pos": SAMPLES_X, "velo": SAMPLES_V}, "there are: t, pos"),
+    ):
+        np.savez(path, **arrays)
+        one_line(lambda: crosscheck("fig9", path), words)
+    np.savez(path, **GOOD, other=objects)  # type: ignore[arg-type]
+    assert crosscheck("fig9", path).ok
+    np.savez(path, **GOOD, events=np.array([["0.5", "stick"]]))  # type: ignore[arg-type]
+    assert [event.t for event in crosscheck("fig9", path).invented] == [0.5]
+    content = path.read_bytes()
+    for damaged in (b"", b"no zip", content[: len(content) // 2], b"\x80\x04]."):
+        path.write_bytes(damaged)
+        one_line(lambda: crosscheck("fig9", path), "is not an npz file")
+
+
+@pytest.mark.slow
+def test_more_events_than_can_be_meant() -> None:
+    """Two samples and a million periods between them: an answer in seconds, not a search for hours."""
+    result = crosscheck("fig9", [0.1324, 1e6], [4.5447, 1.0], [1.0, 1.0])
+    assert not result.ok
+    assert "later only steps are compared" in result.notes[0]

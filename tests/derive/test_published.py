@@ -1,4 +1,4 @@
-"""Published results against this package: amplitudes, stability, borders, resonance, decay, continua, rests."""
+"""Published results against this package: amplitudes, stability, borders, stops, decay, continua; and their page."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from chapters import table
 
 from symosc import simulate
-from symosc.derive import published
-from symosc.derive.comparisons import RESTING
-from symosc.derive.published import MP, Formulas, wall
+from symosc.derive import citation, literature_page, published
+from symosc.derive.published import BORDER, CLOSED, MP, RESTING, TABLES, Formulas, Value, wall
 from symosc.errors import ParameterError
+from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 
@@ -152,7 +153,8 @@ def test_turning_points_of_the_continuum_at_one_half() -> None:
 
 def test_one_stop_per_cycle_beside_the_continuum() -> None:
     """It gets shorter for ever, and the motion tends to the end of the continuum."""
-    lengths = published.one_sided_stops("0.1", 1, Fraction(3, 10), 150)
+    events = published.one_sided_path("0.1", 1, Fraction(3, 10), Fraction(150)).events
+    lengths = [end.t - onset.t for onset, end in pairwise(events) if onset.kind == "stick"]
     assert len(lengths) in (150, 151)
     assert all(after < before for before, after in pairwise(lengths[3:]))
     assert 0 < lengths[-1] < 0.2 < lengths[3]
@@ -176,3 +178,112 @@ def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
 def test_formulas_say_where_there_is_no_such_motion(change: dict, name: str) -> None:
     with pytest.raises(ParameterError, match=f"^{name} "):
         Formulas(wall("0.1", "0.5").replace(**change))
+
+
+# --- stops per cycle ---
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("low", "high", "counts", "kind"),
+    [("0.12", "0.125", (2, 4), "graze"), ("0.5", "0.51", (6, 4), "birth")],
+)
+def test_borders_by_running_are_those_of_the_equations(low: str, high: str, counts: tuple, kind: str) -> None:
+    border = published.find_border(Fraction(low), Fraction(high), "0.1")
+    assert (border.below, border.above) == counts
+    assert border.high - border.low < 1e-7
+    found = published.solve_border("0.1", border)
+    assert found.kind == kind
+    assert float(found.ratio) == pytest.approx(border.middle, abs=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("low", "high", "counts"), [("0.4", "0.45", (12, 14)), ("0.45", "0.5", (14, 12))])
+def test_fourteen_stops(low: str, high: str, counts: tuple) -> None:
+    border = published.find_border(Fraction(low), Fraction(high), "0.04")
+    assert (border.below, border.above) == counts
+    assert float(published.solve_border("0.04", border).ratio) == pytest.approx(border.middle, abs=1e-7)
+
+
+@pytest.mark.slow
+def test_the_branch_of_orbits_with_two_stops_ends_at_the_border() -> None:
+    """Another way to the border of 2 and 4 stops: P1312 followed in F until a slide is touched."""
+    branch = continue_orbit(wall("0.12", "0.1"), "P1312", "mu1", ("0.119", "0.122"))
+    border = published.find_border(Fraction("0.12"), Fraction("0.125"), "0.1")
+    assert branch.ends[1].value == pytest.approx(border.middle, abs=1e-7)
+
+
+@pytest.mark.slow
+def test_counts_are_those_of_orbits() -> None:
+    """A settled motion with 2 n stops has the word of n slides down, n slides up, and a stop after each."""
+    for ratio, word in (("0.11", "P1312"), ("0.2", "P13131212"), ("0.9", "P1312")):
+        assert published.stops(wall(ratio, "0.1")) == word.count("1")
+        assert find_orbit(wall(ratio, "0.1"), word).admissible
+
+
+def test_one_stop_at_one_half_only() -> None:
+    """From rest at 0: below F/P = 1/3 one stop per cycle at Omega = 1/2; above two; elsewhere none or two."""
+    cycle = 60 * 4 * pi
+    for F, count in (("0.1", 1), ("0.3", 1), ("0.4", 2)):
+        events = published.from_rest(wall(F, "0.5"), 61).events
+        assert sum(event.kind == "stick" and event.t >= cycle for event in events) == count
+    assert published.stops(wall("0.36", "0.5")) == 2
+    assert [published.stops(wall(F, "0.49")) for F in ("0.1", "0.4")] == [0, 2]
+
+
+def test_equal_counts_have_no_border() -> None:
+    with pytest.raises(ParameterError, match="different numbers of stops"):
+        published.find_border("0.2", "0.3", "0.1")
+
+
+# --- the tables and their page ---
+
+#: The others bisect, or expand long expressions, for seconds each.
+QUICK = ("amplitude", "resonance", "decay", "continuum", "rests")
+KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in TABLES]
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("key", KEYS)
+def test_formula_and_package_agree(key: str) -> None:
+    values = table(key)
+    assert len(values) >= 2
+    for value in values:
+        assert value.tolerance in (CLOSED, BORDER)
+        assert abs(value.difference) <= value.tolerance, value
+
+
+@pytest.mark.slow
+def test_counts_of_stops_go_from_0_to_14() -> None:
+    said = " ".join(value.note for key in ("border", "stops") for value in table(key))
+    assert {int(word) for word in said.replace(",", "").split() if word.isdigit()} == {0, 2, 4, 6, 8, 10, 12, 14}
+
+
+@pytest.mark.slow
+def test_the_committed_page_is_current(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(literature_page, "table", table)
+    committed = (literature_page.DOCS / literature_page.PAGE).read_text(encoding="utf-8")
+    assert committed == literature_page.page(), "accept it with: python -m symosc.derive.literature_page"
+
+
+def test_sources_are_known() -> None:
+    assert {source for _, sources, _ in TABLES.values() for source in sources} <= set(citation.entries())
+    assert set(literature_page.NOTES) == set(TABLES)
+
+
+def test_a_difference_is_relative() -> None:
+    assert abs(Value("x", "", MP.mpf(200), 202.0).difference + MP.mpf("0.01")) < 1e-15
+    assert abs(Value("x", "", 0, 0.5).difference + MP.mpf("0.5")) < 1e-15
+
+
+@pytest.mark.slow
+def test_the_figure_has_points_on_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The amplitudes drawn for P32 lie on the curves; borders by running are left out here, they take long."""
+    monkeypatch.setattr(literature_page, "_border_near", lambda r, c: 0.5)
+    monkeypatch.setattr(literature_page, "FINE", 9)
+    drawn = literature_page.figure().axes[1]
+    for axes in literature_page.figure().axes:
+        colours = {line.get_color() for line in axes.lines}
+        assert colours == {"0"}
+    assert len(drawn.lines) >= 4
+    assert all(len(line.get_xdata()) for line in drawn.lines)

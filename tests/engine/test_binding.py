@@ -26,7 +26,7 @@ pytest.importorskip("numba")
 SETS: dict[str, Callable[[], dict[str, Any]]] = {
     "fast paths": lambda: importlib.import_module("symosc.engine.arithmetic").compiled(),
     "mappings": lambda: {"flights": importlib.import_module("symosc.mappings.compiled")._loops(4)["flights"]},
-    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.sweep")._rows()},
+    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.window")._window_loop()},
     "peer by scanning": lambda: importlib.import_module("symosc.bench.peers_scan").compiled(),
     "peer by DOP853": lambda: importlib.import_module("symosc.bench.peers_numba").compiled(),
 }

@@ -1,24 +1,36 @@
-"""check_grazing: right where the window is right, and not blind where it is wrong."""
+"""check_grazing: right where the window is right, not blind where it is wrong, and each way as accurate as assumed."""
 
 from __future__ import annotations
 
 import json
-import operator
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 import sympy
+from oracle import flow_oracle
 from samples import few, sample_of
 
 from symosc import ParameterError, Parameters, load_scene, scene_names
 from symosc.grazing import check
-from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, check_grazing
-from symosc.grazing.deciders import NO, NOT_DECIDED, YES
+from symosc.grazing.check import (
+    DOP853,
+    DOP853_ERROR,
+    DOP853_TIMES,
+    EXACT_FLOW,
+    G_SIGNS,
+    NO,
+    NOT_DECIDED,
+    YES,
+    Ways,
+    check_grazing,
+)
 from symosc.grazing.window import GrazingWindow, grazing_window
 
 MAPS = ("P2", "P3", "P5", "P6")
+
+
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
@@ -77,9 +89,6 @@ def test_no_mismatch_elsewhere(changes: dict[str, Any], count: int) -> None:
         assert report.ok, report.summary()
 
 
-# -- a check that cannot fail checks nothing --------------------------------------------------------------------------
-
-
 class _Shifted(GrazingWindow):
     """A window that is wrong by a tiny shift of the phase."""
 
@@ -88,7 +97,6 @@ class _Shifted(GrazingWindow):
     def contains(self, theta: Any) -> Any:
         if isinstance(theta, np.ndarray):
             return super().contains(theta + float(self.shift))
-        import sympy
 
         return super().contains(theta + sympy.Rational(self.shift.numerator, self.shift.denominator))
 
@@ -147,12 +155,6 @@ def test_a_wrong_contact_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {each["way"] for each in report.mismatches} == {"contact"}
 
 
-# -- the ways, one by one ----------------------------------------------------------------------------------------------
-
-
-# -- the report ------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 def test_report_is_plain_data() -> None:
     report = check_grazing(BASE, "P2", n=50, seed=3)
@@ -201,97 +203,6 @@ def test_all_shipped_scenes(count: int) -> None:
             assert report.ok, report.summary()
 
 
-def test_special_phases_are_approached_from_both_sides_by_powers_of_ten(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each phase itself, and 1e-3 to 1e-14 before and behind it; where G^(1) = 0 too."""
-    looked_at: list[Any] = []
-    count = check._Check._count
-
-    def counted(self: Any, phases: Any, *arguments: Any) -> None:
-        looked_at.extend(phases)
-        count(self, phases, *arguments)
-
-    monkeypatch.setattr(check._Check, "_count", counted)
-    p = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
-    own = check._Check(grazing_window(p, "P2"))
-    own.adversarial()
-    angle = sympy.asin(sympy.Rational(1, 12))
-    bases = [sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2, sympy.pi + angle, 2 * sympy.pi - angle]
-    sizes = [sympy.Rational(1, 10**k) for k in range(3, 15)]
-    expected = {str((base + shift).evalf(30)) for base in bases for size in sizes for shift in (0, size, -size)}
-    assert {str(phase.evalf(30)) for phase in looked_at} == expected
-    assert own.n_adversarial == len(looked_at) == len(bases) * 25
-
-
-def counted(rng: np.random.Generator, own: check._Check) -> dict[str, Any]:
-    """Feed a check with verdicts that are drawn, and return what it has to say of them."""
-    right: dict[str, Any] = {"agreements": {}, "undecided": {}, "closest": {}, "mismatches": [], "n_grazing": 0}
-    for way in (G_SIGNS, EXACT_FLOW, DOP853):
-        right["agreements"][way], right["undecided"][way], right["closest"][way] = 0, 0, np.inf
-    for _ in range(4):
-        n = int(rng.integers(1, 9))
-        phases, inside = rng.uniform(0, 6, n), rng.random(n) < 0.5
-        margins = rng.choice([0.0, 1e-9, 1e-3, 0.5], n)
-        verdicts = rng.choice([YES, NO, NOT_DECIDED], (3, n))
-        own._count(phases, inside, margins, *verdicts)
-        right["n_grazing"] += int(inside.sum())
-        for way, verdict in zip(right["closest"], verdicts, strict=True):
-            for phase, grazes, margin, said in zip(phases, inside, margins, verdict, strict=True):
-                if said == NOT_DECIDED:
-                    right["undecided"][way] += 1
-                elif (said == YES) == grazes:
-                    right["agreements"][way] += 1
-                    right["closest"][way] = min(right["closest"][way], margin or np.inf)
-                else:
-                    words = ("grazes", "does not graze")
-                    window, found = words if grazes else words[::-1]
-                    right["mismatches"].append({"theta": str(phase), "way": way, "window": window, "found": found})
-    return right
-
-
-def test_verdicts_are_counted_and_compared_with_the_window() -> None:
-    """How many agree and are open, the closest of those that agree, and every contradiction with what both say."""
-    rng, window = np.random.default_rng(4), grazing_window(BASE, "P2")
-    for _ in range(5):
-        own = check._Check(window)
-        right = counted(rng, own)
-        for name in ("agreements", "undecided", "closest", "n_grazing"):
-            assert getattr(own, name) == right[name], name
-        key = operator.itemgetter("theta", "way")
-        assert sorted(own.mismatches, key=key) == sorted(right["mismatches"], key=key)
-
-
-def test_random_phases_are_decided_in_doubles_and_else_with_more_digits(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What one of the first two ways leaves open is looked at again; orders and the fine looks are counted."""
-    own, rng = check._Check(grazing_window(BASE, "P2")), np.random.default_rng(5)
-    theta = rng.uniform(0, 2 * np.pi, 40)
-    signs, flow = (rng.choice([YES, NO, NOT_DECIDED], 40) for _ in range(2))
-    asked: list[float] = []
-    monkeypatch.setattr(own.ways, "signs", lambda _: signs.copy())
-    monkeypatch.setattr(own.ways, "flow", lambda _: flow.copy())
-    monkeypatch.setattr(own.ways, "solver", lambda _: np.full(40, NOT_DECIDED))
-    order = iter(rng.integers(1, 4, 40).tolist())
-    given: list[int] = []
-
-    def fine_signs(phase: Any, zero: bool) -> tuple[int, int]:
-        asked.append(float(phase))
-        given.append(next(order))
-        assert not zero
-        return (NOT_DECIDED if len(asked) % 5 == 0 else YES), given[-1]
-
-    monkeypatch.setattr(own.ways, "fine_signs", fine_signs)
-    monkeypatch.setattr(own.ways, "fine_flow", lambda _: NO)
-    own.random(theta)
-    open_ones = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
-    assert asked == theta[open_ones].tolist()
-    assert own.finely == len(asked)
-    decided = [each for i, each in enumerate(given, start=1) if i % 5]
-    counts = {each: decided.count(each) + (each == 1) * int((~open_ones).sum()) for each in (1, 2, 3)}
-    assert {each: own.orders[each] for each in (1, 2, 3)} == counts
-    assert own.undecided == {G_SIGNS: len(asked) // 5, EXACT_FLOW: 0, DOP853: 40}
-    inside = own.window.contains(theta)
-    assert own.agreements[EXACT_FLOW] == int((np.where(open_ones, NO, flow) == np.where(inside, YES, NO)).sum())
-
-
 def test_a_report_says_what_it_counted() -> None:
     """Each number is in the summary, and ok is what it says."""
     plain: dict[str, Any] = {
@@ -325,28 +236,52 @@ def test_a_report_says_what_it_counted() -> None:
     assert lines[6:] == [f"  mismatch: {each}" for each in many[:20]]
 
 
-def test_many_phases_are_checked_in_parts_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts: list[float] = []
-    p = load_scene("fig9").parameters
-    whole = check_grazing(p, "P2", n=100)
-    monkeypatch.setattr(check, "CHECK_PHASES", 40)
-    assert check_grazing(p, "P2", n=100, progress=lambda part, all: parts.append(part / all)) == whole
-    assert parts == [0.4, 0.8, 1.0]
+@pytest.mark.full(2)
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
+    ways = Ways(grazing_window(BASE, mapping))
+    place = ways.window.place
+    theta = np.random.default_rng(4).uniform(0, 2 * np.pi, 25)
+    signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
+    for i, phase in enumerate(theta):
+        exact = ways.fine.context.mpf(float(phase))
+        t_m = Fraction(float(phase)) / BASE.Omega
+        rest = (BASE.A(place.domain) - BASE.c * ways.window.speed) / BASE.k
+        x = Fraction(str(ways.fine.number(rest) + ways.fine.number(BASE.B0 / BASE.k) * ways.fine.context.cos(exact)))
+        gaps = []
+        for tau in ("-1e-6", "1e-6"):
+            v = flow_oracle(BASE, place.domain, t_m, x, ways.window.speed, tau, dps=40)[1]
+            gaps.append(-place.side * float(ways.fine.context.convert(v) - ways.v_fine))
+        expected = YES if gaps[0] > 0 and gaps[1] > 0 else NO
+        assert signs[i] == flow[i] == solver[i] == expected
+        assert ways.fine_signs(exact, False) == (expected, 1)
+        assert ways.fine_flow(exact) == expected
 
 
-def test_each_way_is_counted_for_itself_at_the_special_phases(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Made up: the G-functions always say yes, the exact flow no, DOP853 nothing."""
-    judge = check._Check(grazing_window(load_scene("fig9").parameters, "P2"))
-    counted: list[Any] = []
-    monkeypatch.setattr(check, "DECADES", (3, 14))
-    monkeypatch.setattr(judge, "_fine", lambda value, zero: (YES, NO))
-    monkeypatch.setattr(judge.ways, "solver", lambda theta: np.full(len(theta), NOT_DECIDED))
-    monkeypatch.setattr(judge, "_count", lambda *columns: counted.extend(columns))
-    judge.adversarial()
-    phases, inside, margins, signs, flow, solver = counted
-    assert {len(each) for each in counted} == {judge.n_adversarial}
-    assert (set(signs), set(flow), set(solver)) == ({YES}, {NO}, {NOT_DECIDED})
-    assert inside.tolist() == [bool(judge.window.contains(phase)) for phase in phases]
-    zeros = [i for i, margin in enumerate(margins) if margin == 0.0]
-    assert [abs(float(judge.ways.slope(np.array([float(phases[i])]))[0])) < 1e-15 for i in zeros] == [True, True]
-    assert judge.closest_phase == pytest.approx(1e-14, abs=0)
+@pytest.mark.slow
+def test_dop853_is_as_accurate_as_assumed() -> None:
+    worst = 0.0
+    for mapping in MAPS:
+        ways = Ways(grazing_window(BASE, mapping))
+        context, basis = ways.fine.context, ways.fine.namespace["basis"]
+        theta = np.random.default_rng(5).uniform(0, 2 * np.pi, 200)
+        for part in DOP853_TIMES:
+            tau = part / ways.K.rate
+            values = basis(context.convert(tau), ways.fine.K)[:5]
+            for phase, found in zip(theta[::20], ways.integrated(theta, tau)[::20], strict=True):
+                exact = context.convert(float(phase))
+                gap = ways._gap(values, context.sin(exact), context.cos(exact), ways.v_fine, ways.fine.K)
+                worst = max(worst, abs(float(gap / ways.size / context.convert(tau) ** 2) - float(found)))
+    assert worst < DOP853_ERROR / 20
+
+
+def test_double_precision_leaves_open_what_it_cannot_tell() -> None:
+    ways = Ways(grazing_window(load_scene("fig9").parameters, "P2"))
+    low, high = 3.225022740200408, 3.225022740200408 + 1e-15  # an end of the window, and an ulp or two beside it
+    assert list(ways.signs(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
+    assert list(ways.flow(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
+    assert list(ways.solver(np.array([low, high]))) == [NOT_DECIDED, NOT_DECIDED]
+    exact = ways.fine.context.pi + ways.fine.context.asin(ways.fine.context.mpf(1) / 12)
+    assert ways.fine_signs(exact, False)[0] == NOT_DECIDED  # without being told that it is 0, intervals cannot know
+    assert ways.fine_signs(exact, True) == (NO, 2)

@@ -1,10 +1,13 @@
-"""Grazing curves: every piece, every point, and their figure."""
+"""Grazing curves: every piece, every point, and how they are cut where the flow comes from elsewhere."""
 
 from __future__ import annotations
 
+import random
 from copy import copy
 from dataclasses import fields, replace
-from math import sin
+from itertools import pairwise
+from math import copysign, cos, nan, pi, sin
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,11 +16,17 @@ from grazing_starts import assert_oracle_grazes
 
 from symosc import ParameterError, Parameters, load_scene
 from symosc.grazing import curve
-from symosc.grazing.curve import CurvePiece, grazing_curve
-from symosc.grazing.phase_runs import PhaseRun
+from symosc.grazing.curve import (
+    NOWHERE,
+    OTHER,
+    OWN,
+    UNKNOWN,
+    CurvePiece,
+    Sample,
+    grazing_curve,
+)
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
-from symosc.grazing.tracer import NOWHERE, OTHER, OWN, UNKNOWN, Tracer
 from symosc.plot.curve import figure_grazing_curve
 
 
@@ -79,12 +88,6 @@ def test_solutions_with_one_unknown_given() -> None:
         solve_grazing(p, "P6", x_i=1, x_j=1)
 
 
-def test_curve_of_an_empty_window_and_its_figure() -> None:
-    curve = grazing_curve(load_scene("fig8").parameters, "P2", 50)
-    assert (curve.pieces, curve.gaps, curve.windows) == ((), (), ())
-    assert len(figure_grazing_curve(curve).axes) == 2
-
-
 def test_figure_shows_every_piece() -> None:
     curve = grazing_curve(load_scene("fig10").parameters, "P5", 50)
     plane, flight = figure_grazing_curve(curve).axes
@@ -104,21 +107,6 @@ def test_pieces_are_equal_if_all_their_columns_and_ends_are() -> None:
     assert piece != values
 
 
-def test_a_curve_is_made_of_the_runs_from_its_belt_and_gaps_of_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    p = load_scene("fig9").parameters
-    sample = Tracer(p, "P2").sample(1.0)
-    runs = [
-        PhaseRun([replace(sample, origin=origin)] * 2, (low, low + 0.5), ("begins", "ends"))
-        for low, origin in ((0.0, OWN), (0.5, UNKNOWN), (1.0, OTHER), (1.5, OWN), (2.0, NOWHERE))
-    ]
-    monkeypatch.setattr(curve, "cut", lambda *_: runs)
-    monkeypatch.setattr(curve, "filled", lambda tracer, run: run)
-    found = grazing_curve(p, "P2", 8)
-    assert found.gaps == ((0.5, 1.0, UNKNOWN), (1.0, 1.5, OTHER), (2.0, 2.5, NOWHERE))
-    assert [(each.low.theta_m, each.high.theta_m) for each in found.pieces] == [(0.0, 0.5), (1.5, 2.0)]
-    assert {(each.low.reason, each.high.reason, each.low.x) for each in found.pieces} == {("begins", "ends", sample.x)}
-
-
 def test_progress_tells_the_part_of_the_phases() -> None:
     parts: list[float] = []
     p = load_scene("fig9").parameters
@@ -128,3 +116,92 @@ def test_progress_tells_the_part_of_the_phases() -> None:
     parts.clear()
     solve_grazing(p, "P2", x_i=4, n=40, progress=lambda part, all: parts.append(part / all))
     assert parts[-1] == 1.0
+
+
+class MadeUp:
+    """A tracer whose flows come from where a list of stretches says; on its own belt theta is a formula of theta_m."""
+
+    def __init__(self, stretches: list[tuple[float, str, float]], slope: float = 0.5) -> None:
+        self.stretches, self.slope = stretches, slope  # (where it begins, origin, shift of theta)
+        self.place = SimpleNamespace(boundary=1)
+        self.asked = 0
+
+    def sample(self, theta_m: float, careful: bool = True) -> Sample:
+        self.asked += 1
+        _, origin, shift = [each for each in self.stretches if each[0] <= theta_m][-1]
+        if origin not in (OWN, OTHER):
+            return Sample(theta_m, 0.0, origin, nan, nan, nan, nan)
+        return Sample(theta_m, cos(theta_m), origin, theta_m**2, self.slope * theta_m - shift, 2 * theta_m, self.slope)
+
+
+def runs_of(tracer: MadeUp, arc: tuple[float, float, bool], n: int) -> list[curve.PhaseRun]:
+    return curve._cut(tracer, [tracer.sample(float(theta)) for theta in curve._phases_of(*arc, n)], arc)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(closed: bool) -> None:
+    """Every stretch is found, its ends to rounding, with its reason; each sample is in the run of its origin."""
+    rng = random.Random(1)
+    for _ in range(60):
+        low, high = (0.0, 2 * pi) if closed else (0.3, 5.1)
+        cuts = sorted(rng.uniform(low, high) for _ in range(rng.randint(0, 4)))
+        if any(b - a < 0.3 for a, b in pairwise([low, *cuts, high])):
+            continue
+        origins = [rng.choice([OWN, OWN, OTHER, NOWHERE]) for _ in range(len(cuts) + 1)]
+        shifts = [1.0 + 0.7 * i for i in range(len(origins))]
+        tracer = MadeUp(list(zip([low - 1, *cuts], origins, shifts, strict=True)))
+        runs = runs_of(tracer, (low, high, closed), 25)
+        # neighbours of one origin are one run, unless theta jumps on the own belt
+        due = [[low, origins[0], shifts[0]]]
+        for cut, origin, shift in zip(cuts, origins[1:], shifts[1:], strict=True):
+            if origin == OWN or origin != due[-1][1]:
+                due.append([cut, origin, shift])
+        ends = [*(each[0] for each in due[1:]), high]
+        if closed and len(due) > 1 and due[0][1] == due[-1][1]:
+            spans = [*zip((each[0] for each in due[1:-1]), ends[1:-1], strict=True), (due[-1][0], ends[0] + 2 * pi)]
+            kinds = [*(each[1] for each in due[1:-1]), due[0][1]]
+        else:
+            spans = list(zip((each[0] for each in due), ends, strict=True))
+            kinds = [each[1] for each in due]
+        assert [run.origin for run in runs] == kinds
+        for run, span in zip(runs, spans, strict=True):
+            assert run.span == pytest.approx(span, abs=1e-12)
+            phases = [sample.theta_m for sample in run.samples]
+            assert phases == sorted(phases)
+            assert span[0] - 1e-12 <= phases[0] <= phases[-1] <= span[1] + 1e-12
+            assert {sample.origin for sample in run.samples} == {run.origin}
+            assert len(phases) > 1
+
+
+def test_reasons_say_what_is_beyond_each_end() -> None:
+    beyond = {OTHER: "beyond, the flow comes from belt 2", NOWHERE: "beyond, the flow met no belt before"}
+    beyond[UNKNOWN] = beyond[NOWHERE] + " (within the search)"
+    for other, words in beyond.items():
+        first, last = runs_of(MadeUp([(0, OWN, 1.0), (2.5, other, 1.0)]), (0.3, 5.1, False), 20)
+        assert first.reasons == ("end of the window", words)
+        assert last.reasons == ("beyond, the flow comes from belt 1", "end of the window")
+        assert first.span[1] == last.span[0] == pytest.approx(2.5, abs=1e-2 if other == UNKNOWN else 1e-12)
+    first, last = runs_of(MadeUp([(0, OWN, 1.0), (2.5, OWN, 2.0)]), (0.3, 5.1, False), 20)
+    assert first.reasons[1] == last.reasons[0] == "the flow touches belt 1 on the way"
+    assert first.span[1] == pytest.approx(2.5, abs=1e-12)
+    (whole,) = runs_of(MadeUp([(-1, OWN, 1.0)]), (0.0, 2 * pi, True), 20)
+    assert whole.reasons == ("closed", "closed")
+
+
+@pytest.mark.parametrize("slope", [0.1, 3.0, -40.0, 900.0])
+def test_a_steep_curve_is_no_jump(slope: float) -> None:
+    """Where the slopes explain the change; a jump that is larger than what the slope makes of a step is found."""
+    assert len(runs_of(MadeUp([(-1, OWN, 1.0)], slope), (0.3, 5.1, False), 20)) == 1
+    jump = -copysign(1.0 + 2.0 * abs(slope), slope)  # in the direction of the slope: it cannot cancel
+    runs = runs_of(MadeUp([(-1, OWN, 1.0), (2.2, OWN, 1.0 + jump)], slope), (0.3, 5.1, False), 20)
+    assert len(runs) == 2
+    assert runs[0].span[1] == pytest.approx(2.2, abs=1e-9)
+
+
+def test_jumps_of_flows_from_the_other_belt_are_no_edges_but_what_hides_there_is() -> None:
+    tracer = MadeUp([(-1, OTHER, 1.0), (2.5, OTHER, 3.0)])
+    assert [run.origin for run in runs_of(tracer, (0.3, 5.1, False), 20)] == [OTHER]
+    hidden = MadeUp([(-1, OTHER, 1.0), (2.5, OWN, 2.0), (2.5001, OTHER, 3.0)])
+    runs = runs_of(hidden, (0.3, 5.1, False), 20)
+    assert [run.origin for run in runs] == [OTHER, OWN, OTHER]
+    assert runs[1].span == pytest.approx((2.5, 2.5001), abs=1e-12)

@@ -16,21 +16,30 @@ from effort import at_most
 from oracle import flow_oracle
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene, solve_grazing
-from symosc.grazing import solve
 from symosc.grazing.solve import CLOSE, has_value
 from symosc.grazing.start import GrazingStart
 
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
+
+
 BELT = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}
+
+
 REGIMES = ["undamped", "under", "critical", "near", "over", "very over"]
+
+
 OVER = Parameters(
     m="1.991", c="3.353", k="0.524", A0="1.449", B0="7.585", Omega="1.157", v1="1.675", v2="2.836", mu1="0.392",
     mu2="0.398", FN="6.522",
 )  # fmt: skip
+
+
 SLOW = Parameters(
     m="1.091", c="4.039", k="3.604", A0="0.976", B0="6.729", Omega="2.852", v1="-2.259", v2="0.224", mu1="0.602",
     mu2="0.71", FN="1.89",
 )  # fmt: skip
+
+
 FREE = Parameters(m=1, c=0, k=2, A0="0.5", B0=0, Omega="1.3", v1=1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
@@ -265,16 +274,3 @@ def test_a_value_is_met_to_the_digits_asked_for(name: str, value: str) -> None:
         off = Fraction(part) * Fraction(CLOSE) * size / 10**digits
         found = SimpleNamespace(start={"x0": wanted + off, "t0": (wanted + off) / p.Omega})
         assert has_value(found, p, name, wanted, digits) is met, part  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("count", range(6))
-def test_some_places_that_were_left_out_are_named_and_the_others_counted(
-    count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    notes = [f"place {i}" for i in range(count)]
-    candidates = SimpleNamespace(notes=notes, phases=[], why_none=lambda: "never comes there")
-    monkeypatch.setattr(solve, "Candidates", lambda *_: candidates)
-    found = solve_grazing(load_scene("fig10").parameters, "P6", n=20, x_i=1000)
-    assert (list(found), found.complete) == ([], count == 0)
-    named = notes if count <= 3 else [*notes[:3], f"and {count - 3} more such places"]
-    assert found.message == ("; ".join(named) or "never comes there")

@@ -1,9 +1,8 @@
-"""Compiled residuals: against the same equations in 40 digits, in every regime; words, sticks, a user's own loops."""
+"""Compiled residuals: against the same equations in 40 digits, in every regime; words, sticks, a user's own loop."""
 
 from __future__ import annotations
 
 import random
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,6 @@ from map_points import REGIMES, Size, draw, draw_points, sizes
 from mpmath import mp
 
 from symosc import ParameterError, WordError, compiled_residual, find_orbit, jacobian, load_scene, residual
-from symosc.engine.flow import constants
-from symosc.kernels import elementary, mapping
-from symosc.mappings import compiled
-from symosc.words import MAPS
 
 numba = pytest.importorskip("numba")
 
@@ -148,78 +143,3 @@ def test_bad_input_is_named() -> None:
         word(np.ones((2, 1)), np.ones((2, 1)))
     with pytest.raises(ParameterError, match="is a word"):
         _ = word.scalar
-
-
-@pytest.mark.parametrize(
-    ("phases", "wide"),
-    [
-        ((-1.0, 3.0), False),
-        ((-elementary.WIDEST, elementary.WIDEST), False),
-        ((1.0, 1.1 * elementary.WIDEST), True),
-        ((-1.1 * elementary.WIDEST, -1.0), True),
-        ((1.1 * elementary.WIDEST, 1.2 * elementary.WIDEST), True),
-        ((-1.2 * elementary.WIDEST, -1.1 * elementary.WIDEST), True),
-    ],
-)
-def test_one_wide_phase_of_a_stick_takes_the_loop_for_wide_phases(
-    phases: tuple[float, float], wide: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The other loop reduces phases up to WIDEST only, of either sign."""
-    taken: list[int] = []
-
-    def loops(kind: int) -> Any:
-        taken.append(kind)
-        return {"sticks": lambda *_: None}
-
-    monkeypatch.setattr(compiled, "_loops", loops)
-    own: Any = SimpleNamespace(jacobian=False, _K=constants(load_scene("fig5").parameters), exit=None)
-    points = tuple(np.array(column) for column in ((0.0, 0.0), (0.0, 0.0), (1.0, 1.0), phases))
-    compiled.CompiledResidual._fill(own, next(row for row in MAPS.values() if row.sticks), points)
-    assert taken == [mapping.WIDE if wide else mapping.CLOSED_FORM]
-
-
-@pytest.mark.parametrize("slopes", [False, True])
-def test_each_map_of_a_word_gets_the_points_between_which_it_goes(
-    slopes: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Without the loops, which take long to compile: a map returns its points."""
-    f = compiled_residual(load_scene("fig10").parameters, "P4645", jacobian=slopes)
-
-    def fill(row: Any, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        x_i, theta_i, x_j, theta_j = points
-        first, second = np.stack([x_i, theta_i]), np.stack([x_j, theta_j])
-        number = float(row.label[1:])
-        return first + 100.0 * second, np.full((2, 4, len(x_i)), number) if slopes else None
-
-    monkeypatch.setattr(f, "_fill", fill)
-    x, theta = np.arange(5.0)[:, None] + [0.1, 0.2, 0.3], np.arange(10.0, 15.0)[:, None] + [0.4, 0.5, 0.6]
-    found = f(x, theta)
-    values, blocks = found if slopes else (found, None)
-    for n in range(4):
-        assert np.array_equal(values[2 * n], x[n] + 100.0 * x[n + 1])
-        assert np.array_equal(values[2 * n + 1], theta[n] + 100.0 * theta[n + 1])
-    assert values.shape == (8, 3)
-    if slopes:
-        assert blocks.shape == (4, 2, 4, 3)
-        assert blocks[:, 0, 0, 0].tolist() == [float(label[1:]) for label in f.maps]
-    for rows in (4, 6):
-        with pytest.raises(ParameterError, match="must have 5 rows"):
-            f(np.zeros((rows, 2)), np.zeros((rows, 2)))
-
-
-@pytest.mark.parametrize("slopes", [False, True])
-def test_points_that_need_another_formula_are_mended_one_by_one(slopes: bool) -> None:
-    points, at = tuple(np.arange(8.0) + 10 * k for k in range(4)), np.array([1, 4, 7])
-    results = (np.zeros((2, 8)), np.zeros((2, 4, 8)))[: 1 + slopes]
-
-    def loop(points: Any, A: float, f: np.ndarray, J: np.ndarray | None = None) -> None:
-        f[0], f[1] = A + points[0], points[3]
-        if J is not None:
-            J[:] = np.arange(8.0).reshape(2, 4, 1) + points[1]
-
-    compiled.CompiledResidual._mend(loop, at, points, (0.5,), results)
-    others = np.setdiff1d(np.arange(8), at)
-    assert np.array_equal(results[0][:, at], [0.5 + points[0][at], points[3][at]])
-    assert all((result[..., others] == 0).all() for result in results)
-    if slopes:
-        assert np.array_equal(results[1][..., at], np.arange(8.0).reshape(2, 4, 1) + points[1][at])

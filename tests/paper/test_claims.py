@@ -118,7 +118,7 @@ def test_every_numbered_item_of_the_paper_has_a_claim() -> None:
     ("source", "labels"),
     [
         ("Section 4, after eq. (19)", ["Section 4"]),
-        ("Sections 2, 5 and 6, Figs. 5 to 7", ["Section 2", "Section 5", "Section 6", "Fig. 5", "Fig. 6", "Fig. 7"]),
+        ("Sections 2, 5 and 6, Figs. 5 to 6", ["Section 2", "Section 5", "Section 6", "Fig. 5", "Fig. 6"]),
         ("Theorem 6 (i), eqs. (38) to (40)", ["(38)", "(39)", "(40)", "Theorem 6"]),
         ("Theorem 7, eqs. (55.2), (56.5)", ["(55)", "(56)", "Theorem 7"]),
         ("Section 6, Fig. 5(d), and Theorem 4", ["Section 6", "Theorem 4", "Fig. 5"]),

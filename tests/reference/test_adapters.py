@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from effort import PATIENCE
 
+from symosc.reference.folder import read_set
 from symosc.reference.results import read_results
 from symosc.reference.score import Score, score
-from symosc.reference.stored import read_set
 
 ADAPTERS = Path(__file__).parents[2] / "docs" / "adapters"
 GOOD = {"paper-fig5", "paper-fig6", "graze-overdamped-P3", "rest-1", "free-decay-2", "continuum-1-2"}

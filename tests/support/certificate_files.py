@@ -11,7 +11,7 @@ from typing import Any
 import symosc.certificates.verify_orbits as checker
 from symosc import Certificate, Parameters, Scene, certify, continue_orbit, find_orbit, grazing_window, load_scene
 from symosc.certificates.orbit_list import listed_orbits
-from symosc.reference.hard_cases import hard_cases
+from symosc.reference.cases import hard_cases
 
 Document = dict[str, Any]
 FORGED = Path(__file__).parents[1] / "certificates" / "forged"

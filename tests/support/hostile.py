@@ -217,8 +217,8 @@ def _samples() -> dict[str, Any]:
 
 
 def _scores() -> Any:
+    from symosc.reference.folder import stored
     from symosc.reference.score import score
-    from symosc.reference.stored import stored
 
     return [score("nobody", [stored(symosc.reference_cases()[1])], {})]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cache
 
 from symosc import ReferenceCase, reference_cases
+from symosc.reference.folder import StoredCase, stored
 from symosc.reference.results import CaseResult, GivenEvent
-from symosc.reference.stored import StoredCase, stored
 
 NAMES = ("paper-fig5", "paper-fig6", "graze-overdamped-P3", "rest-1", "free-decay-2", "continuum-1-2")
 

@@ -13,10 +13,18 @@ from typing import Any
 import numpy as np
 
 from symosc import simulate
+from symosc.crosschecks.files import read_solutions
+from symosc.crosschecks.samples import Samples
 
 T = np.linspace(0.1324, 3, 60)
 X, V = simulate("fig9", t_end=3)(T)
 COLUMNS = {"t": T, "x": X, "v": V}
+
+
+def read_samples(source: Any, columns: Any = None) -> Samples:
+    """Return the one solution in a file or an object."""
+    (found,) = read_solutions(source, columns)
+    return found
 
 
 def frame() -> Any:
@@ -117,7 +125,6 @@ WRITERS: dict[str, Callable[[Path], None]] = {
     "blanks.txt": lambda path: _text(path, PLAIN),
     "columns.dat": _table("   ", "run of a solver\nt   x   v", "% "),
     "comments.txt": lambda path: _text(path, f"# a comment\n\n# t x v\n{PLAIN}\n# the end\n"),
-    "utf16.csv": lambda path: frame().to_csv(path, index=False, encoding="utf-16"),
     "packed.csv.gz": _packed(gzip.open),
     "packed.csv.bz2": _packed(bz2.open),
     "packed.txt.xz": _packed(lzma.open),

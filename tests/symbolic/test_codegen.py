@@ -22,33 +22,13 @@ from symosc.kernels import _generated as kernels
 from symosc.symbolic import codegen
 from symosc.symbolic import solution as s
 
-SIGNATURES = {
-    "motion": "v0, a0, s0, c0, cm, w0sq, f0, Om, E0, E1, E2, R2, I2",
-    "basis_apart": "e, s, c, sO, cO, h, w, w0sq, Om, p, q",
-    "acceleration": "x, v, c, A, cm, w0sq, f0",
-    "next_derivative": "y1, y0, forcing, cm, w0sq",
-    "stick_acceleration": "a0, v, tau, dc, w0sq, f0",
-    "flight_residual": "x0, v0, a0, s0, c0, x1, v1, cm, w0sq, f0, Om, E0, E1, E2, R2, I2",
-    "flight_jacobian": "v0, a0, ve, ae, w0sq, Om, E0, E1, E2",
-    "flight_parameters": "x0, v0, a0, s0, c0, ve, ae, tau, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q",
-    "stick_residual": "x0, v, tau, x1, c1, A, cm, w0sq, f0",
-    "stick_jacobian": "v, s1, w0sq, f0, Om",
-    "stick_parameters": "v, tau, x1, c1, F, m, cm, Om",
-}
-#: + - * / and signs in each kernel, as counted when its structure was accepted.
-OPERATIONS = {"motion": 32, "basis_apart": 22, "acceleration": 6, "next_derivative": 5, "stick_acceleration": 5}
-OPERATIONS |= {"flight_residual": 25, "flight_jacobian": 16, "flight_parameters": 106}
-OPERATIONS |= {"stick_residual": 9, "stick_jacobian": 5, "stick_parameters": 12}
-
 CASES = pytest.mark.parametrize(
     ("regime", "seed"), [(regime, seed) for regime in s.REGIMES.values() for seed in range(4)], ids=str
 )
-KERNELS = pytest.mark.parametrize("name", SIGNATURES)
 
 
-def functions() -> dict[str, ast.FunctionDef]:
-    tree = ast.parse(codegen.PATH.read_text())
-    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+NAMES = [node.name for node in ast.parse(codegen.PATH.read_text()).body if isinstance(node, ast.FunctionDef)]
+KERNELS = pytest.mark.parametrize("name", NAMES)
 
 
 # --- what is committed ---
@@ -68,12 +48,6 @@ def test_generation_does_not_depend_on_the_hash_seed() -> None:
         assert run.stdout == codegen.PATH.read_text()
 
 
-def test_the_header_says_where_it_comes_from() -> None:
-    header = ast.get_docstring(ast.parse(codegen.PATH.read_text())) or ""
-    for part in ("Generated", "symosc codegen", "symosc/symbolic/codegen.py", "not edit"):
-        assert part in header
-
-
 def test_the_module_is_arithmetic_only() -> None:
     tree = ast.parse(codegen.PATH.read_text())
     allowed = (ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Expr, ast.Assign, ast.Return, ast.Tuple)
@@ -83,21 +57,6 @@ def test_the_module_is_arithmetic_only() -> None:
     assert strange == []
     constants = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     assert [value for value in constants if not isinstance(value, (int, str))] == []
-
-
-@KERNELS
-def test_signature_and_docstring(name: str) -> None:
-    function = getattr(kernels, name)
-    assert ", ".join(inspect.signature(function).parameters) == SIGNATURES[name]
-    assert function.__doc__
-    assert "\n" not in function.__doc__
-    assert list(functions()) == list(SIGNATURES)
-
-
-@KERNELS
-def test_number_of_operations(name: str) -> None:
-    count = sum(isinstance(node, (ast.BinOp, ast.UnaryOp)) for node in ast.walk(functions()[name]))
-    assert count == OPERATIONS[name]
 
 
 # --- what it computes ---
@@ -297,17 +256,6 @@ def test_common_subexpressions_come_before_their_first_use() -> None:
     assert scope["f"](2.0, 3.0, 5.0, 16.0) == (2.0, 16.0, 32.0)
     assert source.count("b + c") == source.count("u1 = b + c") == 1
     assert source.count("a * u1") == source.count("y = a * u1") == 1  # a step that recurs keeps its own name
-
-
-def test_long_lines_are_folded() -> None:
-    many = sp.symbols("coefficient_0:40")
-    steps = {"y": sum(q * many[0] for q in many[1:])}
-    kernel = codegen.Kernel("f", "A test.", {str(q): q for q in many}, steps, ("y",))
-    source = codegen.function_source(kernel)
-    assert max(map(len, source.splitlines())) <= codegen.KERNEL_WIDTH
-    scope: dict[str, Any] = {}
-    exec(source, scope)
-    assert scope["f"](*range(2, 42)) == 2 * sum(range(3, 42))
 
 
 # --- writing ---

@@ -1,12 +1,10 @@
 """The chapters, in reading order.
 
-Each module has a TITLE and items(scope), which yields what `symosc.derive.blocks` and `symosc.derive.steps` define:
-theorems with proofs, steps, tables, figures, prose and headings.
-
-A chapter's key is its name everywhere: of its module, its file, its script, and in the paper's claims.
+Each module has a TITLE and items(scope), which returns what `symosc.derive.steps` defines: LaTeX text, steps, tables
+and figures. A chapter's key is its name everywhere: of its module, its file, and in the paper's claims.
 """
 
-#: Subject -> what it is about.
+#: What each chapter is about.
 CHAPTERS = {
     "motion": "equation of motion and friction law",
     "domains": "solution in one domain, damping regimes and their limits",

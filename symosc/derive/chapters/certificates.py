@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import block, proof
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.settled_pieces import settled_motions
-from symosc.derive.steps import Exact, Heading, Prose, equation, fact
+from symosc.derive.steps import Exact, Items, equation, facts
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -22,175 +19,128 @@ ONE, TWO, TRACE, DET = named(r"\rho_1"), named(r"\rho_2"), named("T"), named("D"
 SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta")
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
     del scope  # the statements are the same for every scene
-    yield from _balls()
-    yield from _motions()
-    yield from _orbits()
-    yield from _branches()
-    yield from settled_motions()
-    yield from _windows()
+    return (
+        _balls(),
+        _motions(),
+        _orbits(),
+        _branches(),
+        _settled_motions(),
+        _windows(),
+    )
 
 
-def _balls() -> Iterator[Any]:
-    yield Heading("What a ball proves")
-    yield Prose(
-        r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
-        r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for exponentials, sines and "
-        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. A certificate is a list of "
-        r"such signs. What they prove is the subject of this chapter. \cite{tucker2011, neumaier1990}"
-    )
-    yield from block(
-        "theorem",
-        r"Let $f$ be continuously differentiable on a box $X$ with the middle $c$, let the ball matrix $J$ contain "
-        r"$f'(x)$ for all $x \in X$, and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - c)$ lies inside $X$, "
-        r"then $f$ has exactly one zero in $X$, and it lies in $K$.",
-        title=r"Krawczyk and Moore, \cite{krawczyk1969, moore1977}",
-        label="thm:certificates-krawczyk",
-    )
+def _balls() -> Items:
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     slope = (x - y * f).diff(x)
-    yield from proof(
-        Prose(
-            r"The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the mean value theorem in each "
-            r"component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By Brouwer's theorem $\Phi$ has a "
-            r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
-            r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points "
-            r"of $\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.",
-            (fact(slope, "=", 1 - y * f.diff(x), Exact(tidy=sp.expand, independent=False)),),
-        )
-    )
-    yield from block(
-        "theorem",
+    return (
+        r"\subsection{What a ball proves}",
+        r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
+        r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for exponentials, sines and "
+        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. A certificate is a list of "
+        r"such signs. What they prove is the subject of this chapter. \cite{tucker2011, neumaier1990}",
+        r"\begin{theorem}[Krawczyk and Moore, \cite{krawczyk1969, moore1977}]\label{thm:certificates-krawczyk} "
+        r"Let $f$ be continuously differentiable on a box $X$ with the middle $c$, let the ball matrix $J$ contain "
+        r"$f'(x)$ for all $x \in X$, and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - c)$ lies inside $X$, "
+        r"then $f$ has exactly one zero in $X$, and it lies in $K$.\end{theorem}",
+        r"\begin{proof} The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the mean value theorem in "
+        r"each component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By Brouwer's theorem $\Phi$ has a "
+        r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
+        r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
+        r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
+        facts(equation(slope, 1 - y * f.diff(x), Exact(independent=False))),
+        r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
-        r"then $P$ has exactly one fixed point in $X$, and it lies in $c + w$.",
-        title="interval Newton",
-        label="thm:certificates-newton",
-    )
-    yield from proof(
-        r"For $u \in E$ there is $M(u) \in D$, continuous in $u$, with $P(c + u) = P(c) + M(u) u$: the mean of the "
-        r"derivative along the segment. The map $u \mapsto (1 - M(u))^{-1}(P(c) - c)$ takes $E$ into itself, so it has "
-        r"a fixed point by Brouwer's theorem, and that is a fixed point of $P$. Two of them would differ by a vector "
-        r"$d$ with $(1 - M) d = 0$ for some $M \in D$."
+        r"then $P$ has exactly one fixed point in $X$, and it lies in $c + w$.\end{theorem}",
+        r"\begin{proof} For $u \in E$ there is $M(u) \in D$, continuous in $u$, with $P(c + u) = P(c) + M(u) u$: the "
+        r"mean of the derivative along the segment. The map $u \mapsto (1 - M(u))^{-1}(P(c) - c)$ takes $E$ into "
+        r"itself, so it has a fixed point by Brouwer's theorem, and that is a fixed point of $P$. Two of them would "
+        r"differ by a vector $d$ with $(1 - M) d = 0$ for some $M \in D$.\end{proof}",
     )
 
 
-def _motions() -> Iterator[Any]:
-    yield Heading("Motions: every event is the next one")
-    yield Prose(
+def _motions() -> Items:
+    return (
+        r"\subsection{Motions: every event is the next one}",
         r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls enclose it for all "
         r"times in a ball. Two ways show that nothing happens before an event. One uses the gap of "
-        r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical phases."
-    )
-    yield from block(
-        "lemma",
+        r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical phases.",
+        r"\begin{lemma}[a straightened gap]\label{thm:certificates-height} "
         r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, "
         r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. As a "
-        r"function "
-        r"of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is convex or "
-        r"concave.",
-        title="a straightened gap",
-        label="thm:certificates-height",
-    )
-    yield from proof(
-        Prose(
-            r"Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is $dH/ds = C^2 q'$ "
-            r"and "
-            r"$d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign of $L g$ is that "
-            r"of "
-            r"Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.",
-            tuple(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave)),
-        )
-    )
-    yield Prose(
+        r"function of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is "
+        r"convex or concave.\end{lemma}",
+        r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is "
+        r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign "
+        r"of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.\end{proof}",
+        facts(*(each for wave in (sp.cos, sp.cosh) for each in _straightened(wave))),
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
-        r"ends "
-        r"that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. On a "
-        r"belt both forces are monotone between critical phases (Section~\ref{sec:sticks})."
+        r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. "
+        r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
+        _steps(),
     )
-    yield from _steps()
 
 
-def _steps() -> Iterator[Any]:
-    yield from block(
-        "lemma",
+def _steps() -> Items:
+    return (
+        r"\begin{lemma}[steps without critical phases]\label{thm:certificates-steps} "
         r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the belt. Then "
         r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g = g' = 0$, $g'' > 0$; "
-        r"or "
-        r"$g' < 0$, $g(b) = 0$ and $b$ itself is left out.",
-        title="steps without critical phases",
-        label="thm:certificates-steps",
-    )
-    yield from proof(r"In each case $g$ is monotone, or its sign is what is asked for; integrate once or twice.")
-    yield Prose(
+        r"or $g' < 0$, $g(b) = 0$ and $b$ itself is left out.\end{lemma}",
+        r"\begin{proof} In each case $g$ is monotone, or its sign is what is asked for; integrate once or "
+        r"twice.\end{proof}",
         r"Steps side by side, which are halved where none of the four holds, show where a piece ends first. This is "
         r"how orbits are proven, and all motions once more by the checker. It takes "
-        r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is concave in $u$, "
-        r"so that its ends decide; for the last step also the same backwards from its end. In a flight "
-        r"$u = \ddot{g}$ solves $\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with $|r| \le D = |B_0|\Omega^3/m$, so its "
-        r"energy bounds it, at resonance too: $|u(h)| \le (u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ "
-        r"is small, two integrations do. What happens at the event follows from "
-        r"certain signs of the forces (Section~\ref{sec:switching}). Starts that are known to an error are a set; "
-        r"its image is enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} over "
-        r"the whole set."
-    )
-    yield from _touches()
-    yield from block(
-        "lemma",
-        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It "
-        r"touches the belt $v_\lambda$, and does not cross it, if and only if "
-        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.",
-        title="exact touches",
-        label="thm:certificates-circles",
-    )
-    yield from proof(
-        r"In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
-        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it "
-        r"is. So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
-        r"exactly where it is reached."
-    )
-    yield Prose(
+        r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is concave in $u$, so that its "
+        r"ends decide; for the last step also the same backwards from its end. In a flight $u = \ddot{g}$ solves "
+        r"$\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with $|r| \le D = |B_0|\Omega^3/m$, so its energy bounds it, at "
+        r"resonance too: $|u(h)| \le (u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ is small, two "
+        r"integrations do. What happens at the event follows from certain signs of the forces "
+        r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is enclosed by the "
+        r"value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set.",
+        _touches(),
+        r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
+        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
+        r"$v_\lambda$, and does not cross it, if and only if "
+        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.\end{lemma}",
+        r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
+        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it is. "
+        r"So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
+        r"exactly where it is reached.\end{proof}",
         r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
         r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
-        r"a touch."
+        r"a touch.",
     )
 
 
-def _touches() -> Iterator[Any]:
-    yield Prose(
+def _touches() -> Items:
+    return (
         r"A graze is a double zero of the gap, which no error of the start allows. It is proven as a statement about "
-        r"one start: a number $s$ of the start is left free, and with it the zero is a simple one."
-    )
-    yield from block(
-        "proposition",
+        r"one start: a number $s$ of the start is left free, and with it the zero is a simple one.",
+        r"\begin{proposition}[one start touches]\label{thm:certificates-touch} "
         r"Let $g(t, s)$ be the gap of the flights from starts with $s$ from $a$ to $b$. Let $\ddot{g} > 0$ for all of "
         r"them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g, \dot{g} > 0$ at its end. "
         r"Exactly one of these flights touches the belt in the interval, and does not cross it, if one of these holds. "
         r"(i)~Krawczyk's operator of $(g, \dot{g})$ maps a box of times and of $s$ between $a$ and $b$, which contains "
         r"all zeros of $\dot{g}$, into its interior. (ii)~The least gap of the interval has different signs at $s = a$ "
-        r"and at $s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.",
-        title="one start touches",
-        label="thm:certificates-touch",
-    )
-    yield from proof(
-        r"A touch is a zero of $(g, \dot{g})$, and such a zero is a touch, as $g$ is convex in $t$. (i)~is "
-        r"Theorem~\ref{thm:certificates-krawczyk}; at the zero the Jacobian has the determinant "
+        r"and at $s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.\end{proposition}",
+        r"\begin{proof} A touch is a zero of $(g, \dot{g})$, and such a zero is a touch, as $g$ is convex in $t$. "
+        r"(i)~is Theorem~\ref{thm:certificates-krawczyk}; at the zero the Jacobian has the determinant "
         r"$-\ddot{g}\,\partial g/\partial s$. (ii)~As $\ddot{g} > 0$, the time of the least gap is unique, and by the "
         r"implicit function theorem it depends on $s$ continuously differentiably. So the least gap is continuous in "
         r"$s$ and has a zero by the intermediate value theorem. Its derivative is $\partial g/\partial s$ at that "
-        r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one zero."
-    )
-    yield Prose(
+        r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one zero.\end{proof}",
         r"The prover uses (i), the checker (ii). That there is no event before the interval is proven for all $s$ as "
         r"above. The start that touches is between $a$ and $b$, two fractions within the error of the start; of the "
-        r"given digits themselves nothing is said."
+        r"given digits themselves nothing is said.",
     )
 
 
-def _straightened(wave: Any) -> Iterator[Any]:
+def _straightened(wave: Any) -> Items:
     """Yield the facts of the proof for C = cos or cosh."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
@@ -200,89 +150,90 @@ def _straightened(wave: Any) -> Iterator[Any]:
     true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
     meaning = dict(zip(letters, true, strict=True))
     check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
-    yield fact(LG, "=", sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check)
-    yield fact(SLOPE, "=", 1 / _C**2, check)
+    return (
+        equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check),
+        equation(SLOPE, 1 / _C**2, check),
+    )
 
 
-def _orbits() -> Iterator[Any]:
-    yield Heading("Orbits: existence, uniqueness, word, stability")
-    yield Prose(
+def _orbits() -> Items:
+    meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
+    return (
+        r"\subsection{Orbits: existence, uniqueness, word, stability}",
         r"The unknowns are all switching points, the equations those of \eqref{eq:maps-f1} piece by piece, the last "
         r"piece ending where the first begins, $N$ periods later. Theorem~\ref{thm:certificates-krawczyk} proves one "
-        r"root "
-        r"in a box. It is an orbit with its word if each piece ends where it first can "
+        r"root in a box. It is an orbit with its word if each piece ends where it first can "
         r"(Lemma~\ref{thm:certificates-steps}), if at each crossing both forces have the sign of the passage and at "
-        r"each "
-        r"onset of a stick the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
-        r"certain "
-        r"signs over the box. The checker proves the same orbit by Theorem~\ref{thm:certificates-newton}, for the map "
-        r"from the first event to itself."
-    )
-    yield from block(
-        "proposition",
+        r"each onset of a stick the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
+        r"certain signs over the box. The checker proves the same orbit by Theorem~\ref{thm:certificates-newton}, for "
+        r"the map from the first event to itself.",
+        r"\begin{proposition}[stability from trace and determinant]\label{thm:certificates-stable} "
         r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, with trace $T$ and "
-        r"determinant $D$ of the monodromy matrix.",
-        title="stability from trace and determinant",
-        label="thm:certificates-stable",
-    )
-    meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
-    yield from proof(
-        equation(
-            1 - TRACE + DET,
-            (1 - ONE) * (1 - TWO),
-            r"With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
-            Exact(meaning, sp.expand),
-            label="certificates-minus",
-        ),
-        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), "and", Exact(meaning, sp.expand), label="certificates-plus"),
+        r"determinant $D$ of the monodromy matrix.\end{proposition}",
+        r"\begin{proof} With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
+        equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, label="certificates-minus"),
+        "and",
+        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, label="certificates-plus"),
         r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ decides. For real "
         r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
-        r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.",
-    )
-    yield Prose(
+        r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.\end{proof}",
         r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then be applied, with "
-        r"any "
-        r"number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
-        r"\cite{csernak2007}, "
-        r"is never proven to be the only one. With damping every orbit is the only one (Section~\ref{sec:orbits})."
+        r"any number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
+        r"\cite{csernak2007}, is never proven to be the only one. With damping every orbit is the only one "
+        r"(Section~\ref{sec:orbits}).",
     )
 
 
-def _branches() -> Iterator[Any]:
-    yield Heading("Branches: every value of a parameter")
-    yield Prose(
-        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le d$, and "
-        r"$p(\delta)$ "
+def _branches() -> Items:
+    return (
+        r"\subsection{Branches: every value of a parameter}",
+        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le d$, and $p(\delta)$ "
         r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ by its first "
         r"coefficients at 0 and one more over the whole interval; arithmetic with power series of balls gives both. "
         r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over all $p(\delta) + R$ "
-        r"proves "
-        r"one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends continuously on $\delta$. The signs "
-        r"that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring intervals "
-        r"have "
-        r"the same root where they meet: it lies in both tubes. Since $1 - YJ$ has a norm below 1 for $J$ over all of "
-        r"a box, $f$ is one-to-one there, and the root is the only one in that box. The flow is made of $\cosh w\tau$ "
-        r"and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions of $w^2$, so a branch may pass through "
-        r"critical damping. The checker proves the same with another form of the flow, with derivatives that are "
-        r"coefficients of power series, and with interval Newton in place of Krawczyk's operator."
-    )
-    yield from block(
-        "proposition",
+        r"proves one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends continuously on $\delta$. The "
+        r"signs that make it an orbit are certain over the whole tube, or the interval is halved. Neighbouring "
+        r"intervals have the same root where they meet: it lies in both tubes. Since $1 - YJ$ has a norm below 1 for "
+        r"$J$ over all of a box, $f$ is one-to-one there, and the root is the only one in that box. The flow is made "
+        r"of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions of $w^2$, so a branch "
+        r"may pass through critical damping. The checker proves the same with another form of the flow, with "
+        r"derivatives that are coefficients of power series, and with interval Newton in place of Krawczyk's operator.",
+        r"\begin{proposition}[the end of a branch]\label{thm:certificates-end} "
         r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that one "
-        r"of "
-        r"them is violated at $b$. Then between $a$ and $b$ there is a first value at which an inequality of the orbit "
-        r"becomes an equality. There the branch ends.",
-        title="the end of a branch",
-        label="thm:certificates-end",
-    )
-    yield from proof(
-        r"Each side of each inequality is continuous in the root, or is the least value of a continuous function over "
-        r"a piece, and the root is continuous in the parameter. Use the intermediate value theorem."
+        r"of them is violated at $b$. Then between $a$ and $b$ there is a first value at which an inequality of the "
+        r"orbit becomes an equality. There the branch ends.\end{proposition}",
+        r"\begin{proof} Each side of each inequality is continuous in the root, or is the least value of a continuous "
+        r"function over a piece, and the root is continuous in the parameter. Use the intermediate value "
+        r"theorem.\end{proof}",
     )
 
 
-def _windows() -> Iterator[Any]:
-    yield Heading("Windows: every phase")
+def _settled_motions() -> Items:
+    return (
+        r"\subsection{Motions that settle: any number of periods}",
+        r"Carried from event to event, an enclosure says something of some thousand periods. One that settles on an "
+        r"orbit is enclosed for ever. Let $P$ be the map from an arrival at a belt, with its time and position, to the "
+        r"same arrival some periods later, less these periods. Let $B$ be the box of all $y$ with "
+        r"$|y_i - c_i| \le e_i$, and let the entries of $D$ contain the derivatives of $P$ over $B$. All three are "
+        r"balls: the events of all motions from $B$ are proven as those of one motion are "
+        r"(Lemma~\ref{thm:certificates-steps}), and $D$ is the product of the Jacobians of their maps.",
+        r"\begin{proposition}[a motion that settles]\label{thm:certificates-settled} "
+        r"Let every motion from $B$ have the events of one word, and let $P(B) \subset B$. Then every motion that "
+        r"comes into $B$ has the events of this word in every later period, at the phases and positions of the first "
+        r"one's enclosures. If also $q = \max_i \sum_j |D_{ij}|\, e_j/e_i < 1$, there is one orbit that passes $B$ "
+        r"once in every turn, and $n$ turns later a motion is within $2 q^n e_i$ of it.\end{proposition}",
+        r"\begin{proof} The first part is induction: a motion in $B$ has these events and comes into $B$ again. For "
+        r"the second let $\|y\| = \max_i |y_i|/e_i$. By the mean value theorem "
+        r"$|P(a) - P(b)|_i \le \sum_j |D_{ij}|\,|a_j - b_j| \le q\, e_i\, \|a - b\|$ for all $a$, $b$ in $B$, which is "
+        r"convex. So $P$ is a contraction of the complete set $B$ into itself, and Banach's theorem gives one fixed "
+        r"point $y^*$. Two points of $B$ have $\|a - b\| \le 2$, hence $\|P^n(a) - y^*\| \le 2 q^n$.\end{proof}",
+        r"So the last events of a motion of $10^5$ periods are known to as many digits as are asked for: the orbit is "
+        r"enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ is added. The checker follows $B$ once "
+        r"round with exponentials of matrices, and judges $q$ anew.",
+    )
+
+
+def _windows() -> Items:
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     velocity, derivatives = path.diff(t), [newton]
@@ -292,48 +243,23 @@ def _windows() -> Iterator[Any]:
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
     at = [each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta) for each in derivatives]
     touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
-    yield from block(
-        "lemma",
+    return (
+        r"\subsection{Windows: every phase}",
+        r"\begin{lemma}[a contact without force]\label{thm:certificates-window} "
+        r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
         equation(
-            SECOND,
-            -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m,
-            r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
-            Exact({SECOND: sp.simplify(at[1])}, sp.simplify),
-            label="certificates-second",
+            SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), label="certificates-second"
         ),
-        equation(
-            FOURTH,
-            -k * Omega**2 * v_lambda / m,
-            r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
-            Exact({FOURTH: sp.simplify(touch)}, sp.simplify),
-            label="certificates-fourth",
-        ),
-        title="a contact without force",
-        label="thm:certificates-window",
-    )
-    yield from proof(
-        Prose(
-            r"Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third derivative "
-            r"is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.",
-            (
-                fact(at[0], "=", 0, Exact(tidy=sp.simplify)),
-                fact(
-                    at[2],
-                    "=",
-                    -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta),
-                    Exact(tidy=sp.simplify),
-                ),
-            ),
-        )
-    )
-    yield Prose(
+        r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
+        equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), label="certificates-fourth"),
+        r"\end{lemma}",
+        r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third "
+        r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
+        facts(equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases "
-        r"with "
-        r"$\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase of "
-        r"each "
-        r"arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with $\cos\theta = 0$ "
-        r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The checker instead covers "
-        r"the "
-        r"circle outside the ends with intervals of certain sign, and shows that the derivative has one sign at the "
-        r"ends."
+        r"with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase "
+        r"of each arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with "
+        r"$\cos\theta = 0$ \eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The checker "
+        r"instead covers the circle outside the ends with intervals of certain sign, and shows that the derivative has "
+        r"one sign at the ends.",
     )

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.derive.blocks import Table, block, proof
 from symosc.derive.latex import latex, named
-from symosc.derive.paper_form import C1, C2, paper_form
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Exact, Heading, Near, Prose, Solves, equation, fact, modes
+from symosc.derive.steps import CONTEXT, AtRoot, Exact, Items, Solves, Step, Table, equation, modes
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
 
 TITLE = "The motion in one domain"
+A, B0, c, k, m = solution.A, solution.B0, solution.c, solution.k, solution.m
+eta, omega_0, omega_d = solution.eta, solution.omega_0, solution.omega_d
 KAPPA, DELTA = named(r"\kappa"), named(r"\Delta", positive=True)
 NORMS = {KAPPA: w0sq - Omega**2, DELTA: (w0sq - Omega**2) ** 2 + (cm * Omega) ** 2}
 
 #: What L makes of each basis function, and how each one starts.
 RESPONSES = {
-    E0: (sp.Integer(0), 1, -cm),
-    E1: (sp.Integer(0), 0, 1),
-    E2: (sp.Integer(1), 0, 0),
+    E0: (0, 1, -cm),
+    E1: (0, 0, 1),
+    E2: (1, 0, 0),
     R2: (sp.cos(Omega * tau), 0, 0),
     I2: (sp.sin(Omega * tau), 0, 0),
 }
@@ -40,78 +41,62 @@ REGIME_WORDS = {
 }
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
-    yield from _functions()
-    yield from _flow()
-    yield from _paper_form(scope)
-    if scope.scene is None:
-        yield from _table(scope)
-        yield from _joins()
-    else:
-        yield from _scene_regime(scope.regimes[0])
+    regimes = (_table(scope), _joins()) if scope.scene is None else _scene_regime(scope.regimes[0])
+    return _functions(), _flow(), _paper_form(scope), regimes
 
 
-def _functions() -> Iterator[Any]:
-    yield Heading("Five functions that hold every motion")
-    yield from block(
-        "definition",
-        r"With $\tau = t - t_i$ the time since the start at $t_i$, let "
-        r"$L = d^2/d\tau^2 + (c/m)\, d/d\tau + k/m$. Let $E_1(\tau)$ be the response to "
-        r"an impulse: $L E_1 = 0$, $E_1(0) = 0$, $\dot{E}_1(0) = 1$. Further let $E_0 = \dot{E}_1$, "
-        r"$E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
-        r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$.",
-        title="basis functions",
-        label="thm:domains-basis",
-    )
+def _functions() -> Items:
     generic = generic_basis()
-    rates, reason = [], r"The basis functions have the derivatives"
+    rates = []
     for symbol, rate in solution.rates().items():
         name = named(rf"\dot{{{symbol.name[0]}}}_{symbol.name[1]}")
         check = Exact(generic | {name: generic[symbol].diff(tau)}, modes)
-        rates.append(equation(name, rate, reason, check, label=f"domains-rate-{symbol.name}"))
-        reason = ""
-    reason = r"and obey, whatever the damping,"
+        rates.append(equation(name, rate, check, label=f"domains-rate-{symbol.name}"))
     laws = []
-    names = ("step", "cosine", "sine")
-    values = (sp.Integer(1), sp.cos(Omega * tau), sp.sin(Omega * tau))
-    for name, relation, value in zip(names, solution.relations(), values, strict=True):
+    values = {"step": sp.Integer(1), "cosine": sp.cos(Omega * tau), "sine": sp.sin(Omega * tau)}
+    for (name, value), relation in zip(values.items(), solution.relations(), strict=True):
         left = sp.collect(sp.expand(relation + value), [R2, I2])
-        laws.append(equation(value, left, reason, Exact(generic, modes), label=f"domains-{name}"))
-        reason = ""
-    yield from block("lemma", *rates, *laws, title="rates and relations", label="thm:domains-relations")
-    yield from proof(
-        r"The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are $L E_2 = 1$ and "
+        laws.append(equation(value, left, Exact(generic, modes), label=f"domains-{name}"))
+    return (
+        r"\subsection{Five functions that hold every motion}",
+        r"\begin{definition}[basis functions]\label{thm:domains-basis} "
+        r"With $\tau = t - t_i$ the time since the start at $t_i$, let $L = d^2/d\tau^2 + (c/m)\, d/d\tau + k/m$. Let "
+        r"$E_1(\tau)$ be the response to an impulse: $L E_1 = 0$, $E_1(0) = 0$, $\dot{E}_1(0) = 1$. Further let "
+        r"$E_0 = \dot{E}_1$, $E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
+        r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$.\end{definition}",
+        r"\begin{lemma}[rates and relations]\label{thm:domains-relations} The basis functions have the derivatives",
+        rates,
+        r"and obey, whatever the damping,",
+        laws,
+        r"\end{lemma}",
+        r"\begin{proof} The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are $L E_2 = 1$ and "
         r"$L(R_2 + i I_2) = e^{i\Omega\tau}$, with all derivatives replaced by the rates: both sides have the same "
-        r"rates, and are equal at $\tau = 0$."
+        r"rates, and are equal at $\tau = 0$.\end{proof}",
+        solved_functions(generic),
     )
-    yield from solved_functions(generic)
 
 
-def solved_functions(generic: dict[Any, Any]) -> Iterator[Any]:
+def solved_functions(generic: dict[Any, Any]) -> Items:
     """Yield the corollary that E_0 and E_1 give the other functions."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
-    yield from block(
-        "corollary",
+    return (
+        r"\begin{corollary}\label{thm:domains-solved} "
         r"$E_0$ and $E_1$ give the other three: for $k > 0$",
-        equation(E2, (1 - E0 - cm * E1) / w0sq, "", Exact(generic, modes), label="domains-E2"),
-        equation(KAPPA, NORMS[KAPPA], "and with", Exact(NORMS), label="domains-kappa"),
-        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, "", Exact(NORMS), label="domains-Delta"),
-        equation(
-            R2,
-            (KAPPA * still + cm * Omega * swing) / DELTA,
-            r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-            Exact(meaning, modes),
-            label="domains-R2",
-        ),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, "", Exact(meaning, modes), label="domains-I2"),
-        label="thm:domains-solved",
-    )
-    yield from proof(
-        r"\eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and \eqref{eq:domains-sine} are two "
-        r"linear equations for $R_2$ and $I_2$ with the determinant $\Delta$."
+        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), label="domains-E2"),
+        "and with",
+        equation(KAPPA, NORMS[KAPPA], NORMS, label="domains-kappa"),
+        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, label="domains-Delta"),
+        r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
+        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), label="domains-R2"),
+        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), label="domains-I2"),
+        r"\end{corollary}",
+        r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
+        r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
+        r"$\Delta$.\end{proof}",
     )
 
 
@@ -131,145 +116,195 @@ def generic_basis() -> dict[Any, Any]:
     return dict(zip(BASIS, closed, strict=True)) | {cm: 2 * mean, w0sq: mean**2 - half**2}
 
 
-def _flow() -> Iterator[Any]:
+def _flow() -> Items:
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
     position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
     start = named(r"\ddot{x}_i")
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
     by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
-    yield Heading("The motion")
-    yield from block(
-        "theorem",
+    return (
+        r"\subsection{The motion}",
+        r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
         r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
         r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, "", Solves(force, x_i, v_i, general=True), label="domains-x"),
-        equation(velocity, flow.v, "", Exact(by_v, solution.use_relations, independent=False), label="domains-v"),
-        equation(acceleration, flow.a, "", Exact(by_a, solution.use_relations, independent=False), label="domains-a"),
-        equation(
-            start,
-            solution.acceleration(x_i, v_i, theta_i),
-            r"where the acceleration at the start is",
-            Exact({start: newton}, sp.expand),
-            label="domains-start",
-        ),
-        r"This holds in every regime of damping and at resonance.",
-        title="the motion in a domain",
-        label="thm:domains-flow",
-    )
-    yield from proof(
-        r"$L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives $x$ as a "
-        r"combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
+        equation(position, flow.x, Solves(force, x_i, v_i, general=True), label="domains-x"),
+        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), label="domains-v"),
+        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), label="domains-a"),
+        r"where the acceleration at the start is",
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="domains-start"),
+        r"This holds in every regime of damping and at resonance.\end{theorem}",
+        r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
+        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
         r"$\ddot{x}_i$, so that friction enters only there, and the derivatives are shortened by "
         r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with the right start was "
-        r"checked with the relations alone."
+        r"checked with the relations alone.\end{proof}",
     )
 
 
-def _paper_form(scope: Scope) -> Iterator[Any]:
+def _paper_form(scope: Scope) -> Items:
     name = "underdamped" if scope.scene is None else scope.regimes[0].name
-    regime = solution.REGIMES[name]
-    form = paper_form(regime)
-    yield Heading("The same motion as papers print it")
-    first, second = REGIME_WORDS[name]
-    reason = (
+    form, (first, second) = paper_form(solution.REGIMES[name]), REGIME_WORDS[name]
+    return (
+        r"\subsection{The same motion as papers print it}",
         r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
         r"$\omega_d = \sqrt{k/m - h^2}$, is"
         if name == "underdamped"
-        else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is"
-    )
-    yield equation(named(r"x(\tau)"), form.x, reason, form.check, label="domains-paper")
-    reason = r"with"
-    for letter, value in form.constants.items():
-        others = {name: other for name, other in form.constants.items() if name != letter}
-        check = Exact(constant_meaning(letter, form, regime, others), sp.simplify)
-        yield equation(letter, value, reason, check, label=f"domains-{letter.name.replace('_', '')}")
-        reason = ""
-    yield Prose(
+        else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is",
+        equation(named(r"x(\tau)"), form.x, form.check, label="domains-paper"),
+        "with",
+        [replace(each, label=f"domains-{each.label}") for each in constants(form)],
         r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It needs a case for "
         r"every regime, and loses digits near the borders of the regimes and for short times, where "
         r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided differences "
-        r"\cite{mccurdy1984}."
+        r"\cite{mccurdy1984}.",
     )
 
 
-def constant_meaning(letter: Any, form: Any, regime: Any, others: dict[Any, Any]) -> dict[Any, Any]:
-    """Return what a constant is by what it has to do: fit the start, or the drive."""
-    x, v = form.x, form.x.diff(tau)
+# --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady part ---
+
+C1, C2, D1, D2 = (named(name) for name in ("C_1", "C_2", "D_1", "D_2"))
+DECAY = sp.exp(-c * tau / (2 * m))
+PHASE = theta_i + Omega * tau
+
+#: Two solutions of the unforced equation in each regime, and what divides C_2.
+MODES = {
+    "underdamped": (DECAY * sp.cos(omega_d * tau), DECAY * sp.sin(omega_d * tau), omega_d),
+    "critical": (DECAY, tau * DECAY, 1),
+    "overdamped": (DECAY * sp.cosh(eta * tau), DECAY * sp.sinh(eta * tau), eta),
+    "undamped": (sp.cos(omega_0 * tau), sp.sin(omega_0 * tau), omega_0),
+    "resonance": (sp.cos(Omega * tau), sp.sin(Omega * tau), Omega),
+    "no spring": (sp.Integer(1), sp.exp(-c * tau / m), 1),
+    "free": (sp.Integer(1), tau, 1),
+}
+
+
+class PaperForm(NamedTuple):
+    """Position and velocity of a regime at tau, what C_1, C_2, D_1 and D_2 are, and the check of the position."""
+
+    x: Any
+    v: Any
+    constants: dict[Any, Any]
+    check: Solves
+
+
+def _steady(name: str) -> tuple[Any, dict[Any, Any]]:
+    """Return a particular motion, and what its letters are."""
+    if name == "resonance":
+        return A / k + B0 / (2 * m * Omega) * tau * sp.sin(PHASE), {}
+    if name == "free":
+        return A * tau**2 / (2 * m) - B0 / (m * Omega**2) * sp.cos(PHASE), {}
+    if name == "undamped":
+        return A / k + D1 * sp.cos(PHASE), {D1: B0 / (k - m * Omega**2)}
+    wave = D1 * sp.cos(PHASE) + D2 * sp.sin(PHASE)
+    if name == "no spring":
+        norm = m**2 * Omega**2 + c**2
+        return A * tau / c + wave, {D1: -B0 * m / norm, D2: B0 * c / (Omega * norm)}
+    norm = (k - m * Omega**2) ** 2 + c**2 * Omega**2
+    return A / k + wave, {D1: B0 * (k - m * Omega**2) / norm, D2: B0 * c * Omega / norm}
+
+
+@cache
+def paper_form(regime: solution.Regime) -> PaperForm:
+    """Return the motion of a regime in the form of papers."""
+    first, second, below = MODES[regime.name]
+    steady, letters = _steady(regime.name)
+    x = C1 * first + C2 * second + steady
+    v = x.diff(tau)
     start = {tau: sp.Integer(0)}
-    if letter in (C1, C2):
-        wanted = (x.subs(start) - x_i, v.subs(start) - v_i)
-        found = sp.solve(wanted, [C1, C2], dict=True)[0]
-        return {letter: found[letter], **({C1: found[C1]} if letter == C2 else {})}
-    values = {letter: form.check.meaning[letter], **{name: form.check.meaning[name] for name in others if name != C1}}
-    back = dict(form.check.back)
-    return {letter: values[letter]} | back
+    equations = [x.subs(start) - x_i, v.subs(start) - v_i]
+    found = sp.solve(equations, [C1, C2], dict=True)[0]
+    if regime.name != "no spring":  # C_1 is plain there; C_2 is shorter with it
+        found[C2] = sp.solve(equations[1], C2)[0]
+    # One denominator for the whole sum.
+    quotient = sp.Mul(sp.expand(found[C2] * below), 1 / below, evaluate=False) if below != 1 else sp.expand(found[C2])
+    constants = letters | {C1: sp.expand(found[C1]), C2: quotient}
+    values = regime.parameters()
+    back = {c: m * values[cm], k: m * values[w0sq]}
+    force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)
+    meaning = {
+        letter: value.xreplace(constants).xreplace(constants).xreplace(back) for letter, value in constants.items()
+    }
+    check = Solves(force, x_i, v_i, values[cm], values[w0sq], meaning=meaning | back)
+    joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
+    return PaperForm(joined, _one_exponential(v, first), constants, check)
 
 
-def _table(scope: Scope) -> Iterator[Any]:
-    yield Heading("The regimes of damping")
+def _one_exponential(v: Any, mode: Any) -> Any:
+    """Write e^{-ct/2m} once, and within it each wave once."""
+    if not mode.has(sp.exp):
+        return sp.expand(v)
+    v, stand_in = sp.expand(v), sp.Dummy()
+    inside = v.xreplace({DECAY: stand_in}).coeff(stand_in)
+    waves = sorted(inside.atoms(*_WAVES), key=sp.default_sort_key)
+    rows = {wave: inside.coeff(wave) for wave in waves} or {sp.Integer(1): inside}
+    return DECAY * sp.Add(*(_times(wave, row) for wave, row in rows.items())) + v.xreplace({DECAY: sp.S.Zero})
+
+
+def constants(form: PaperForm) -> list[Step]:
+    """Return what the constants of a form are, checked by what they have to do: fit the start, or the drive."""
+    start = {tau: sp.Integer(0)}
+    wanted = (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i)
+    fitted = sp.solve(wanted, [C1, C2], dict=True)[0]
+    steps = []
+    for letter, value in form.constants.items():
+        start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
+        meaning = start_fits or {name: form.check.meaning[name] for name in (letter, c, k)}
+        steps.append(equation(letter, value, meaning, label=letter.name.replace("_", "")))
+    return steps
+
+
+def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step:
+    """Return the closed form of a basis function in a regime."""
+    force, start, rate = map(sp.sympify, RESPONSES[symbol])
+    parameters = regime.parameters()
+    solves = Solves(force, start, rate.xreplace(parameters), *parameters.values())
+    return equation(symbol, tidy(regime.basis()[symbol]), solves, **options)
+
+
+def _table(scope: Scope) -> Items:
     rows = []
     for regime in scope.regimes:
-        parameters, closed = regime.parameters(), regime.basis()
-        cells = []
-        for symbol in (E1, E0):
-            force, start, rate = RESPONSES[symbol]
-            solves = Solves(force, sp.Integer(start), sp.sympify(rate).xreplace(parameters), *parameters.values())
-            cells.append(equation(symbol, tidy(closed[symbol]), "", solves))
         centre = latex(regime.centre) if regime.centre != 0 else ""
         roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
+        cells = basis_function(E1, regime), basis_function(E0, regime)
         rows.append((*REGIME_WORDS[regime.name], roots, *cells))
-    letters = {solution.h: "h", solution.omega_d: "omega_d", solution.eta: "eta", solution.omega_0: "omega_0"}
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
-    reason = r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters"
-    for letter, name in letters.items():
-        yield equation(
-            letter,
-            values[letter],
-            reason,
-            Exact({letter: true_letters()[letter]}, sp.simplify),
-            label=f"domains-{name}",
-        )
-        reason = ""
-    yield Prose(
+    letters = solution.h, omega_d, eta, omega_0
+    regimes = solution.REGIMES
+    return (
+        r"\subsection{The regimes of damping}",
+        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
+        [equation(each, values[each], true_letters()[each], label=f"domains-{each.name}") for each in letters],
         r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
-        r"Corollary~\ref{thm:domains-solved}."
+        r"Corollary~\ref{thm:domains-solved}.",
+        Table(
+            "tab:domains-regimes",
+            r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
+            r"from.",
+            ("regime", "condition", "roots", "$E_1$", "$E_0$"),
+            tuple(rows),
+        ),
+        r"Three functions are left over, where the corollary divides by 0. Without a spring,",
+        basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="domains-no-spring-E2"),
+        basis_function(E2, regimes["free"], note="for $c = 0$.", label="domains-free-E2"),
+        r"At undamped resonance",
+        basis_function(R2, regimes["resonance"], label="domains-resonance-R2"),
+        basis_function(I2, regimes["resonance"], label="domains-resonance-I2"),
     )
-    yield Table(
-        "tab:domains-regimes",
-        r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow from.",
-        ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-        tuple(rows),
-    )
-    reason = r"Three functions are left over, where the corollary divides by 0. Without a spring,"
-    for name, symbol, words in (
-        ("no spring", E2, r"for $c > 0$,"),
-        ("free", E2, r"for $c = 0$."),
-        ("resonance", R2, ""),
-        ("resonance", I2, ""),
-    ):
-        regime = solution.REGIMES[name]
-        parameters = regime.parameters()
-        force, start, rate = RESPONSES[symbol]
-        solves = Solves(force, sp.Integer(start), sp.sympify(rate), *parameters.values())
-        if symbol == R2:
-            reason = r"At undamped resonance"
-        label = f"domains-{name.replace(' ', '-')}-{symbol.name}"
-        yield equation(symbol, tidy(regime.basis()[symbol]), reason, solves, words, label)
-        reason = ""
 
 
 def true_letters() -> dict[Any, Any]:
     """Return the letters of the regimes from the coefficients and the discriminant of m z^2 + c z + k."""
     z = sp.Symbol("z")
-    polynomial = sp.Poly(solution.m * z**2 + solution.c * z + solution.k, z)
+    polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
     disc = polynomial.discriminant()
-    roots = {solution.h: b / (2 * a), solution.eta: sp.sqrt(disc) / (2 * a), solution.omega_d: sp.sqrt(-disc) / (2 * a)}
-    return roots | {solution.omega_0: sp.sqrt(-disc.subs(solution.c, 0)) / (2 * a)}
+    roots = {solution.h: b / (2 * a), eta: sp.sqrt(disc) / (2 * a), omega_d: sp.sqrt(-disc) / (2 * a)}
+    return roots | {omega_0: sp.sqrt(-disc.subs(c, 0)) / (2 * a)}
 
 
-_MODES = sp.sin, sp.cos, sp.sinh, sp.cosh
+_WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
@@ -284,70 +319,60 @@ def tidy(expr: Any) -> Any:
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
     above, below = sp.fraction(sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True)))))
-    above, trig = sp.expand(above), sorted(above.atoms(*_MODES), key=sp.default_sort_key)
+    above, trig = sp.expand(above), sorted(above.atoms(*_WAVES), key=sp.default_sort_key)
     plain = above.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
     rows = {sp.Integer(1): plain} | {wave: above.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)}
     above = sp.Add(*(_times(wave, sp.collect(row, trig, sp.factor)) for wave, row in rows.items()))
     return sp.Mul(above, 1 / sp.factor(below), evaluate=False) if below != 1 and above.is_Add else above / below
 
 
-def _scene_regime(regime: solution.Regime) -> Iterator[Any]:
-    yield Heading("The basis functions of this scene")
-    parameters = regime.parameters()
-    reason = rf"The regime is \emph{{{REGIME_WORDS[regime.name][0]}}} ({REGIME_WORDS[regime.name][1]}). There"
-    for symbol, closed in regime.basis().items():
-        force, start, rate = RESPONSES[symbol]
-        solves = Solves(force, sp.Integer(start), sp.sympify(rate).xreplace(parameters), *parameters.values())
-        yield equation(symbol, tidy(closed), reason, solves, label=f"domains-scene-{symbol.name}")
-        reason = ""
+def _scene_regime(regime: solution.Regime) -> Items:
+    name, condition = REGIME_WORDS[regime.name]
+    return (
+        r"\subsection{The basis functions of this scene}",
+        rf"The regime is \emph{{{name}}} ({condition}). There",
+        [basis_function(symbol, regime, label=f"domains-scene-{symbol.name}") for symbol in BASIS],
+    )
 
 
-def _joins() -> Iterator[Any]:
-    yield Heading("The regimes are limits of each other")
-    yield from block(
-        "theorem",
-        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
-        r"two regimes the functions of one turn into those of the other.",
-        title="one motion, no cases",
-        label="thm:domains-entire",
-    )
-    yield from proof(
-        r"$E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ and $k/m$, with a fixed start; "
-        r"such a solution is an entire function of the coefficients, and so are $E_0$ and the integrals $E_2$ and "
-        r"$R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: along "
-        r"each path $c/m$ and $k/m$ of one regime tend to those of the other."
-    )
-    rows = []
+def _joins() -> Items:
+    rows, arrows = [], ("=", r"\mapsto")
     for join in solution.JOINS:
         source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
-        path = ", ".join(_path(name, value) for name, value in join.path.items())
-        names = named(r"c/m"), named(r"k/m")
         cells = []
-        for name, letter in zip(names, (cm, w0sq), strict=True):
-            value = sp.limit(source[letter].xreplace(join.path), join.letter, 0)
-            cells.append(equation(name, target[letter], "", Exact({name: value}, sp.simplify)))
+        for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq)):
+            limit = sp.limit(source[letter].xreplace(join.path), join.letter, 0)
+            cells.append(equation(name, target[letter], limit))
+        # An arrow where the old value of a letter is in the new one.
+        path = ", ".join(
+            rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$" for name, value in join.path.items()
+        )
         words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
         rows.append((*words, rf"${latex(join.letter)} \to 0$", path, *cells))
-    yield Table(
-        "tab:domains-joins",
-        r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
-        ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
-        tuple(rows),
-        tuple(_sampled(join) for join in solution.JOINS),
+    return (
+        r"\subsection{The regimes are limits of each other}",
+        r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
+        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
+        r"two regimes the functions of one turn into those of the other.\end{theorem}",
+        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ and $k/m$, with a "
+        r"fixed start; such a solution is an entire function of the coefficients, and so are $E_0$ and the integrals "
+        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: "
+        r"along each path $c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
+        Table(
+            "tab:domains-joins",
+            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
+            ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
+            tuple(rows),
+            tuple(_sampled(join) for join in solution.JOINS),
+        ),
     )
 
 
-def _path(letter: Any, value: Any) -> str:
-    """Return what a letter becomes on the way to a border, as LaTeX: an arrow where its old value is in the new one."""
-    return rf"${latex(letter)} {chr(92) + 'mapsto' if letter in value.free_symbols else '='} {latex(value)}$"
-
-
-def _sampled(join: solution.Join) -> Any:
+def _sampled(join: solution.Join) -> Step:
     """Return a check of one function near a border: its value there and on the border agree to first order."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
-    small = sp.Rational(1, 10**25)
-    point = {solution.h: sp.Rational(3, 7), solution.omega_d: sp.Rational(5, 4), solution.eta: sp.Rational(2, 9)}
-    point |= {solution.omega_0: sp.Rational(7, 5), Omega: sp.Rational(8, 5), tau: sp.Rational(9, 4)}
-    near = source[R2].xreplace(join.path).xreplace({join.letter: small}).subs(point)
+    values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
+    point = {letter: sp.Rational(value) for letter, value in values.items()}
+    near = source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
     there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
-    return fact(sp.N(near, 40, maxn=200), "=", sp.N(there, 40), Near(20))
+    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), AtRoot(dict, CONTEXT.mpf(10) ** -20))

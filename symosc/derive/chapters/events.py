@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import block, proof
 from symosc.derive.chapters.domains import DELTA, NORMS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Sign, Step, equation, fact, modes
+from symosc.derive.steps import Exact, Items, Sign, equation, facts, modes, step
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
@@ -21,50 +19,35 @@ LG, GAMMA = named("L g"), named(r"\gamma")
 C4 = sp.Symbol("C_4", nonnegative=True)
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
     del scope  # the statements are the same for every scene
-    yield from _gap()
-    yield from _two_zeros()
-    yield Heading("Two bounds for later times")
-    yield from _bound_for_ever()
-    yield from _bound_for_a_while()
-    yield from _search()
+    bounds = (r"\subsection{Two bounds for later times}", _bound_for_ever(), _bound_for_a_while())
+    return _gap(), _two_zeros(), bounds, _search()
 
 
-def _gap() -> Iterator[Any]:
-    yield Heading("An equation for the gap")
+def _gap() -> Items:
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
     true = (jerk + c / m * newton + k / m * (path.diff(t) - v_lambda)).subs(Omega * t, theta)
     meaning = {LG: true, GAMMA: k * v_lambda / m, LETTER_A: B0 * Omega / m}
-    yield from block(
-        "lemma",
-        equation(
-            LG,
-            -(GAMMA + LETTER_A * sp.sin(theta)),
-            r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} "
-            r"domain, with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, "
-            r"$a = B_0\Omega/m$,",
-            Exact(meaning, sp.expand),
-            label="events-gap",
-        ),
-        title="the gap",
-        label="thm:events-gap",
-    )
-    yield from proof(
-        r"Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract $k v_\lambda/m$."
-    )
-    yield Prose(
+    return (
+        r"\subsection{An equation for the gap}",
+        r"\begin{lemma}[the gap]\label{thm:events-gap} "
+        r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} domain, "
+        r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = B_0\Omega/m$,",
+        equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, label="events-gap"),
+        r"\end{lemma}",
+        r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract "
+        r"$k v_\lambda/m$.\end{proof}",
         r"The right side is the function of Theorem~\ref{thm:grazing-theorem7}, and $\dot{F}^{(\alpha)}$ on a belt, "
         r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ and "
-        r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form."
+        r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form.",
     )
 
 
-def _two_zeros() -> Iterator[Any]:
-    yield Heading("At most two zeros between critical phases")
+def _two_zeros() -> Items:
     phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
     g = phi * q
     operator = g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g
@@ -72,54 +55,41 @@ def _two_zeros() -> Iterator[Any]:
     letter, rate, slope, curve = named(r"\varphi"), named(r"\dot{\varphi}"), named(r"\dot{q}"), named(r"\ddot{q}")
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
-    unforced = tuple(fact(_operator(regime), "=", 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
-    yield from block(
-        "theorem",
+    unforced = tuple(equation(_operator(regime), 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
+    return (
+        r"\subsection{At most two zeros between critical phases}",
+        r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
         r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
-        r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or vanishes identically.",
-        title=r"disconjugacy, after P\'olya",
-        label="thm:events-two",
-    )
-    yield from proof(
-        Prose(
-            r"The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
-            r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
-            r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
-            unforced,
-        ),
+        r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or vanishes "
+        r"identically.\end{theorem}",
+        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
+        r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
+        r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
+        facts(*unforced),
+        r"With $q = g/\varphi$",
         equation(
             LG,
             letter * curve + (2 * rate + cm * letter) * slope,
-            r"With $q = g/\varphi$",
-            Exact({LG: true} | names, sp.expand, independent=False),
+            Exact({LG: true} | names, independent=False),
             label="events-factor",
         ),
-        Prose(
-            r"which is P\'olya's factorisation \cite{polya1922} $L g = \varphi^{-1} e^{-c\tau/m} "
-            r"\frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
-            (fact(true, "=", inner, Exact(tidy=sp.simplify, independent=False)),),
-        ),
+        r"which is P\'olya's factorisation \cite{polya1922} "
+        r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
+        facts(equation(true, inner, Exact(independent=False))),
         r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
         r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
         r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "
-        r"monotone and has at most one zero, or it is constant, and then $g$ has none or vanishes identically.",
-    )
-    yield from block(
-        "corollary",
+        r"monotone and has at most one zero, or it is constant, and then $g$ has none or vanishes "
+        r"identically.\end{proof}",
+        r"\begin{corollary}[how many contacts there can be]\label{thm:events-count} "
         r"In each interval of the length $2\pi/\Omega$ one flight, continued beyond its end, meets the speed of a belt "
         r"at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge 4km$), unless it stays there for ever. "
         r"Opposite signs of $g$ at the ends of a piece as in Theorem~\ref{thm:events-two} mean exactly one zero in it; "
-        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells which.",
-        title="how many contacts there can be",
-        label="thm:events-count",
-    )
-    yield from proof(
-        r"Two critical phases cut the interval into at most three pieces, and cuts at distances just below "
-        r"$\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more."
-    )
-    yield Prose(
+        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells which.\end{corollary}",
+        r"\begin{proof} Two critical phases cut the interval into at most three pieces, and cuts at distances just "
+        r"below $\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more.\end{proof}",
         r"So every flight has a first contact or none, its contacts do not accumulate, and a search that goes piece by "
-        r"piece ends. The bounds below need no pieces, and are what the program uses from step to step."
+        r"piece ends. The bounds below need no pieces, and are what the program uses from step to step.",
     )
 
 
@@ -129,7 +99,7 @@ def _operator(regime: solution.Regime) -> Any:
     return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi
 
 
-def _bound_for_ever() -> Iterator[Any]:
+def _bound_for_ever() -> Items:
     third, fourth = named("u^{(3)}"), named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
@@ -138,36 +108,28 @@ def _bound_for_ever() -> Iterator[Any]:
     steady = named("V_0^2")
     response = sp.I * Omega * B0 / m / (w0sq - Omega**2 + sp.I * Omega * cm)
     square = sp.simplify(response * sp.conjugate(response))
-    yield from block(
-        "theorem",
+    return (
+        r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
+        r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
+        r"$\Omega$ and the amplitude $V_0$ with",
         equation(
             steady,
             LETTER_A**2 / DELTA,
-            r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
-            r"$\Omega$ and the amplitude $V_0$ with",
-            Exact({steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]}, sp.simplify),
+            {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]},
             label="events-V0",
         ),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
         r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
-        r"now.",
-        title="a bound for ever",
-        label="thm:events-steady",
-    )
-    yield from proof(
-        equation(
-            energy,
-            -2 * cm * fourth**2,
-            r"$L u = 0$, so $L u^{(3)} = 0$, and",
-            Exact({energy: rate}, sp.expand),
-            label="events-energy",
-        ),
-        Step(Relation(energy, "<=", sp.Integer(0)), r"which is never positive:", Sign({energy: rate})),
-        r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.",
+        r"now.\end{theorem}",
+        r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
+        equation(energy, -2 * cm * fourth**2, rate, label="events-energy"),
+        r"which is never positive:",
+        step(energy, "<=", 0, Sign({energy: rate})),
+        r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
     )
 
 
-def _bound_for_a_while() -> Iterator[Any]:
+def _bound_for_a_while() -> Items:
     z = sp.Function("z")(tau)
     w, w_rate = named("w"), named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
@@ -175,88 +137,53 @@ def _bound_for_a_while() -> Iterator[Any]:
     pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
     pushed = pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), w_rate).subs(z, w)
     source = -(LETTER_A * sp.sin(Omega * t)).diff(t, 3)
-    yield from block(
-        "theorem",
+    return (
+        r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
         r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
-        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken now.",
-        title="a bound for a while",
-        label="thm:events-while",
-    )
-    yield from proof(
-        equation(
-            named("L w"),
-            drive,
-            r"The third derivative of \eqref{eq:events-gap} is",
-            Exact({named("L w"): source.subs(Omega * t, theta)}),
-            label="events-Lw",
-        ),
-        equation(
-            second,
-            2 * w_rate * (drive - cm * w_rate),
-            r"so that",
-            Exact({second: pushed}, sp.expand),
-            label="events-pushed",
-        ),
+        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
+        r"now.\end{theorem}",
+        r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
+        equation(named("L w"), drive, source.subs(Omega * t, theta), label="events-Lw"),
+        r"so that",
+        equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, label="events-pushed"),
         r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
-        r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.",
+        r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
 
 
-def _search() -> Iterator[Any]:
-    yield Heading("The search, and that it ends")
+def _search() -> Items:
     s, u, left = sp.Symbol("s", positive=True), sp.Symbol("u", positive=True), named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))
     remainder = sp.integrate((s - u) ** 3 / 6 * C4, (u, 0, s))
     upper = named(r"g(\tau + s) - p(s)")
-    yield from block(
-        "lemma",
-        equation(
-            left,
-            taylor - C4 * s**4 / 24,
-            r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
-            Exact({left: taylor - remainder}, sp.expand),
-            label="events-p",
-        ),
-        Step(
-            Relation(upper, "<=", C4 * s**4 / 12),
-            r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
-            Sign({upper: 2 * remainder}),
-            label="events-excess",
-        ),
-        title="a polynomial below the gap",
-        label="thm:events-below",
-    )
-    yield from proof(
-        r"Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at most "
-        r"$C_4 s^4/24$ in size."
-    )
-    yield from block(
-        "theorem",
+    return (
+        r"\subsection{The search, and that it ends}",
+        r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} "
+        r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
+        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, label="events-p"),
+        r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
+        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), label="events-excess"),
+        r"\end{lemma}",
+        r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at "
+        r"most $C_4 s^4/24$ in size.\end{proof}",
+        r"\begin{theorem}[no event is missed, and the search ends]\label{thm:events-search} "
         r"Let the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, or as far as the bound "
         r"holds if that is less, and so on. No zero of $g$ is passed. The search either passes every given time in "
         r"finitely many steps, or its points converge to the first zero of $g$; and after each step that ends at a "
-        r"zero of $p$, $0 \le g \le C_4 s^4/12$.",
-        title="no event is missed, and the search ends",
-        label="thm:events-search",
-    )
-    yield from proof(
-        r"$g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay bounded, they "
-        r"converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ on the way for some $\delta$, while "
-        r"the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the way, so "
-        r"$p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does not "
-        r"depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with $p(s) = 0$."
-    )
-    yield Prose(
-        r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, one factor "
-        r"$s$ for each "
-        r"derivative that vanishes, and the argument holds for the quotient. Near a simple zero the steps converge to "
-        r"fourth order, and \texttt{symosc.engine} changes to Newton's method once $p$ shows that there is one zero "
-        r"nearby. Near a tangency it looks for the minimum of $g$ ahead: clearly positive, clearly negative, or not to "
-        r"be told from 0 with the digits at hand, which is then said."
-    )
-    yield Prose(
+        r"zero of $p$, $0 \le g \le C_4 s^4/12$.\end{theorem}",
+        r"\begin{proof} $g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay "
+        r"bounded, they converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ on the way for some "
+        r"$\delta$, while the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the "
+        r"way, so $p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does "
+        r"not depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with "
+        r"$p(s) = 0$.\end{proof}",
+        r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, one factor $s$ for "
+        r"each derivative that vanishes, and the argument holds for the quotient. Near a simple zero the steps "
+        r"converge to fourth order, and \texttt{symosc.engine} changes to Newton's method once $p$ shows that there is "
+        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: clearly positive, clearly negative, "
+        r"or not to be told from 0 with the digits at hand, which is then said.",
         r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
         r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
-        r"are wide enough in double precision was measured, not proven."
+        r"are wide enough in double precision was measured, not proven.",
     )

@@ -2,188 +2,161 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, Relation, Step, equation, fact
-from symosc.derive.window_check import Window, a, g, p, q
-from symosc.mappings.theorem7_cases import PLACES, Place
+from symosc.derive.steps import (
+    Check,
+    Illustration,
+    Items,
+    Relation,
+    Step,
+    StepError,
+    StepEvidence,
+    Table,
+    equation,
+    facts,
+    step,
+)
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
 
 TITLE = "Grazing: Theorem 7 with all cases"
 THETA_M, CRITICAL = named(r"\theta_m"), named(r"\Theta^{\mathrm{cr}}")
-GAMMA = named(r"\gamma")
+GAMMA, AMPLITUDE = named(r"\gamma"), sp.Symbol("a", real=True)
+#: The letters of the cases in `theorem7`, and positive ones for their signs.
+g, a = sp.symbols("gamma a", real=True)
+p, q = sp.symbols("p q", positive=True)
 
 
 #: The signs of gamma and |gamma| - a, values that have them, and the case in words (a > 0).
-SHAPES = (
-    (1, -1, p, p + q, r"$0 < \gamma < a$"),
-    (1, 0, p, p, r"$0 < \gamma = a$"),
-    (1, 1, p + q, p, r"$0 < a < \gamma$"),
-    (0, -1, sp.Integer(0), p, r"$\gamma = 0$"),
-    (-1, -1, -p, p + q, r"$-a < \gamma < 0$"),
-    (-1, 0, -p, p, r"$\gamma = -a$"),
-    (-1, 1, -p - q, p, r"$\gamma < -a$"),
+#: Every case of the signs of gamma, a and |gamma| - a: values that have them, and the case in words.
+CASES = (
+    (p, p + q, r"$0 < \gamma < a$"),
+    (p, p, r"$0 < \gamma = a$"),
+    (p + q, p, r"$0 < a < \gamma$"),
+    (sp.S.Zero, p, r"$\gamma = 0$"),
+    (-p, p + q, r"$-a < \gamma < 0$"),
+    (-p, p, r"$\gamma = -a$"),
+    (-p - q, p, r"$\gamma < -a$"),
+    (p, sp.S.Zero, r"$a = 0 < \gamma$"),
+    (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
+    (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$"),
 )
-CASES_WITHOUT_DRIVE = ((p, r"$a = 0 < \gamma$"), (-p, r"$\gamma < 0 = a$"), (sp.Integer(0), r"$a = \gamma = 0$"))
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
-    yield from _contact()
-    yield from _what_it_fixes()
-    yield from _theorem()
-    if scope.scene is not None:
-        for mapping, place in PLACES.items():
-            if place.boundary in scope.boundaries:
-                yield from _numbers(scope, mapping, place)
-    yield from _equality()
-    yield from _no_spring()
+    places = PLACES if scope.scene else {}
+    windows = [_numbers(scope, mapping) for mapping in places if PLACES[mapping].boundary in scope.boundaries]
+    return _contact(), _what_it_fixes(), _theorem(), windows, _equality(), _no_spring()
 
 
-def _contact() -> Iterator[Any]:
-    yield Heading("What a contact fixes")
-    yield from block(
-        "definition",
-        r"Let the flow of $\Omega_\alpha$ come to the boundary $\dot{x} = v_\lambda$ at the time $t_m$, at "
-        r"the position "
-        r"$x_m$ and the phase $\theta_m = \Omega t_m$ modulo $2\pi$, with $F^{(\alpha)} = 0$. It \emph{grazes} if it "
-        r"stays in $\Omega_\alpha$ right before and right after $t_m$. It \emph{grazes to first order} if "
-        r"$\sigma G^{(1,\alpha)} < 0$, with $\sigma = 1$ for a boundary above the domain and $\sigma = -1$ for one "
-        r"below. Table~\ref{tab:grazing-places} has the four places; the paper names each by a mapping.",
-        title="graze",
-        label="thm:grazing-graze",
-    )
+def _contact() -> Items:
     rows = []
     for mapping, place in PLACES.items():
-        relation = "<" if place.side > 0 else ">"
-        sine = ">" if place.side > 0 else "<"
-        rows.append(
-            (
-                f"$P_{mapping[1]}$",
-                place.domain,
-                place.boundary,
-                f"${place.side}$",
-                rf"$G^{{(1,{place.domain})}} {relation} 0$",
-                rf"$a \sin\theta_m {sine} -\gamma$",
-                f"({place.equation})",
-            )
-        )
-    yield Table(
-        "tab:grazing-places",
-        r"Where a flow can graze: domain, boundary and side, and when it does to first order.",
-        ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
-        tuple(rows),
+        rate, sine = "<>" if place.side > 0 else "><"
+        condition = rf"$G^{{(1,{place.domain})}} {rate} 0$", rf"$a \sin\theta_m {sine} -\gamma$"
+        where = place.domain, place.boundary, f"${place.side}$"
+        rows.append((f"$P_{mapping[1]}$", *where, *condition, f"({place.equation})"))
+    return (
+        r"\subsection{What a contact fixes}",
+        r"\begin{definition}[graze]\label{thm:grazing-graze} "
+        r"Let the flow of $\Omega_\alpha$ come to the boundary $\dot{x} = v_\lambda$ at the time $t_m$, at the "
+        r"position $x_m$ and the phase $\theta_m = \Omega t_m$ modulo $2\pi$, with $F^{(\alpha)} = 0$. It "
+        r"\emph{grazes} if it stays in $\Omega_\alpha$ right before and right after $t_m$. It \emph{grazes to first "
+        r"order} if $\sigma G^{(1,\alpha)} < 0$, with $\sigma = 1$ for a boundary above the domain and $\sigma = -1$ "
+        r"for one below. Table~\ref{tab:grazing-places} has the four places; the paper names each by a "
+        r"mapping.\end{definition}",
+        Table(
+            "tab:grazing-places",
+            r"Where a flow can graze: domain, boundary and side, and when it does to first order.",
+            ("mapping", r"$\alpha$", r"$\lambda$", r"$\sigma$", "grazes iff", "that is", "paper"),
+            tuple(rows),
+        ),
     )
 
 
-def _what_it_fixes() -> Iterator[Any]:
+def _what_it_fixes() -> Items:
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
-    general = (c * acceleration + k * rate) / m
-    at_contact = general.subs({acceleration: 0, rate: v_lambda})
+    at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
+    values = {GAMMA: k * v_lambda / m, AMPLITUDE: B0 * Omega / m}
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
     solved = sp.solve(force, x)[0].subs(theta, THETA_M)
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
-    letter = sp.Symbol("a", real=True)
-    yield from block(
-        "lemma",
-        equation(
-            GAMMA,
-            k * v_lambda / m,
-            r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and "
-            r"with the amplitude $a$,",
-            Exact({GAMMA: at_contact}),
-            label="grazing-gamma",
-        ),
-        equation(letter, B0 * Omega / m, "", Exact({letter: B0 * Omega / m}), label="grazing-a"),
+    return (
+        r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
+        r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
+        r"the amplitude $a$,",
+        equation(GAMMA, k * v_lambda / m, at_contact, label="grazing-gamma"),
+        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, label="grazing-a"),
+        r"the first G-function depends on the phase alone:",
         equation(
             G(1),
-            -(GAMMA + letter * sp.sin(THETA_M)),
-            r"the first G-function depends on the phase alone:",
-            Exact({G(1): first.subs(x, solved), GAMMA: k * v_lambda / m, letter: B0 * Omega / m}, sp.simplify),
+            -(GAMMA + AMPLITUDE * sp.sin(THETA_M)),
+            values | {G(1): first.subs(x, solved)},
             label="grazing-G1",
         ),
-        equation(
-            named("x_m"),
-            (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k,
-            r"For $k > 0$ the phase gives the position,",
-            Exact({named("x_m"): solved}),
-            label="grazing-xm",
-        ),
+        r"For $k > 0$ the phase gives the position,",
+        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, label="grazing-xm"),
+        r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
+        r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
         equation(
             sp.sin(CRITICAL),
-            -GAMMA / letter,
-            r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
-            r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
-            Exact({CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega)), GAMMA: k * v_lambda / m, letter: B0 * Omega / m}),
+            -GAMMA / AMPLITUDE,
+            values | {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))},
             label="grazing-critical",
         ),
-        title="what a contact fixes",
-        label="thm:grazing-contact",
-    )
-    yield from proof(
-        r"$\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into \eqref{eq:switching-g1} and "
-        r"\eqref{eq:motion-acceleration}. So of the paper's ``four unknowns'' with three equations only the phase is "
-        r"free, and $\gamma$ does not vary along the family of contacts: the case of the theorem is decided by the "
-        r"parameters."
+        r"\end{lemma}",
+        r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into "
+        r"\eqref{eq:switching-g1} and \eqref{eq:motion-acceleration}. So of the paper's ``four unknowns'' with three "
+        r"equations only the phase is free, and $\gamma$ does not vary along the family of contacts: the case of the "
+        r"theorem is decided by the parameters.\end{proof}",
     )
 
 
-def _theorem() -> Iterator[Any]:
-    yield Heading("The theorem")
-    yield from block(
-        "theorem",
+def _theorem() -> Items:
+    turned = named(r"\sin(\theta_m + \pi)")
+    return (
+        r"\subsection{The theorem}",
+        r"\begin{theorem}[the paper's Theorem 7, (55) to (58), completed]\label{thm:grazing-theorem7} "
         r"Let $m, \Omega > 0$ and $c, k \ge 0$, let $P_j$ be one of $P_2$, $P_3$, $P_5$, $P_6$ with "
         r"$(\alpha, \lambda, \sigma)$ from Table~\ref{tab:grazing-places}, and let the flow of $\Omega_\alpha$ have "
         r"$\dot{x} = v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and $\Theta^{\mathrm{cr}}$ as in "
         r"Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to first order iff $\theta_m \in [0, 2\pi)$ is in "
         r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$ modulo "
-        r"$2\pi$.",
-        title="the paper's Theorem 7, (55) to (58), completed",
-        label="thm:grazing-theorem7",
-    )
-    yield windows_table()
-    turned = named(r"\sin(\theta_m + \pi)")
-    yield from proof(
-        r"By \eqref{eq:grazing-G1}, $\sigma G^{(1,\alpha)} < 0$ is $\sigma(\gamma + a\sin\theta_m) > 0$. For $a > 0$ "
-        r"this is $\sin\theta_m > -\gamma/a$ for $\sigma = 1$ and $\sin\theta_m < -\gamma/a$ for $\sigma = -1$. The "
-        r"sine takes the value $-\gamma/a$ twice on the circle if $|\gamma| < a$, at $\Theta^{\mathrm{cr}}$ and "
-        r"$\pi - \Theta^{\mathrm{cr}}$; once if $|\gamma| = a$, at $3\pi/2$ or $\pi/2$; and not at all if "
-        r"$|\gamma| > a$. On each arc between these points the sign is the same, and it is decided at one of $0$, "
-        r"$\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle $\Theta^{\mathrm{cr}}$ is negative: "
-        r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and $\pi - \Theta^{\mathrm{cr}} = "
-        r"\pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where the paper writes a closed end "
-        r"$2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, at every phase or at none. For "
-        r"$a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
-        equation(
-            turned,
-            -sp.sin(THETA_M),
-            "",
-            Exact({turned: sp.sin(THETA_M + sp.pi)}, sp.simplify),
-            label="grazing-turned",
+        r"$2\pi$.\end{theorem}",
+        windows_table(),
+        r"\begin{proof} By \eqref{eq:grazing-G1}, $\sigma G^{(1,\alpha)} < 0$ is $\sigma(\gamma + a\sin\theta_m) > 0$. "
+        r"For $a > 0$ this is $\sin\theta_m > -\gamma/a$ for $\sigma = 1$ and $\sin\theta_m < -\gamma/a$ for "
+        r"$\sigma = -1$. The sine takes the value $-\gamma/a$ twice on the circle if $|\gamma| < a$, at "
+        r"$\Theta^{\mathrm{cr}}$ and $\pi - \Theta^{\mathrm{cr}}$; once if $|\gamma| = a$, at $3\pi/2$ or $\pi/2$; and "
+        r"not at all if $|\gamma| > a$. On each arc between these points the sign is the same, and it is decided at "
+        r"one of $0$, $\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle $\Theta^{\mathrm{cr}}$ is negative: "
+        r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and "
+        r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where "
+        r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, "
+        r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
+        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), label="grazing-turned"),
+        r"\end{proof}",
+        r"That the flow comes from $\Omega_\alpha$ is no further condition: by Lemma~\ref{thm:switching-side} the "
+        r"first G-function that does not vanish fixes the side before the contact too, and for odd order it is the "
+        r"side after it. With $F^{(\alpha)} = 0$ and $\sigma G^{(1,\alpha)} > 0$ the flow would come from the other "
+        r"side of the boundary, where it is not the motion.",
+        Illustration(
+            "windows",
+            "fig:grazing-windows",
+            r"The case $0 < \gamma < a$ with $\gamma/a = 1/2$: where $\sin\theta$ is above its critical value $P_2$ "
+            r"and $P_5$ graze (grey), where it is below $P_3$ and $P_6$ do (hatched).",
+            0.95,
         ),
-    )
-    yield Prose(
-        r"That the flow comes from $\Omega_\alpha$ is no further condition: by "
-        r"Lemma~\ref{thm:switching-side} the first "
-        r"G-function that does not vanish fixes the side before the contact too, and for odd order it is the side "
-        r"after it. With $F^{(\alpha)} = 0$ and $\sigma G^{(1,\alpha)} > 0$ the flow would come from the other side of "
-        r"the boundary, where it is not the motion."
-    )
-    yield Illustration(
-        "windows",
-        "fig:grazing-windows",
-        r"The case $0 < \gamma < a$ with $\gamma/a = 1/2$: where $\sin\theta$ is above its critical value $P_2$ and "
-        r"$P_5$ graze (grey), where it is below $P_3$ and $P_6$ do (hatched).",
-        0.95,
     )
 
 
@@ -201,24 +174,19 @@ def windows_table(label: str = "tab:grazing-windows") -> Table:
 @cache
 def _windows() -> tuple[tuple[Any, ...], ...]:
     """Return the rows: the case in words, and its windows for the boundary above the domain and below it."""
-    sides = {1: PLACES["P2"], -1: PLACES["P3"]}
-    rows = []
-    for _, _, gamma, amplitude, words in SHAPES:
-        rows.append((words, *(window(sides[side], gamma, amplitude) for side in (1, -1))))
-    for gamma, words in CASES_WITHOUT_DRIVE:
-        rows.append((words, *(window(sides[side], gamma, sp.Integer(0)) for side in (1, -1))))
-    return tuple(rows)
+    return tuple((words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES)
 
 
-def window(place: Place, gamma: Any, amplitude: Any) -> Step:
+def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     """Return the window of a case as a step."""
-    case = next(row for row in theorem7.all_cases(place, False) if _holds(row.condition, gamma, amplitude))
+    place, values = PLACES[mapping], {g: gamma, a: amplitude}
+    case = next(
+        row
+        for row in theorem7.all_cases(place, False)
+        if sp.simplify(row.condition.subs(values, simultaneous=True)) == sp.true
+    )
     check = Window(place.side, gamma, amplitude, ((CRITICAL, sp.asin(-g / a)),))
-    return Step(Relation(THETA_M, "in", _with_name(case.phases)), "", check)
-
-
-def _holds(condition: Any, gamma: Any, amplitude: Any) -> bool:
-    return bool(sp.simplify(condition.subs({g: gamma, a: amplitude}, simultaneous=True)) == sp.true)
+    return step(THETA_M, "in", _with_name(case.phases), check)
 
 
 def _with_name(phases: Any) -> Any:
@@ -232,141 +200,157 @@ def _with_name(phases: Any) -> Any:
     return sp.Basic.__new__(sp.Interval, low.subs(names), high.subs(names), *open_ends)
 
 
-def _numbers(scope: Scope, mapping: str, place: Place) -> Iterator[Any]:
-    """Yield the window of a scene, with its numbers."""
-    number = mapping[1]
+@dataclass(frozen=True)
+class Window(Check):
+    """The set on the right is where side (gamma + a sin theta) > 0, for given signs of gamma, a and |gamma| - |a|.
+
+    Exact: the ends are zeros of gamma + a sin theta, which has at most two, and on each piece the sign is decided at a
+    phase where the sine is 1, 0 or -1. `names` are the letters in the ends.
+    """
+
+    side: int
+    gamma: Any
+    amplitude: Any
+    names: tuple[tuple[Any, Any], ...] = ()
+
+    def __call__(self, statement: Relation) -> StepEvidence:
+        parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
+        through_0 = any(isinstance(part, sp.Interval) and part.args[0] == 0 and not part.args[2] for part in parts)
+        for part in parts:
+            for end in part.args[:2] if isinstance(part, sp.Interval) else ():
+                if end in (0, 2 * sp.pi) and through_0:
+                    continue
+                zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
+                if zero != 0:
+                    raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
+        for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
+            value = self.side * (self.gamma + self.amplitude * sine)
+            inside = sp.simplify(value).is_positive
+            if inside is None:
+                raise StepError(str(statement), f"the sign of {value} is undecided")
+            if inside != any(self._contains(part, phase) for part in parts):
+                raise StepError(str(statement), f"is wrong at {phase}")
+        return StepEvidence("exact", "0")
+
+    def _angle(self, end: Any) -> Any:
+        for name, value in self.names:
+            end = end.subs(name, value)
+        return end.subs({g: self.gamma, a: self.amplitude})
+
+    def _contains(self, part: Any, phase: Any) -> bool:
+        if part == sp.S.EmptySet:
+            return False
+        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
+        low, high = (self._angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
+        left_open, right_open = part.args[2:]
+        after = phase > low or (phase == low and not left_open)
+        return bool(after and (phase < high or (phase == high and not right_open)))
+
+
+def _numbers(scope: Scope, mapping: str) -> Items:
+    """Return the window of a scene, with its numbers."""
+    place = PLACES[mapping]
     gamma = (k * BELTS[place.boundary] / m).subs(scope.numbers)
     amplitude = (B0 * Omega / m).subs(scope.numbers)
-    yield Heading(rf"The window of $P_{number}$ with the numbers of the scene")
-    for letter, value, formula in (
-        (GAMMA, gamma, k * BELTS[place.boundary] / m),
-        (named("a"), amplitude, B0 * Omega / m),
-    ):
-        reason = "The numbers to compare are" if letter is GAMMA else ""
-        yield equation(letter, value, reason, Exact({letter: formula.subs(scope.numbers)}))
     phases = theorem7.window_phases(place, gamma, amplitude, False)
-    reason = r"and the flow grazes to first order at the phases"
-    yield Step(Relation(THETA_M, "in", phases), reason, Window(place.side, gamma, amplitude))
+    return (
+        rf"\subsection{{The window of $P_{mapping[1]}$ with the numbers of the scene}}",
+        "The numbers to compare are",
+        equation(GAMMA, gamma, gamma),
+        equation(AMPLITUDE, amplitude, amplitude),
+        r"and the flow grazes to first order at the phases",
+        step(THETA_M, "in", phases, Window(place.side, gamma, amplitude)),
+    )
 
 
-def _equality() -> Iterator[Any]:
-    yield Heading(r"The ends of a window, and the case of equality")
+def _equality() -> Items:
     second, third = G(2), G(3)
     contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
     wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    letter = sp.Symbol("a", real=True)
-    amplitude = {letter: B0 * Omega / m}
+    amplitude = {AMPLITUDE: B0 * Omega / m}
     true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    yield from block(
-        "theorem",
+    return (
+        r"\subsection{The ends of a window, and the case of equality}",
+        r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
-        equation(
-            second,
-            -letter * Omega * sp.cos(THETA_M),
-            r"The next G-functions are",
-            Exact({second: true2} | amplitude, sp.simplify),
-            label="grazing-G2",
-        ),
+        r"The next G-functions are",
+        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, label="grazing-G2"),
         equation(
             third,
-            letter * Omega**2 * sp.sin(THETA_M) - c * second / m,
-            "",
-            Exact({third: true3, second: true2} | amplitude, sp.simplify),
+            AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m,
+            {third: true3, second: true2} | amplitude,
             label="grazing-G3",
         ),
         r"\begin{enumerate}"
-        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses "
-        r"the boundary and does not graze. The windows are open at these ends in full order too."
+        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
+        r"boundary and does not graze. The windows are open at these ends in full order too."
         r"\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ and $G^{(3,\alpha)} = -\gamma\Omega^2 \ne 0$: the "
         r"flow touches to fourth order, and grazes iff $\sigma\gamma > 0$."
-        r"\end{enumerate}"
-        r"So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of "
-        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as "
-        r"well, and to full order these windows are the whole circle; all other rows stay as they are.",
-        title="the case of equality",
-        label="thm:grazing-equality",
+        r"\end{enumerate}So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of "
+        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as well, and to "
+        r"full order these windows are the whole circle; all other rows stay as they are.\end{theorem}",
+        _equality_proof(true3),
+        _equality_in_figures(),
     )
-    yield from _equality_proof(true3)
-    yield _equality_in_figures()
 
 
-def _equality_proof(true3: Any) -> Iterator[Any]:
+def _equality_proof(true3: Any) -> Items:
     """Yield the proof; `true3` is the third G-function at an end of a window."""
-    third, letter = G(3), sp.Symbol("a", real=True)
+    third = G(3)
     square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
     half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
     other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
-    yield from proof(
-        r"\eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and \eqref{eq:switching-g3} with "
-        r"$F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There $|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, "
-        r"and Lemma~\ref{thm:switching-side} applies with $n = 2$.",
-        Prose(
-            r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
-            r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
-            r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
-            (
-                fact(third, "=", -GAMMA * Omega**2, Exact(value, sp.simplify)),
-                fact(third, "=", -GAMMA * Omega**2, Exact(other, sp.simplify)),
-            ),
-        ),
-        equation(
-            square,
-            -letter * half**2,
-            r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of "
-            r"$P_2$ and $P_5$, which the paper lacks, where",
-            Exact({square: -letter + letter * sp.sin(THETA_M)}, sp.simplify),
-            label="grazing-square",
-        ),
-        r"is never positive.",
+    return (
+        r"\begin{proof} \eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and "
+        r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
+        r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and Lemma~\ref{thm:switching-side} applies with "
+        r"$n = 2$.",
+        r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
+        r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
+        r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
+        facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
+        r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
+        r"and $P_5$, which the paper lacks, where",
+        equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), label="grazing-square"),
+        r"is never positive.\end{proof}",
     )
 
 
-def _equality_in_figures() -> Prose:
-    at = {name: Scope(load_scene(name)).numbers for name in ("fig7", "fig8")}
-    return Prose(
+def _equality_in_figures() -> Items:
+    (gamma7, a7), (gamma8, a8) = (
+        [expr.subs(Scope(load_scene(name)).numbers) for expr in (k * BELTS[1] / m, B0 * Omega / m)]
+        for name in ("fig7", "fig8")
+    )
+    return (
         r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
-        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded "
-        r"phase in either of them.",
-        (
-            fact((k * BELTS[1] / m).subs(at["fig7"]), "=", (B0 * Omega / m).subs(at["fig7"]), Exact()),
-            fact((k * BELTS[1] / m).subs(at["fig8"]), "=", -(B0 * Omega / m).subs(at["fig8"]), Exact()),
-        ),
+        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded phase in "
+        r"either of them.",
+        facts(equation(gamma7, a7), equation(gamma8, -a8)),
     )
 
 
-def _no_spring() -> Iterator[Any]:
-    yield Heading("No spring")
+def _no_spring() -> Items:
     phase = named(r"\cos\theta_m")
     plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
     solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]
     second = solution.in_paper_letters(solution.g_function(2)).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
     curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
-    yield from block(
-        "corollary",
-        equation(
-            phase,
-            (c * v_lambda - A) / B0,
-            r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
-            r"position, which is free:",
-            Exact({phase: solved}),
-            label="grazing-no-spring",
-        ),
-        Prose(
-            r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
-            r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ "
-            r"and $P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
-            r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no "
-            r"contact has $F^{(\alpha)} = 0$.",
-            (fact(curve, "=", -B0 * Omega**2 * sp.cos(THETA_M) / m, Exact(tidy=sp.simplify)),),
-        ),
-        title="no spring",
-        label="thm:grazing-no-spring",
-    )
-    yield from proof(
-        r"This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
-        r"Theorem~\ref{thm:grazing-equality} (i)."
+    return (
+        r"\subsection{No spring}",
+        r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
+        r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
+        r"position, which is free:",
+        equation(phase, (c * v_lambda - A) / B0, solved, label="grazing-no-spring"),
+        r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
+        r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
+        r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
+        r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no contact "
+        r"has $F^{(\alpha)} = 0$.\end{corollary}",
+        facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
+        r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
+        r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
     )

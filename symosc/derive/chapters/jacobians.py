@@ -2,30 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import block, proof
 from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import (
-    CONTEXT,
-    STEP_DIGITS,
-    AtRoot,
-    Exact,
-    Heading,
-    Prose,
-    Relation,
-    Sign,
-    Step,
-    equation,
-    fact,
-    modes,
-)
+from symosc.derive.steps import CONTEXT, STEP_DIGITS, AtRoot, Exact, Items, Sign, equation, facts, modes, number, step
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -44,21 +29,16 @@ def partial(what: str, by: str) -> Any:
     return named(rf"\frac{{\partial {what}}}{{\partial {by}}}")
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
     del scope  # the statements are the same for every scene
-    yield from _flights()
-    yield from _sticks()
-    yield from perturbations()
-    yield from saltation()
-    yield from _monodromy()
+    return _flights(), _sticks(), perturbations(), saltation(), _monodromy()
 
 
-def _flights() -> Iterator[Any]:
+def _flights() -> Items:
     flow, found = solution.flow(), maps.flight_jacobian()
-    yield Heading("Derivatives of the governing equations")
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
-    rows, reason = [], ""
+    rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
         name = f"f_{which}"
         slope = solution.time_derivative(expr) / Omega
@@ -69,25 +49,22 @@ def _flights() -> Iterator[Any]:
         }
         for (letter, by), (derivative, key) in true.items():
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            rows.append(equation(letter, found[key], reason, check, label=f"jacobians-f{which}-{by}"))
-    yield from block(
-        "proposition",
+            rows.append(equation(letter, found[key], check, label=f"jacobians-f{which}-{by}"))
+    return (
+        r"\subsection{Derivatives of the governing equations}",
+        r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
         r"For a flight (Theorem~\ref{thm:maps-flight}) with $\dot{x}_i = v_\lambda$, and with the velocity "
         r"$\dot{x}(\tau)$ and the acceleration $\ddot{x}(\tau)$ at its end,",
         *rows,
-        r"while $\partial f_1/\partial x_{i+1} = -1$ and $\partial f_2/\partial x_{i+1} = 0$.",
-        title="flights",
-        label="thm:jacobians-flight",
-    )
-    yield from proof(
-        r"$\ddot{x}_i$ depends on $x_i$ and $\theta_i$ by \eqref{eq:maps-start}, and $\tau$ on both phases by "
-        r"\eqref{eq:maps-tau}. The derivatives by $\theta_i$ are short because moving a start along its own flow "
-        r"changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + \ddot{x}_i\,\partial/\partial\dot{x}_i + "
-        r"\Omega\,\partial/\partial\theta_i$ gives 0."
+        r"while $\partial f_1/\partial x_{i+1} = -1$ and $\partial f_2/\partial x_{i+1} = 0$.\end{proposition}",
+        r"\begin{proof} $\ddot{x}_i$ depends on $x_i$ and $\theta_i$ by \eqref{eq:maps-start}, and $\tau$ on both "
+        r"phases by \eqref{eq:maps-tau}. The derivatives by $\theta_i$ are short because moving a start along its own "
+        r"flow changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + "
+        r"\ddot{x}_i\,\partial/\partial\dot{x}_i + \Omega\,\partial/\partial\theta_i$ gives 0.\end{proof}",
     )
 
 
-def _sticks() -> Iterator[Any]:
+def _sticks() -> Items:
     residual, found = maps.stick_residual(), maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
@@ -101,60 +78,52 @@ def _sticks() -> Iterator[Any]:
     for name, by, key, letter, entry in rows:
         symbol = partial(name, by)
         true = residual[key].subs(where).diff(letter)
-        steps.append(
-            equation(symbol, found[entry], "", Exact({symbol: true}, sp.expand), label=f"jacobians-stick-{entry}")
-        )
-    yield from block(
-        "proposition",
+        steps.append(equation(symbol, found[entry], true, label=f"jacobians-stick-{entry}"))
+    return (
+        r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
         *steps,
         r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ does not depend on "
-        r"$(x_i, \theta_i)$.",
-        title="sticks",
-        label="thm:jacobians-stick",
+        r"$(x_i, \theta_i)$.\end{proposition}",
     )
 
 
-def perturbations() -> Iterator[Any]:
+def perturbations() -> Items:
     """Yield the lemma on perturbations in a domain."""
     flow = solution.flow()
-    yield Heading("Perturbations of a motion")
-    entries = (
-        ("x", "x_i", flow.x, x_i, 1 - w0sq * E2),
-        ("x", r"\dot{x}_i", flow.x, v_i, E1),
-        (r"\dot{x}", "x_i", flow.v, x_i, -w0sq * E1),
-        (r"\dot{x}", r"\dot{x}_i", flow.v, v_i, E0),
-    )
+    entries = {
+        "11": (flow.x, x_i, 1 - w0sq * E2),
+        "12": (flow.x, v_i, E1),
+        "21": (flow.v, x_i, -w0sq * E1),
+        "22": (flow.v, v_i, E0),
+    }
     rows = []
-    for number, (what, by, expr, letter, entry) in enumerate(entries):
-        name = named(rf"\Phi_{{{number // 2 + 1}{number % 2 + 1}}}")
-        del what, by
+    for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
+        name = named(rf"\Phi_{{{place}}}")
         check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
-        rows.append(equation(name, entry, "", check, label=f"jacobians-phi-{number + 1}"))
+        rows.append(equation(name, entry, check, label=f"jacobians-phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
-    yield from block(
-        "lemma",
+    return (
+        r"\subsection{Perturbations of a motion}",
+        r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
         r"In a domain a small change of $(x_i, \dot{x}_i)$ at a fixed time is multiplied by the matrix $\Phi(\tau)$ "
         r"with the entries",
         *rows,
+        r"whatever the motion is, and areas shrink with the factor",
         equation(
             determinant,
             sp.exp(-cm * tau),
-            r"whatever the motion is, and areas shrink with the factor",
             Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr))),
             label="jacobians-det",
         ),
-        title="perturbations in a domain",
-        label="thm:jacobians-phi",
-    )
-    yield from proof(
-        r"The difference of two motions of a domain obeys the unforced equation. The determinant solves "
-        r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville)."
+        r"\end{lemma}",
+        r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. The determinant solves "
+        r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville).\end{proof}",
     )
 
 
-def saltation() -> Iterator[Any]:
+def saltation() -> Items:
     """Yield the theorem on saltation."""
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
@@ -163,49 +132,32 @@ def saltation() -> Iterator[Any]:
     field_gap, normal = sp.Matrix([0, AFTER - BEFORE]), sp.Matrix([[0, 1]])
     matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
     entries = tuple(
-        fact(matrix[i, j], "=", entry, Exact())
-        for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))
+        equation(matrix[i, j], entry) for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))
     )
     lower, mu = sp.Symbol("F^{+}", positive=True), sp.Symbol(r"\mu_\lambda", nonnegative=True)
     ratio = AFTER / BEFORE
     upward = {BEFORE: AFTER + 2 * mu * FN / m, AFTER: lower}
-    yield from block(
-        "theorem",
-        Prose(
-            r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, "
-            r"both not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
-            r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
-            entries,
-        ),
-        Step(Relation(ratio, ">", sp.Integer(0)), "", Sign(upward), label="jacobians-ratio"),
-        Step(Relation(ratio, "<=", sp.Integer(1)), "", Sign(upward), label="jacobians-bound"),
-        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the identity.",
-        title="saltation",
-        label="thm:jacobians-saltation",
-    )
-    yield from proof(
-        equation(
-            shift,
-            -delta / BEFORE,
-            r"To first order the changed motion crosses later by",
-            Exact(delay),
-            label="jacobians-delay",
-        ),
-        equation(
-            result,
-            AFTER * delta / BEFORE,
-            r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-            Exact(true),
-            label="jacobians-after",
-        ),
+    return (
+        r"\begin{theorem}[saltation]\label{thm:jacobians-saltation} "
+        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, both "
+        r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
+        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
+        facts(*entries),
+        step(ratio, ">", 0, Sign(upward), label="jacobians-ratio"),
+        step(ratio, "<=", 1, Sign(upward), label="jacobians-bound"),
+        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "
+        r"identity.\end{theorem}",
+        r"\begin{proof} To first order the changed motion crosses later by",
+        equation(shift, -delta / BEFORE, delay, label="jacobians-delay"),
+        r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
+        equation(result, AFTER * delta / BEFORE, true, label="jacobians-after"),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
-        r"$F^{-} = F^{+} + 2\mu_\lambda F_N/m$ with $F^{+} > 0$ by Lemma~\ref{thm:motion-jump}, and "
-        r"downward both signs "
-        r"are turned, which gives the bounds. At the onset of a stick the belt takes the change of the velocity, "
+        r"$F^{-} = F^{+} + 2\mu_\lambda F_N/m$ with $F^{+} > 0$ by Lemma~\ref{thm:motion-jump}, and downward both "
+        r"signs are turned, which gives the bounds. At the onset of a stick the belt takes the change of the velocity, "
         r"$F^{+} = 0$; at its end the acceleration that the mass slips with starts at 0, on the belt it is 0, and the "
-        r"general formula has $\mathbf{f}^{+} = \mathbf{f}^{-}$.",
+        r"general formula has $\mathbf{f}^{+} = \mathbf{f}^{-}$.\end{proof}",
     )
 
 
@@ -216,70 +168,57 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
 
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product = CONTEXT.mpf(1)
+    product, ratios = CONTEXT.mpf(1), CONTEXT.mpf(1)
     for each in found.multipliers:
         product = product * CONTEXT.mpmathify(each)
-    ratios = CONTEXT.mpf(1)
     for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
         ratios *= _force(p, after, t, x) / _force(p, before, t, x)
-    number = [CONTEXT.mpf(value.numerator) / value.denominator for value in (p.c, p.m)]
-    period = CONTEXT.mpf(found.period)
-    return CONTEXT.re(product), CONTEXT.exp(-number[0] * period / number[1]) * ratios
+    decay = CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period))
+    return CONTEXT.re(product), decay * ratios
 
 
 def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
-    m_, c_, k_, A0, B0, turn, v1, mu1, mu2, fn = (
-        CONTEXT.mpf(value.numerator) / value.denominator
-        for value in (p.m, p.c, p.k, p.A0, p.B0, p.Omega, p.v1, p.mu1, p.mu2, p.FN)
-    )
-    constant = A0 + {1: mu1 + mu2, 2: mu2 - mu1}[alpha] * fn
-    return (constant + B0 * CONTEXT.cos(turn * t) - k_ * x - c_ * v1) / m_
+    """Return m F^(alpha) on belt 1, from the parameters alone."""
+    constant = p.A0 + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1}[alpha] * p.FN - p.c * p.v1
+    return number(constant) + number(p.B0) * CONTEXT.cos(number(p.Omega) * t) - number(p.k) * x
 
 
-def _monodromy() -> Iterator[Any]:
-    yield Heading("The monodromy matrix")
+def _monodromy() -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
         found, said = _orbit("fig9-orbit", "P32")
         return {product: _float(found), bound: _float(said)}
 
-    yield from block(
-        "theorem",
+    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
+    bend, place = named(r"\ddot{y}"), named("y")
+    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
+    return (
+        r"\subsection{The monodromy matrix}",
+        r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
         r"Let a periodic motion that grazes nowhere and has the period $\mathcal{T}$ consist of flights and sticks "
-        r"with the durations "
-        r"$\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ multiplied by the "
-        r"\emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where $\Psi_j = \Phi(\tau_j)$ for a "
-        r"flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end of the piece $j$. Its "
-        r"eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
+        r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ "
+        r"multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where "
+        r"$\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end "
+        r"of the piece $j$. Its eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
         r"\begin{enumerate}"
         r"\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are below 1 in size if there is at least "
         r"one flight."
         r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
         r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > 0$."
-        r"\end{enumerate}",
-        title="monodromy and multipliers",
-        label="thm:jacobians-monodromy",
-    )
-    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
-    bend, place = named(r"\ddot{y}"), named("y")
-    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
-    yield from proof(
-        r"The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced equation, and",
-        equation(energy, -solution.c * rate**2, "", Exact(meaning, sp.expand), label="jacobians-energy"),
+        r"\end{enumerate}\end{theorem}",
+        r"\begin{proof} The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced "
+        r"equation, and",
+        equation(energy, -solution.c * rate**2, meaning, label="jacobians-energy"),
         r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
         r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
         r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
-        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor "
-        r"$\operatorname{diag}(1, 0)$ makes $\det M = 0$. (iii) The determinant of a product is the product of the "
-        r"determinants, \eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.",
-    )
-    yield Step(
-        Relation(product, "=", bound),
+        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor $\operatorname{diag}(1, 0)$ makes "
+        r"$\det M = 0$. (iii) The determinant of a product is the product of the determinants, "
+        r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
         r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
         r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
-        AtRoot(values, CONTEXT.mpf(10) ** -40),
-        label="jacobians-product",
+        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), label="jacobians-product"),
     )
 
 

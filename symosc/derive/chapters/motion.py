@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
@@ -24,9 +22,8 @@ HELD = named(r"F_{s\lambda}")
 
 def coulomb(alpha: int) -> Any:
     """Return A0 plus the friction of both belts, -mu F_N sgn(x' - v_lambda) each, at a velocity inside a domain."""
-    gap = sp.symbols("p q", positive=True)
-    slip1 = {1: -gap[0], 2: gap[0], 3: gap[0]}[alpha]
-    slip2 = {1: -gap[1], 2: -gap[1], 3: gap[1]}[alpha]
+    first, second = sp.symbols("p q", positive=True)
+    slip1, slip2 = -first if alpha == 1 else first, second if alpha == 3 else -second
     return A0 - mu1 * FN * sp.sign(slip1) - mu2 * FN * sp.sign(slip2)
 
 
@@ -49,213 +46,166 @@ def stick_force(belt: int) -> Any:
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + drag
 
 
-def belt_meaning(belt: int, at_speed: bool = False) -> dict[Any, Any]:
+def _belt_meaning(belt: int) -> dict[Any, Any]:
     """Return what the letters of belt lambda stand for at one of the two belts."""
-    lo, hi = NEIGHBOURS[belt]
-    at = {v: BELTS[belt]} if at_speed else {}
-    sides = {F(LOWER): newton(lo).subs(at), F(UPPER): newton(hi).subs(at)}
-    return sides | {mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}
+    lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
+    found = {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt]}
+    return found | {HELD: stick_force(belt)}
 
 
-def at_both(scope: Scope, at_speed: bool = True, tidy: Any = sp.expand) -> Each:
-    """Return the check of a statement at both belts."""
-    return Each(tuple(Exact(belt_meaning(belt, at_speed), tidy) for belt in scope.boundaries))
+def at_both(scope: Scope) -> Each:
+    """Return the check of a statement at both belts, at their speeds."""
+    return Each(tuple(Exact(_belt_meaning(belt)) for belt in scope.boundaries))
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
-    yield from _balance()
-    yield from _domains(scope)
-    yield from _well_posed(scope)
-    yield from _held(scope)
+    return _balance(), _domains(scope), _well_posed(scope), _held(scope)
 
 
-def _balance() -> Iterator[Any]:
-    yield Heading("The balance of forces")
-    yield Prose(
+def _balance() -> Items:
+    total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
+    right = A0 + B0 * WAVE - k * x - c * v + first + second
+    checks = tuple(
+        Exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
+        for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
+    )
+    return (
+        r"\subsection{The balance of forces}",
         r"A mass $m > 0$ at the position $x(t)$ is held by a spring of stiffness $k \ge 0$ and a damper with the "
         r"coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ with the frequency $\Omega > 0$. Two "
         r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
         r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
-        r"exerts on the mass, Newton's law is"
-    )
-    total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
-    right = A0 + B0 * WAVE - k * x - c * v + first + second
-    inside = ({1: 1, 2: 1}, {1: -1, 2: 1}, {1: -1, 2: -1})
-    checks = tuple(
-        Exact({total: m * newton(alpha), first: sign[1] * mu1 * FN, second: sign[2] * mu2 * FN}, sp.expand)
-        for alpha, sign in enumerate(inside, 1)
-    )
-    yield equation(total, right, "", Each(checks), label="motion-newton")
-    yield from block(
-        "definition",
+        r"exerts on the mass, Newton's law is",
+        equation(total, right, Each(checks), label="motion-newton"),
+        r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
         r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
         r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
         r"$T_\lambda \in -\mu_\lambda F_N \operatorname{Sgn}(\dot{x} - v_\lambda)$: it opposes the sliding of the mass "
-        r"on the belt, and is whatever is needed, within $\mu_\lambda F_N$, while the mass does not slide.",
-        title="Coulomb friction",
-        label="thm:motion-coulomb",
-    )
-    yield from block(
-        "definition",
+        r"on the belt, and is whatever is needed, within $\mu_\lambda F_N$, while the mass does not "
+        r"slide.\end{definition}",
+        r"\begin{definition}[motion, in the sense of Filippov]\label{thm:motion-motion} "
         r"A \emph{motion} is a function $x(t)$ with an absolutely continuous velocity that satisfies "
-        r"\eqref{eq:motion-newton}, with friction as in Definition~\ref{thm:motion-coulomb}, for almost all $t$.",
-        title="motion, in the sense of Filippov",
-        label="thm:motion-motion",
-    )
-    yield Prose(
+        r"\eqref{eq:motion-newton}, with friction as in Definition~\ref{thm:motion-coulomb}, for almost all "
+        r"$t$.\end{definition}",
         r"This is Filippov's notion of a solution \cite{filippov1988} for an equation whose right side jumps at "
         r"$\dot{x} = v_1$ and $\dot{x} = v_2$. Figure~\ref{fig:motion-friction} shows $T_1 + T_2$; the paper's (1) has "
-        r"$-(T_1 + T_2)$, the resistance."
-    )
-    yield Illustration(
-        "friction",
-        "fig:motion-friction",
-        r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the speed of a belt its friction "
-        r"can take every value of an interval (thick).",
-        0.75,
+        r"$-(T_1 + T_2)$, the resistance.",
+        Illustration(
+            "friction",
+            "fig:motion-friction",
+            r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the speed of a belt its "
+            r"friction can take every value of an interval (thick).",
+            0.75,
+        ),
     )
 
 
-def _domains(scope: Scope) -> Iterator[Any]:
-    yield Heading("Domains and boundaries")
-    yield Prose(
+def _domains(scope: Scope) -> Items:
+    ode = named(r"m\ddot{x} + c\dot{x} + k x")
+    A = solution.A
+    free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
+    general = F(r"\alpha")
+    rows = []
+    for alpha in scope.domains:
+        constant = equation(named(f"A_{alpha}"), solution.force_constant(alpha), coulomb(alpha))
+        velocities = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}[alpha]
+        frictions = [rf"${'-' if alpha > belt else ''}\mu_{belt} F_N$" for belt in (1, 2)]
+        rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, constant))
+
+    gap = 2 * mu_lambda * FN / m
+    return (
+        r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
         r"$\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > v_2\}$, with the boundaries "
         r"$\partial\Omega_{12} = \{\dot{x} = v_1\}$ and $\partial\Omega_{23} = \{\dot{x} = v_2\}$ between them. "
         r"Boundary $\lambda$ lies between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. In a domain "
         r"$\Omega_\alpha$ both frictions are constant, and add to the constant part of the drive: "
-        r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys"
-    )
-    ode = named(r"m\ddot{x} + c\dot{x} + k x")
-    A = solution.A
-    free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
-    yield equation(ode, A + B0 * WAVE, "", Exact(free, sp.expand), r"in $\Omega_\alpha$,", "motion-domain")
-    general = F(r"\alpha")
-    yield equation(
-        general,
-        (A + B0 * WAVE - k * x - c * v) / m,
+        r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
+        equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="motion-domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
-        Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}, sp.expand) for a in scope.domains)),
-        label="motion-acceleration",
-    )
-    signs = {1: ("+", "+"), 2: ("-", "+"), 3: ("-", "-")}
-    rows = []
-    for alpha in scope.domains:
-        name = named(f"A_{alpha}")
-        step = equation(name, solution.force_constant(alpha), "", Exact({name: coulomb(alpha)}, sp.expand))
-        first, second = signs[alpha]
-        velocities = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}[alpha]
-        frictions = [rf"${sign}\mu_{belt} F_N$".replace("+", "") for belt, sign in ((1, first), (2, second))]
-        rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, step))
-    yield Table(
-        "tab:motion-constants",
-        r"The domains, the frictions in them, and $A_\alpha$.",
-        ("domain", "velocities", "$T_1$", "$T_2$", r"$A_\alpha$"),
-        tuple(rows),
-    )
-    gap = 2 * mu_lambda * FN / m
-    yield from block(
-        "lemma",
-        r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
-        equation(F(LOWER) - F(UPPER), gap, "", at_both(scope), label="motion-jump"),
-        Step(Relation(gap, ">=", sp.Integer(0)), r"which is not negative,", Sign()),
-        r"so that the flow never leaves a boundary to both sides at once.",
-        title="no boundary repels",
-        label="thm:motion-jump",
-    )
-    yield from proof(
-        r"Subtract \eqref{eq:motion-acceleration} for $\alpha = \lambda + 1$ from that for $\alpha = \lambda$, with "
-        r"Table~\ref{tab:motion-constants}. To leave downward needs $F^{(\lambda)} < 0$ or $= 0$, to leave upward "
-        r"$F^{(\lambda+1)} > 0$ or $= 0$, which together contradict \eqref{eq:motion-jump} unless both vanish and "
-        r"$\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The paper's assumption "
-        r"$\mu_1 \ge \mu_2$ is not needed."
-    )
-
-
-def _well_posed(scope: Scope) -> Iterator[Any]:
-    yield Heading("Friction is monotone")
-    drop = [fact(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1]]
-    yield from block(
-        "lemma",
-        Prose(
-            r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
-            r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.",
-            tuple(drop),
+        equation(
+            general,
+            (A + B0 * WAVE - k * x - c * v) / m,
+            Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)),
+            label="motion-acceleration",
         ),
-        title="monotone friction",
-        label="thm:motion-monotone",
+        Table(
+            "tab:motion-constants",
+            r"The domains, the frictions in them, and $A_\alpha$.",
+            ("domain", "velocities", "$T_1$", "$T_2$", r"$A_\alpha$"),
+            tuple(rows),
+        ),
+        r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} "
+        r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
+        equation(F(LOWER) - F(UPPER), gap, at_both(scope), label="motion-jump"),
+        r"which is not negative,",
+        step(gap, ">=", 0, Sign()),
+        r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
+        r"\begin{proof} Subtract \eqref{eq:motion-acceleration} for $\alpha = \lambda + 1$ from that for "
+        r"$\alpha = \lambda$, with Table~\ref{tab:motion-constants}. To leave downward needs $F^{(\lambda)} < 0$ or "
+        r"$= 0$, to leave upward $F^{(\lambda+1)} > 0$ or $= 0$, which together contradict \eqref{eq:motion-jump} "
+        r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The "
+        r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
-    yield from proof(
-        r"$s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the velocity: by "
-        r"Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and $A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at "
-        r"$\dot{x} = v_\lambda$ all values between those on both sides are allowed."
-    )
-    yield from block(
-        "theorem",
-        r"Through each $(t_0, x_0, \dot{x}_0)$ passes a motion, which exists for all $t \ge t_0$, and for these $t$ it "
-        r"is the only one.",
-        title="existence and uniqueness forward in time",
-        label="thm:motion-unique",
-    )
+
+
+def _well_posed(scope: Scope) -> Items:
+    drop = tuple(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])
     y, rate = named("y"), named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
     accelerated = named(r"\ddot{y}")
     difference = named(r"(T - \tilde{T})")
     meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
-    yield from proof(
-        r"The right side of \eqref{eq:motion-newton} is a set that is convex, closed, bounded for bounded velocities "
-        r"and upper semicontinuous in the state, and it grows at most linearly, so motions exist for all later times "
-        r"\cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, $\tilde{T}$ their "
-        r"frictions. Then",
-        equation(energy, difference * rate - c * rate**2, "", Exact(meaning, sp.expand), label="motion-energy"),
-        r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 \le 0$. If both "
-        r"start alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.",
-    )
-    yield Prose(
+    return (
+        r"\subsection{Friction is monotone}",
+        r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
+        r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
+        r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
+        facts(*drop),
+        r"\begin{proof} $s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the "
+        r"velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and "
+        r"$A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values between those on both sides are "
+        r"allowed.\end{proof}",
+        r"\begin{theorem}[existence and uniqueness forward in time]\label{thm:motion-unique} "
+        r"Through each $(t_0, x_0, \dot{x}_0)$ passes a motion, which exists for all $t \ge t_0$, and for these $t$ it "
+        r"is the only one.\end{theorem}",
+        r"\begin{proof} The right side of \eqref{eq:motion-newton} is a set that is convex, closed, bounded for "
+        r"bounded velocities and upper semicontinuous in the state, and it grows at most linearly, so motions exist "
+        r"for all later times \cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, "
+        r"$\tilde{T}$ their frictions. Then",
+        equation(energy, difference * rate - c * rate**2, meaning, label="motion-energy"),
+        r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 \le 0$. If both start "
+        r"alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.\end{proof}",
         r"Backward in time motions are not unique: all that come to stick at one point of a belt are one motion "
-        r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}."
+        r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}.",
     )
 
 
-def _held(scope: Scope) -> Iterator[Any]:
-    yield Heading("The force that a stick has to hold")
-    yield from block(
-        "proposition",
+def _held(scope: Scope) -> Items:
+    return (
+        r"\subsection{The force that a stick has to hold}",
+        r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "
         r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt $\lambda$ while "
         r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
         *(
             equation(
                 named(rf"F_{{s{belt}}}"),
                 sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt]),
-                "",
-                Exact({named(rf"F_{{s{belt}}}"): stick_force(belt)}, sp.expand),
+                stick_force(belt),
                 label=f"motion-held-{belt}",
             )
             for belt in scope.boundaries
         ),
-        equation(
-            m * F(LOWER),
-            HELD + mu_lambda * FN,
-            r"On the two sides of the boundary the belt adds its friction forward and backward,",
-            at_both(scope),
-            label="motion-held-sides",
-        ),
-        equation(m * F(UPPER), HELD - mu_lambda * FN, "", at_both(scope)),
-        equation(
-            m**2 * F(LOWER) * F(UPPER),
-            HELD**2 - mu_lambda**2 * FN**2,
-            r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
-            r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 tells:",
-            at_both(scope),
-            label="motion-product",
-        ),
-        title="what the belt has to hold",
-        label="thm:motion-held",
-    )
-    yield from proof(
-        r"On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, which "
-        r"Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the boundary "
-        r"$T_\lambda = \mu_\lambda F_N$, above it $T_\lambda = -\mu_\lambda F_N$. A negative product means that "
-        r"$|F_{s\lambda}| < \mu_\lambda F_N$, a positive one that the flow passes."
+        r"On the two sides of the boundary the belt adds its friction forward and backward,",
+        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), label="motion-held-sides"),
+        equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),
+        r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
+        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 tells:",
+        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), label="motion-product"),
+        r"\end{proposition}",
+        r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "
+        r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the "
+        r"boundary $T_\lambda = \mu_\lambda F_N$, above it $T_\lambda = -\mu_\lambda F_N$. A negative product means "
+        r"that $|F_{s\lambda}| < \mu_\lambda F_N$, a positive one that the flow passes.\end{proof}",
     )

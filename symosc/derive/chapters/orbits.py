@@ -4,69 +4,67 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
-from typing import Any
+from functools import cache, partial
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.derive.blocks import Table, block, proof
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import named
-from symosc.derive.orbit_pieces import equations, extremes, letters_of, point, put, root
 from symosc.derive.scope import BELTS, Scope
 from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
     AtRoot,
     Check,
-    Close,
-    Exact,
-    Heading,
-    Prose,
+    Items,
     Relation,
     Sign,
-    Step,
     StepError,
     StepEvidence,
+    Table,
+    decimal,
     equation,
     evaluate,
-    fact,
-    rounded,
+    facts,
+    number,
+    step,
 )
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
-from symosc.symbolic.solution import FN, k
+from symosc.symbolic import maps, solution
+from symosc.symbolic.solution import BASIS, FN, Omega, a_i, k, tau, theta_i, v_i, x_i
 from symosc.words import Map, read_word
 
 TITLE = "Periodic motions"
-DECIMALS = 20
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
-    yield from _uniqueness()
-    yield from _what_uniqueness_needs()
     if scope.scene is None:
-        yield from _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
-        yield from _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
+        found: Items = (
+            _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9"),
+            _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10"),
+        )
     elif scope.scene.structure:
-        yield from _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
+        found = _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
     else:
-        yield Prose(r"This scene has no mapping structure of a periodic motion.")
+        found = (r"This scene has no mapping structure of a periodic motion.",)
+    return _uniqueness(), _what_uniqueness_needs(), found
 
 
-def _uniqueness() -> Iterator[Any]:
-    yield Heading("Existence, uniqueness, stability")
+def _uniqueness() -> Items:
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
     length = named(r"\ell")
-    yield from block(
-        "theorem",
-        r"Let $c > 0$ and $k > 0$."
-        r"\begin{enumerate}"
+    return (
+        r"\subsection{Existence, uniqueness, stability}",
+        r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
+        r"Let $c > 0$ and $k > 0$.\begin{enumerate}"
         r"\item[(i)] There is a periodic motion with the period $2\pi/\Omega$."
         r"\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one of the belts, it is the only "
         r"periodic motion, and every other motion tends to it."
@@ -74,18 +72,10 @@ def _uniqueness() -> Iterator[Any]:
         r"$\lambda$ at the positions of an interval, and every motion tends to one of them. Inside the interval each "
         r"has the multiplier 1."
         r"\end{enumerate}",
-        equation(
-            length,
-            2 * (mu * FN - sp.Abs(size)) / k,
-            r"The interval of (iii) has the length",
-            Exact({length: ends[0] - ends[1]}, sp.expand),
-            label="orbits-length",
-        ),
-        title="one attractor, or an interval of rests",
-        label="thm:orbits-unique",
-    )
-    yield from proof(
-        r"Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
+        r"The interval of (iii) has the length",
+        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], label="orbits-length"),
+        r"\end{theorem}",
+        r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
         r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le -c\,\dot{y}^2 \le 0$.",
         r"(i) A motion answers the bounded force $A_0 + B_0\cos\Omega t + T_1 + T_2$ in an oscillator whose unforced "
         r"motions decay exponentially. So the map over one period takes a large ball, in a norm in which this linear "
@@ -106,95 +96,140 @@ def _uniqueness() -> Iterator[Any]:
         r"$d \ne 0$ needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: every motion tends to "
         r"$x^*$, and no other one is periodic.",
         r"(iii) The rests are motions by (ii), at the positions between $(H_\lambda \pm (\mu_\lambda F_N - |B_0|))/k$. "
-        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest by the argument "
-        r"of (ii), on the same belt because its velocity is 0. Every motion $x$ has a limit $\tilde{x}$ as "
-        r"in (ii) that is "
-        r"a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes nothing "
-        r"else: the multiplier is 1.",
+        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest by the argument of "
+        r"(ii), on the same belt because its velocity is 0. Every motion $x$ has a limit $\tilde{x}$ as in (ii) that "
+        r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
+        r"nothing else: the multiplier is 1.\end{proof}",
     )
 
 
-def _what_uniqueness_needs() -> Iterator[Any]:
-    yield from block(
-        "example",
-        Prose(
-            r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
-            r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
-            r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.",
-            tuple(_rests(sp.Rational(place)) for place in ("0", "1/2", "-3/5", "-4/5", "1")),
-        ),
-        label="thm:orbits-example",
-    )
-    yield from block(
-        "remark",
-        r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
-        r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are "
-        r"known in the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
-        r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.",
-        title="no damping",
-        label="thm:orbits-undamped",
-    )
-
-
-def _rests(place: Any) -> Step:
-    """Return the check that |H - k x| + |B0| <= mu F_N in the example: the worst phase, in exact numbers."""
-    tenth = sp.Rational(1, 10)
-    return fact(sp.Abs(tenth - place) + tenth, "<=", 1, Sign())
-
-
-def _orbit(scope: Scope, word: str, figure: str) -> Iterator[Any]:
-    rows = equations(scope, word)
-    inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
-    yield Heading(rf"{figure}: $P_{{{word[1:]}}} = {inner}$")
-    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
-    yield Prose(
-        rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
-        rf"there are {2 * len(rows)} equations for the {2 * len(rows)} unknowns $x_j$, $\theta_j$. A basis function of "
-        rf"the flight from point $j$ is taken at its duration $\tau_j$."
-    )
-    for i, (row, f1, f2, meaning) in enumerate(rows, 1):
-        after = i % len(rows) + 1
-        turned = r" + 2\pi" if after == 1 else ""
-        reason = (
-            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turned} - "
-            rf"\theta_{i})/\Omega$"
-            rf"{_start_force(row, i, rows[i - 2][0].sticks)}"
-        )
-        for expr in (f1, f2):
-            yield Step(Relation(sp.Integer(0), "=", expr), reason, _at(scope, word, meaning), decimals=True)
-            reason = ""
-    yield from _solution(scope, word)
-    yield from _admissible(scope, word)
-    yield from _between(scope, word)
-
-
-def _start_force(row: Map, i: int, after_stick: bool) -> str:
-    if row.sticks:
-        return ":"
-    value = f"F^{{({row.domain})}}"
+def _what_uniqueness_needs() -> Items:
+    tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
     return (
-        rf" and ${value} = 0$ at point {i}, where a stick ended:"
-        if after_stick
-        else (rf" and $\ddot{{x}}_{i} = {value}$ at point {i}:")
+        r"\begin{example}\label{thm:orbits-example} "
+        r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
+        r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
+        r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.\end{example}",
+        # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
+        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, Sign()) for x in places)),
+        r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
+        r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
+        r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "
+        r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
+        r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
 
 
-def _at(scope: Scope, word: str, meaning: dict[Any, Any]) -> AtRoot:
-    return AtRoot(lambda: point(scope, word, meaning), CONTEXT.mpf(10) ** -43)
+# --- one orbit: its equations at the root, and what happens between the switching points ---
 
 
-def _decimal(name: str, number: Any, decimals: int) -> Step:
-    check = Close(partial(CONTEXT.mpf, number), decimals)
-    return Step(Relation(named(name), "=", rounded(number, decimals)), "", check, decimals=True)
+class Piece(NamedTuple):
+    """A map of an orbit: the map before it, the letters of its start, f1 and f2, and what the letters in them are."""
+
+    row: Map
+    before: Map
+    letters: tuple[Any, Any]
+    f1: Any
+    f2: Any
+    meaning: dict[Any, Any]
 
 
-def _solution(scope: Scope, word: str) -> Iterator[Any]:
+@cache
+def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
+    """Return the switching points (x, theta) of the orbit, 50 digits, found by the numeric package."""
+    orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
+    return tuple((x, number(parameters.Omega) * t) for t, x in orbit.points)
+
+
+@cache
+def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
+    """Return the maps of an orbit, with the scene's numbers."""
+    rows, basis = read_word(word).maps, scope.regimes[0].basis()
+    found = []
+    for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
+        before, after = rows[i - 1], (i + 1) % len(rows)
+        here, ends = _letters(i), _letters(after)
+        duration = named(rf"\tau_{{{i + 1}}}")
+        start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
+        letters = {x_i: here[0], theta_i: here[1], maps.x_j: ends[0], maps.theta_j: ends[1], tau: duration}
+        meaning: dict[Any, Any] = {duration: (ends[1] + (0 if after else 2 * sp.pi) - here[1]) / Omega}
+        if row.sticks:
+            domain = NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1]
+            f1 = maps.stick_residual()["f1"].xreplace({v_i: start})
+            f2 = force(domain, maps.x_j, start, maps.theta_j)
+        else:
+            f1, f2 = (expr.xreplace({v_i: start, maps.v_j: end}) for expr in maps.flight_residual().values())
+            names = {f: named(rf"{f.name[0]}_{f.name[1]}(\tau_{{{i + 1}}})") for f in BASIS}
+            # The force that ended a stick vanishes where the next flight starts.
+            letters |= names | {a_i: sp.S.Zero if before.sticks else named(rf"\ddot{{x}}_{{{i + 1}}}")}
+            meaning |= {names[f]: expr.xreplace({tau: duration}) for f, expr in basis.items()}
+            if not before.sticks:
+                meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
+        f1, f2 = (_put(scope, f.xreplace(letters)) for f in (f1, f2))
+        meaning = {name: _put(scope, value) for name, value in meaning.items()}
+        found.append(Piece(row, before, here, f1, f2, meaning))
+    return tuple(found)
+
+
+def _letters(i: int) -> tuple[Any, Any]:
+    """Return the letters of position and phase at the switching point i + 1."""
+    return named(f"x_{{{i + 1}}}"), named(rf"\theta_{{{i + 1}}}")
+
+
+def _put(scope: Scope, expr: Any) -> Any:
+    """Put the scene's numbers in."""
+    return expr.xreplace(scope.display).xreplace(scope.numbers)
+
+
+def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
+    """Return the numbers of all letters at the root."""
+    assert scope.parameters is not None
+    values: dict[Any, Any] = {}
+    for piece, point in zip(pieces(scope, word), root(scope.parameters, word), strict=True):
+        for letter, value in zip(piece.letters, point, strict=True):
+            values[letter] = sp.Float(CONTEXT.nstr(value, STEP_DIGITS + 8), STEP_DIGITS + 10)
+    for name, value in meaning.items():
+        values[name] = sp.N(value.subs(values), STEP_DIGITS + 10)
+    return values
+
+
+def _orbit(scope: Scope, word: str, figure: str) -> Items:
+    found = pieces(scope, word)
+    equations: list[Any] = []
+    for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
+        after = i % len(found) + 1
+        acceleration = f"F^{{({row.domain})}}"
+        start = rf" and $\ddot{{x}}_{i} = {acceleration}$ at point {i}"
+        if before.sticks:
+            start = rf" and ${acceleration} = 0$ at point {i}, where a stick ended"
+        turn = r" + 2\pi" if after == 1 else ""
+        equations.append(
+            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
+            rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
+        )
+        check = AtRoot(partial(_values, scope, word, meaning), CONTEXT.mpf(10) ** -43)
+        equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
+    inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
+    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
+    return (
+        rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
+        rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
+        rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, $\theta_j$. A basis function "
+        r"of the flight from point $j$ is taken at its duration $\tau_j$.",
+        equations,
+        _solution(scope, word),
+        _accelerations(scope, word),
+        _between(scope, word),
+    )
+
+
+def _solution(scope: Scope, word: str) -> Table:
     assert scope.parameters is not None
     rows = []
-    for i, ((x, theta), (row, *_)) in enumerate(zip(root(scope.parameters, word), equations(scope, word), strict=True)):
-        place, phase = (_decimal("x", x, DECIMALS), _decimal("theta", theta, DECIMALS))
-        rows.append((str(i + 1), phase, place, str(row.start.boundary), f"$P_{row.label[1]}$"))
-    yield Table(
+    for j, ((x, theta), piece) in enumerate(zip(root(scope.parameters, word), pieces(scope, word), strict=True), 1):
+        place, phase = decimal("x", x, 20), decimal("theta", theta, 20)
+        rows.append((str(j), phase, place, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
+    return Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
         ("$j$", r"$\theta_j$", "$x_j$", "belt", "next"),
@@ -202,24 +237,24 @@ def _solution(scope: Scope, word: str) -> Iterator[Any]:
     )
 
 
-def _admissible(scope: Scope, word: str) -> Iterator[Any]:
-    """Yield the accelerations at each switching point: which case of the theorem on boundaries applies."""
-    everything = point(scope, word, {})
-    rows, facts = [], []
-    for i, (row, *_) in enumerate(equations(scope, word)):
+def _accelerations(scope: Scope, word: str) -> Table:
+    """Return the accelerations at each switching point: which case of the theorem on boundaries applies."""
+    values, rows, facts = _values(scope, word, {}), [], []
+    for j, (row, before, (x, theta), *_) in enumerate(pieces(scope, word), 1):
         belt = row.start.boundary
-        before = equations(scope, word)[i - 1][0]
-        cells: list[Any] = [str(i + 1)]
+        cells: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
-            value = put(scope, force(alpha, letters_of(i)[0], BELTS[belt], letters_of(i)[1]))
+            value = _put(scope, force(alpha, x, BELTS[belt], theta))
             if before.sticks and row.domain == alpha:
                 cells.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
-            number = evaluate(value, everything)
-            cells.append(_decimal(f"F^{{({alpha})}}", number, 10))
-            facts.append(_sign_at_point(row, before, alpha, value, everything))
+            cells.append(decimal(f"F^{{({alpha})}}", evaluate(value, values), 10))
+            # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
+            held = row.sticks or before.sticks
+            upward = alpha == belt if held else row.domain != belt
+            facts.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
         rows.append((*cells, f"$P_{row.label[1]}$"))
-    yield Table(
+    return Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By their signs the next "
         r"mapping is the one that the word demands (Theorem~\ref{thm:switching-cases}).",
@@ -229,47 +264,29 @@ def _admissible(scope: Scope, word: str) -> Iterator[Any]:
     )
 
 
-def _sign_at_point(row: Map, before: Map, alpha: int, value: Any, values: dict[Any, Any]) -> Step:
-    """Return what the sign of an acceleration has to be for the next mapping."""
-    belt = row.start.boundary
-    if row.sticks:
-        op = ">" if alpha == belt else "<"
-    elif before.sticks:  # the other side still holds the mass
-        op = "<" if alpha == belt + 1 else ">"
-    else:
-        op = "<" if row.domain == belt else ">"
-    return fact(value, op, 0, AtRoot(lambda: values))
-
-
-def _between(scope: Scope, word: str) -> Iterator[Any]:
-    """Yield what holds between the switching points: no flight meets a belt, each stick is held."""
+def _between(scope: Scope, word: str) -> Items:
+    """Return what holds between the switching points: no flight meets a belt, each stick is held."""
     assert scope.parameters is not None
     rows, facts = [], []
-    for i, (row, *_) in enumerate(equations(scope, word)):
-        for name, number, bounds in extremes(scope, word, i):
-            rows.append((f"$P_{row.label[1]}$ from {i + 1}", name, _decimal("z", number, 8), bounds[0]))
-            shown = sp.Float(CONTEXT.nstr(number, STEP_DIGITS), STEP_DIGITS)
-            for op, bound in bounds[1]:
-                facts.append(fact(shown, op, bound, AtRoot(dict)))
-    facts.append(fact(_word_number(word), "=", _word_number(word), Followed(scope.parameters, word)))
-    yield Prose(
-        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all "
-        rf"extreme values "
-        r"of the velocity inside the flights, and the least favourable accelerations during the sticks. The motion "
-        r"that starts at point 1 was also followed with 30 digits for one period, by the search of "
-        rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others."
+    for j, piece in enumerate(pieces(scope, word)):
+        for name, value, words, limits in _extremes(scope, word, j):
+            rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
+            shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
+            facts += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
+    facts.append(equation(int(word[1:]), int(word[1:]), Followed(scope.parameters, word)))
+    return (
+        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
+        r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
+        r"motion that starts at point 1 was also followed with 30 digits for one period, by the search of "
+        rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others.",
+        Table(
+            f"tab:orbits-between-{word}",
+            rf"Between the switching points of $P_{{{word[1:]}}}$.",
+            ("piece", "what", "value", "has to be"),
+            tuple(rows),
+            tuple(facts),
+        ),
     )
-    yield Table(
-        f"tab:orbits-between-{word}",
-        rf"Between the switching points of $P_{{{word[1:]}}}$.",
-        ("piece", "what", "value", "has to be"),
-        tuple(rows),
-        tuple(facts),
-    )
-
-
-def _word_number(word: str) -> Any:
-    return sp.Integer(int(word[1:]))
 
 
 @dataclass(frozen=True)
@@ -279,16 +296,65 @@ class Followed(Check):
     parameters: Parameters
     word: str
 
-    def run(self, statement: Relation) -> StepEvidence:
-        """See `Check`."""
+    def __call__(self, statement: Relation) -> StepEvidence:
         orbit = find_orbit(self.parameters, self.word, digits=STEP_DIGITS)
         (t, x), belt = orbit.points[0], read_word(self.word).maps[0].start.boundary
-        speed = getattr(self.parameters, f"v{belt}")
-        error = (CONTEXT.mpf(10) ** -40, CONTEXT.mpf(10) ** -40, 0)
         end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
-        start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": speed, "t_end": CONTEXT.nstr(end, 20)}
-        motion = simulate(self.parameters, **start, digits=30, start_error=tuple(CONTEXT.nstr(e, 3) for e in error))
+        start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(self.parameters, f"v{belt}")}
+        known = ("1e-40", "1e-40", 0)
+        motion = simulate(self.parameters, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=known)
         found = "P" + "".join(label[1] for label in reversed(motion.word[: len(self.word) - 1]))
         if statement.left != statement.right or found != f"P{statement.left}":
             raise StepError(str(statement), f"the motion is {found}")
         return StepEvidence("numeric", f"{len(motion.events)} events", 1)
+
+
+_FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
+
+
+def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
+    """Yield name, value and bounds (in words, and as (op, bound)) of what must not reach a bound in a piece."""
+    assert scope.parameters is not None
+    p, row, points = scope.parameters, pieces(scope, word)[j].row, root(scope.parameters, word)
+    (x, phase), (_, end) = points[j], points[(j + 1) % len(points)]
+    turn, belt = number(p.Omega), row.start.boundary
+    duration = ((end - phase) % (2 * CONTEXT.pi)) / turn
+    if row.sticks:
+        speed = number(p.belt(belt))
+        for alpha, op, best, words in ((belt, ">", min, "least"), (belt + 1, "<", max, "largest")):
+            expr = _put(scope, force(alpha, x_i, BELTS[belt], theta_i))
+            code, step = sp.lambdify((x_i, theta_i), expr, _FUNCTIONS), duration / 10**6
+
+            def value(at: Any, code: Any = code) -> Any:
+                return code(x + speed * at, phase + turn * at)
+
+            def slope(at: Any, value: Any = value, step: Any = step) -> Any:
+                return value(at + step) - value(at)
+
+            # The end, where one of them vanishes, is left out.
+            places = [CONTEXT.mpf(0), *_zeros(slope, duration), duration * CONTEXT.mpf("0.9")]
+            what = rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$"
+            yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
+        return
+    flow, start = solution.flow(scope.regimes[0]), force(row.domain, x_i, BELTS[belt], theta_i)
+    put = [_put(scope, expr.xreplace({a_i: start, v_i: BELTS[belt]}).xreplace(scope.display)) for expr in flow[1:]]
+    velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, _FUNCTIONS) for expr in put)
+    limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
+    words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
+    for at in _zeros(lambda at: acceleration(at, x, phase), duration):
+        yield r"extreme of $\dot{x}$", velocity(at, x, phase), words, limits
+
+
+def _zeros(function: Any, duration: Any) -> list[Any]:
+    """Return the zeros of a function inside (0, duration) where it changes its sign, by halving."""
+    grid = [duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120)]
+    found = []
+    for low, high in pairwise(grid):
+        positive = function(low) > 0
+        if positive == (function(high) > 0):
+            continue
+        for _ in range(110):
+            middle = (low + high) / 2
+            low, high = (middle, high) if (function(middle) > 0) == positive else (low, middle)
+        found.append(low)
+    return found

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import Illustration, Table, block, proof
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Heading, Prose, Relation, Sign, Step, equation, fact
+from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -26,96 +24,71 @@ def force_on_belt(angle: Any) -> Any:
     return a_i + here - start
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
-    yield from _on_belt()
-    yield from _exits(scope)
-    yield from _which_exit(scope)
-    yield from _every_stick_ends()
+    return _on_belt(), _exits(scope), _which_exit(scope), _every_stick_ends()
 
 
-def _on_belt() -> Iterator[Any]:
-    yield Heading("The mass on a belt")
-    yield from block(
-        "definition",
-        r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = v_\lambda$, so that "
-        r"$\ddot{x} = 0$ (the paper's (3), (4), (11), (12)). By Proposition~\ref{thm:motion-held} it needs "
-        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.",
-        title="stick",
-        label="thm:sticks-stick",
-    )
+def _on_belt() -> Items:
     position = named(r"x(\tau)")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    yield from block(
-        "lemma",
-        equation(
-            position,
-            x_i + v_lambda * tau,
-            r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
-            Exact({position: x_i + sp.integrate(v_lambda, (tau, 0, tau))}),
-            label="sticks-x",
-        ),
+    return (
+        r"\subsection{The mass on a belt}",
+        r"\begin{definition}[stick]\label{thm:sticks-stick} "
+        r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = v_\lambda$, so that "
+        r"$\ddot{x} = 0$ (the paper's (3), (4), (11), (12)). By Proposition~\ref{thm:motion-held} it needs "
+        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
+        r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
+        r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
+        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), label="sticks-x"),
+        r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
         equation(
             on_belt,
             solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
-            r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
-            Exact({on_belt: force_on_belt(theta_i + Omega * tau)}, sp.expand),
+            force_on_belt(theta_i + Omega * tau),
             label="sticks-force",
         ),
+        r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
+        r"on the phase $\theta = \Omega t$ alone:",
         equation(
             rate,
             -(k * v_lambda + B0 * Omega * sp.sin(theta)),
-            r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which "
-            r"depends on the phase $\theta = \Omega t$ alone:",
-            Exact({rate: (m * moving.diff(t)).subs(Omega * t, theta)}, sp.expand),
+            (m * moving.diff(t)).subs(Omega * t, theta),
             label="sticks-rate",
         ),
-        title="what changes on a belt",
-        label="thm:sticks-rate",
-    )
-    yield from proof(
-        r"Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, and "
-        r"differentiate."
-    )
-    yield Prose(
+        r"\end{lemma}",
+        r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
+        r"and differentiate.\end{proof}",
         r"The right side of \eqref{eq:sticks-rate} vanishes where $\sin\theta = -k v_\lambda/(B_0\Omega)$. If there "
         r"are such phases, one is $\Theta^{\mathrm{cr}} = \arcsin(-k v_\lambda/(B_0\Omega))$ and the other "
         r"$\pi - \Theta^{\mathrm{cr}}$: the critical phases of Theorem~\ref{thm:grazing-theorem7}. Between two of them "
         r"both accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda = 0$), so the end of a "
-        r"stick is found without a search: on each such piece each of them has at most one zero, or never changes."
+        r"stick is found without a search: on each such piece each of them has at most one zero, or never changes.",
     )
 
 
-def _exits(scope: Scope) -> Iterator[Any]:
-    yield Heading("Both ends")
+def _exits(scope: Scope) -> Items:
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    yield from block(
-        "theorem",
+    return (
+        r"\subsection{Both ends}",
+        r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
         r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
         r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
         equation(
             F(UPPER),
             -2 * mu_lambda * FN / m,
-            "",
-            Each(
-                tuple(
-                    Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}, sp.expand)
-                    for lo in scope.boundaries
-                )
-            ),
+            Each(tuple(Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)),
             label="sticks-other",
         ),
-        Step(Relation(zero, "<=", sp.Integer(0)), "which holds the mass on its upper side:", lower),
-        title="both exits of a stick",
-        label="thm:sticks-exits",
-    )
-    yield from proof(
-        r"While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is a motion by "
+        "which holds the mass on its upper side:",
+        step(zero, "<=", 0, lower),
+        r"\end{theorem}",
+        r"\begin{proof} While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is a motion by "
         r"Proposition~\ref{thm:motion-held}, and by Theorem~\ref{thm:motion-unique} the only one; a zero that is only "
         r"touched does not end it. Where $F^{(\lambda)}$ becomes negative, no friction of the belt balances the other "
         r"forces. Let $F^{(\lambda)} = 0$ there, and take the first derivative of $F^{(\lambda)}$ along the belt that "
@@ -123,54 +96,50 @@ def _exits(scope: Scope) -> Iterator[Any]:
         r"\eqref{eq:switching-g1} and \eqref{eq:sticks-rate} the rates of $F^{(\lambda)}$ along both differ only by "
         r"multiples of $F^{(\lambda)}$ and of $\dot{x} - v_\lambda$, which vanish to higher order. So by "
         r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror image. "
-        r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}."
+        r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}.\end{proof}",
     )
 
 
-def _which_exit(scope: Scope) -> Iterator[Any]:
+def _which_exit(scope: Scope) -> Items:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
             at = {v: BELTS[belt], Omega * t: theta}
             right = sp.expand(m * acceleration(alpha).subs(at))
-            step = equation(m * F(alpha), right, "", Exact({F(alpha): newton(alpha).subs(at)}, sp.expand))
-            paper = {1: 52, 2: 53}[belt]
-            says = f"the paper's ({paper})" if alpha == belt + 1 else "not in the paper"
-            way = "falls" if alpha == belt else "rises"
-            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", says, step))
-    yield Table(
-        "tab:sticks-exits",
-        r"What vanishes at the end of a stick, and into which domain the mass goes. The paper's (52) and (53) have one "
-        r"end each.",
-        ("belt", "what", "into", "", r"$m F^{(\alpha)}$ there"),
-        tuple(rows),
-    )
-    yield Prose(
+            force = equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)})
+            way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
+            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force))
+    return (
+        Table(
+            "tab:sticks-exits",
+            r"What vanishes at the end of a stick, and into which domain the mass goes. The paper's (52) and (53) have "
+            r"one end each.",
+            ("belt", "what", "into", "", r"$m F^{(\alpha)}$ there"),
+            tuple(rows),
+        ),
         r"The paper's own figures use the missing ends: in Fig.~6 the mass leaves belt 2 by $F^{(2)} = 0$ "
         r"(Figure~\ref{fig:sticks-exits}), and the first stick of Fig.~5 ends in $\Omega_1$ by $F^{(1)} = 0$ "
-        r"(Chapter~\ref{sec:errata})."
-    )
-    yield Illustration(
-        "stick-exits",
-        "fig:sticks-exits",
-        r"The stick of the paper's Fig.~6 on belt 2 (grey): it ends where $F^{(2)}$ falls to 0, not where $F^{(3)}$ "
-        r"rises to 0.",
-        0.85,
+        r"(Chapter~\ref{sec:errata}).",
+        Illustration(
+            "stick-exits",
+            "fig:sticks-exits",
+            r"The stick of the paper's Fig.~6 on belt 2 (grey): it ends where $F^{(2)}$ falls to 0, not where "
+            r"$F^{(3)}$ rises to 0.",
+            0.85,
+        ),
     )
 
 
-def _every_stick_ends() -> Iterator[Any]:
+def _every_stick_ends() -> Items:
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
-    yield from block(
-        "corollary",
-        Prose(
-            r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
-            r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or never.",
-            (fact(turn, "=", lost, Exact(change)),),
-        ),
-        label="thm:sticks-ends",
+    return (
+        r"\begin{corollary}\label{thm:sticks-ends} "
+        r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
+        r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "
+        r"never.\end{corollary}",
+        facts(equation(turn, lost, change)),
+        r"\begin{proof} Integrate \eqref{eq:sticks-rate} over one period.\end{proof}",
     )
-    yield from proof(r"Integrate \eqref{eq:sticks-rate} over one period.")

@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.blocks import Illustration, block, proof
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
-from symosc.derive.steps import Exact, Heading, Prose, equation, fact
+from symosc.derive.steps import Exact, Illustration, Items, equation, facts
 from symosc.symbolic import solution
-from symosc.symbolic.solution import B0, Omega, a_i, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
+from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
 TITLE = "What happens at a boundary"
 
 
-def items(scope: Scope) -> Iterator[Any]:
+def items(scope: Scope) -> Items:
     """Yield the chapter."""
     del scope  # the statements are the same for every scene
-    yield from _general()
-    yield from g_functions()
-    yield from _local()
-    yield from _theorems()
-
-
-def _general() -> Iterator[Any]:
-    yield Heading("G-functions")
-    yield Prose(
-        r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
-        r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
-        r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$."
+    return (
+        _general(),
+        g_functions(),
+        _local(),
+        _theorems(),
     )
+
+
+def _general() -> Items:
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
@@ -44,46 +38,39 @@ def _general() -> Iterator[Any]:
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    yield from block(
-        "definition",
+    return (
+        r"\subsection{G-functions}",
+        r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
+        r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
+        r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$.",
+        r"\begin{definition}[Luo's G-functions]\label{thm:switching-G} "
+        r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
         equation(
             first,
             product("D", "") + product("", r"\dot"),
-            r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
-            Exact({first: (n * y).diff(t)} | letters, sp.expand, independent=False),
+            Exact({first: (n * y).diff(t)} | letters, independent=False),
             label="switching-G0",
         ),
         equation(
             second,
             product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
-            "",
-            Exact({second: (n * y).diff(t, 2)} | letters, sp.expand, independent=False),
+            Exact({second: (n * y).diff(t, 2)} | letters, independent=False),
             label="switching-G1",
         ),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
-        r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.",
-        title="Luo's G-functions",
-        label="thm:switching-G",
-    )
-    yield from block(
-        "lemma",
-        Prose(
-            r"Where the flow meets a flat boundary that does not move, "
-            r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
-            r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the "
-            r"boundary $\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the "
-            r"paper's (25)), $G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
-            r"$\Omega_\alpha$.",
-            tuple(_reduced(order) for order in (1, 2)),
-        ),
-        title="reduction",
-        label="thm:switching-reduction",
-    )
-    yield from proof(
-        r"$\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is constant because "
-        r"$\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
-        r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here $\mathbf{n}^T\mathbf{x}^{(\alpha)} = "
-        r"\dot{x}$ with $\ddot{x} = F^{(\alpha)}$."
+        r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
+        r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
+        r"Where the flow meets a flat boundary that does not move, "
+        r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
+        r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the boundary "
+        r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's (25)), "
+        r"$G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
+        r"$\Omega_\alpha$.\end{lemma}",
+        facts(*(_reduced(order) for order in (1, 2))),
+        r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is "
+        r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
+        r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
+        r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
 
 
@@ -93,37 +80,33 @@ def _reduced(order: int) -> Any:
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return fact(gap.diff(t, order), "=", right, Exact(tidy=sp.expand, independent=False))
+    return equation(gap.diff(t, order), right, Exact(independent=False))
 
 
-def g_functions() -> Iterator[Any]:
-    """Yield the lemma on the first G-functions."""
-    acceleration = F(r"\alpha")
+def g_functions() -> Items:
+    """Return the lemma on the first G-functions."""
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    lower = [v, acceleration]
-    rows, reason = [], r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,"
+    lower, rows = [v, F(r"\alpha")], []
     for n in (1, 2, 3):
-        name = G(n)
-        derivative = newton.diff(t, n)
-        names = {path.diff(t, order + 1): lower[order] for order in range(n + 1)}
-        true = derivative.doit().subs([(path.diff(t, j + 1), names[path.diff(t, j + 1)]) for j in range(n, -1, -1)])
+        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
         wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
-        shown = solution.next_derivative(lower[n], lower[n - 1], wave)
-        shown = shown.xreplace({solution.cm: c / m, solution.w0sq: k / m})
-        check = Exact({name: true.subs(Omega * t, theta)}, sp.expand)
-        rows.append(equation(name, shown, reason, check, label=f"switching-g{n}"))
-        lower.append(name)
-        reason = ""
-    yield from block("lemma", *rows, title="the first G-functions", label="thm:switching-g")
-    yield from proof(
-        r"Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's (47) and (48): "
-        r"$\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial F^{(\alpha)}/\partial t$."
+        right = solution.next_derivative(lower[n], lower[n - 1], wave)
+        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
+        rows.append(equation(G(n), right, true.subs(Omega * t, theta), label=f"switching-g{n}"))
+        lower.append(G(n))
+    return (
+        r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
+        r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
+        rows,
+        r"\end{lemma}",
+        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
+        r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
+        r"F^{(\alpha)}/\partial t$.\end{proof}",
     )
 
 
-def _local() -> Iterator[Any]:
-    yield Heading("The first G-function that does not vanish")
+def _local() -> Items:
     flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
     values, derivative = [], flow.v
@@ -132,97 +115,76 @@ def _local() -> Iterator[Any]:
         values.append(sp.expand(derivative.subs(at_start)))
     gap = named(r"\dot{x}(\tau) - v_\lambda")
     orders = [F(r"\alpha"), *(G(n) for n in (1, 2, 3))]
-    taylor = sp.Add(*(g * tau ** (n + 1) / sp.factorial(n + 1) for n, g in enumerate(orders)))
-    meaning: dict[Any, Any] = {gap: sp.Add(*(g * tau ** (n + 1) / sp.factorial(n + 1) for n, g in enumerate(values)))}
+    taylor, true = (
+        sp.Add(*(value * tau**n / sp.factorial(n) for n, value in enumerate(column, 1))) for column in (orders, values)
+    )
     here = {solution.x: x_i, v: v_i, theta: theta_i, solution.A_m: solution._force_at_start()}
-    for n, g in enumerate(orders):
-        meaning[g] = solution.g_function(n).xreplace(here)
-    assert a_i in flow.a.free_symbols
-    yield from block(
-        "lemma",
+    meaning = {gap: true} | {g: solution.g_function(n).xreplace(here) for n, g in enumerate(orders)}
+    return (
+        r"\subsection{The first G-function that does not vanish}",
+        r"\begin{lemma}[which side before, which side after]\label{thm:switching-side} "
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let $G^{(n,\alpha)}$ be the "
         r"first of its G-functions there that does not vanish. Shortly after the contact $\dot{x} - v_\lambda$ has the "
         r"sign of $G^{(n,\alpha)}$, shortly before it that of $(-1)^{n+1} G^{(n,\alpha)}$. So for even $n$ the flow "
-        r"crosses, and for odd $n$ it touches and returns to the side that it came from.",
-        title="which side before, which side after",
-        label="thm:switching-side",
-    )
-    yield from proof(
-        equation(
-            gap,
-            taylor,
-            r"By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the order "
-            r"$\tau^5$,",
-            Exact(meaning, sp.expand),
-            label="switching-taylor",
-        ),
+        r"crosses, and for odd $n$ it touches and returns to the side that it came from.\end{lemma}",
+        r"\begin{proof} By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the "
+        r"order $\tau^5$,",
+        equation(gap, taylor, meaning, label="switching-taylor"),
         r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
-        r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.",
-    )
-    yield Prose(
+        r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.\end{proof}",
         r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. By "
         r"\eqref{eq:switching-g1} this needs $k v_\lambda + B_0\Omega\sin\theta = 0$ at all times: $B_0 = 0$ and "
-        r"$k v_\lambda = 0$."
-    )
-    yield Illustration(
-        "quartic",
-        "fig:switching-orders",
-        r"The gap $\dot{x} - v_\lambda$ near a contact with $G^{(n,\alpha)} < 0$ for the first $n$ that counts.",
-        0.8,
+        r"$k v_\lambda = 0$.",
+        Illustration(
+            "quartic",
+            "fig:switching-orders",
+            r"The gap $\dot{x} - v_\lambda$ near a contact with $G^{(n,\alpha)} < 0$ for the first $n$ that counts.",
+            0.8,
+        ),
     )
 
 
-def _theorems() -> Iterator[Any]:
-    yield Heading("The paper's Lemmas 1 to 3 and Theorems 4 to 6")
-    yield from block(
-        "theorem",
-        r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let "
-        r"$F^{(\lambda)}$ and $F^{(\lambda+1)}$ be taken there. "
-        r"\begin{enumerate}"
+def _theorems() -> Items:
+    speed = named(r"k v_\lambda")
+    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
+    stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
+    stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
+    return (
+        r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
+        r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
+        r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let $F^{(\lambda)}$ "
+        r"and $F^{(\lambda+1)}$ be taken there. \begin{enumerate}"
         r"\item[(i)] It sticks after $t_m$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$ (Lemma 1, Theorem 4)."
-        r"\item[(ii)] It passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: into $\Omega_{\lambda+1}$ if both "
-        r"are positive, into $\Omega_\lambda$ if both are negative (Lemma 2, Theorem 5)."
+        r"\item[(ii)] It passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: into $\Omega_{\lambda+1}$ if both are "
+        r"positive, into $\Omega_\lambda$ if both are negative (Lemma 2, Theorem 5)."
         r"\item[(iii)] A flow that comes to the boundary in $\Omega_\lambda$ returns into $\Omega_\lambda$ if "
         r"$F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$; one that comes in $\Omega_{\lambda+1}$ returns if "
         r"$F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$ (Lemma 3, Theorem 6)."
         r"\item[(iv)] If $F^{(\alpha)}$ and $G^{(1,\alpha)}$ vanish, the first G-function that does not vanish takes "
         r"their part: the flow of $\Omega_\lambda$ returns iff its order is odd and it is negative, that of "
         r"$\Omega_{\lambda+1}$ iff its order is odd and it is positive."
-        r"\end{enumerate}",
-        title="stick, passage, graze",
-        label="thm:switching-cases",
-    )
-    yield from proof(
-        r"By Lemma~\ref{thm:switching-side} with $n = 0$, for $F^{(\lambda)} > 0$ no motion can go below the boundary: "
-        r"there $\ddot{x}$ is near $F^{(\lambda)}$, and $\dot{x}$ would grow back. For $F^{(\lambda+1)} < 0$ none can "
-        r"go above it. With both the mass stays, and by Theorem~\ref{thm:motion-unique} this is the motion: (i). If "
-        r"both are positive, it cannot go below, and cannot stay by Proposition~\ref{thm:motion-held}; so it follows "
-        r"the flow of $\Omega_{\lambda+1}$, which by Lemma~\ref{thm:switching-side} goes above. The mirror image is "
-        r"the other half of (ii). (iii) and (iv) are Lemma~\ref{thm:switching-side} with odd $n$; for "
-        r"$F^{(\lambda)} = 0$ Lemma~\ref{thm:motion-jump} has $F^{(\lambda+1)} \le 0$, so that the returning flow is "
-        r"the motion.",
-    )
-    yield from block(
-        "remark",
+        r"\end{enumerate}\end{theorem}",
+        r"\begin{proof} By Lemma~\ref{thm:switching-side} with $n = 0$, for $F^{(\lambda)} > 0$ no motion can go below "
+        r"the boundary: there $\ddot{x}$ is near $F^{(\lambda)}$, and $\dot{x}$ would grow back. For "
+        r"$F^{(\lambda+1)} < 0$ none can go above it. With both the mass stays, and by Theorem~\ref{thm:motion-unique} "
+        r"this is the motion: (i). If both are positive, it cannot go below, and cannot stay by "
+        r"Proposition~\ref{thm:motion-held}; so it follows the flow of $\Omega_{\lambda+1}$, which by "
+        r"Lemma~\ref{thm:switching-side} goes above. The mirror image is the other half of (ii). (iii) and (iv) are "
+        r"Lemma~\ref{thm:switching-side} with odd $n$; for $F^{(\lambda)} = 0$ Lemma~\ref{thm:motion-jump} has "
+        r"$F^{(\lambda+1)} \le 0$, so that the returning flow is the motion.\end{proof}",
+        r"\begin{remark}[what ``iff'' needs]\label{thm:switching-iff} "
         r"As conditions on strict signs the paper's Theorems 4 and 5 are necessary as well, but not where an "
         r"acceleration vanishes. A flow that comes from below with $F^{(\lambda)} = 0$ has a first $n$ that is odd "
         r"with $G^{(n,\lambda)} < 0$, and grazes, or even with $G^{(n,\lambda)} > 0$, and then it sticks if the belt "
-        r"has friction, since $F^{(\lambda+1)} < 0$ by Lemma~\ref{thm:motion-jump}; and so on. The ``iff'' "
-        r"of Lemma 3, with $n = 1$ alone, leaves out the "
-        r"tangencies of higher order; this is where Theorem 7 loses its case of equality "
-        r"(Theorem~\ref{thm:grazing-equality}).",
-        title="what ``iff'' needs",
-        label="thm:switching-iff",
-    )
-    speed = named(r"k v_\lambda")
-    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
-    stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
-    stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
-    yield equation(
-        G(1),
-        -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
+        r"has friction, since $F^{(\lambda+1)} < 0$ by Lemma~\ref{thm:motion-jump}; and so on. The ``iff'' of Lemma 3, "
+        r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
+        r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
         r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
-        Exact(stays, sp.expand),
-        label="switching-decides",
+        equation(
+            G(1),
+            -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
+            stays,
+            label="switching-decides",
+        ),
+        r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
     )
-    yield Prose(r"where the term with $F^{(\alpha)}$ vanishes at a graze.")

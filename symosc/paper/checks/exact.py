@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -102,6 +102,16 @@ class RationalContact:
         return tuple(factorial(n) * a for n, a in enumerate(self._series[alpha][:5]) if n)
 
     @property
+    def below(self) -> Fraction:
+        """The force of the domain below the belt's speed."""
+        return self.force(NEIGHBOURS[self.boundary][0])
+
+    @property
+    def above(self) -> Fraction:
+        """The force of the domain above the belt's speed."""
+        return self.force(NEIGHBOURS[self.boundary][1])
+
+    @property
     def next_mode(self) -> str:
         """Where the motion goes on, in the words of `Trajectory.mode`."""
         lo, hi = NEIGHBOURS[self.boundary]
@@ -170,6 +180,15 @@ def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalConta
 def exact_contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
     """Return contacts of all kinds with a belt, as `contacts` draws them; by default those of Theorems 4 to 6."""
     return tuple(contacts(boundary, count, boundary if seed is None else seed))
+
+
+def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
+    """Count the cases for which each question is answered with yes."""
+    counts = dict.fromkeys(questions, 0)
+    for case in cases:
+        for name, question in questions.items():
+            counts[name] += bool(question(case))
+    return counts
 
 
 # --- flights ---

@@ -17,8 +17,7 @@ from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import constants
 from symosc.engine.next_event import never_leaves
 from symosc.engine.state import Covariance, Launch
-from symosc.grazing.start import GrazingStart, grazing_start
-from symosc.grazing.state import is_grazing
+from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import place
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters

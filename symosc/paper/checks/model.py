@@ -16,7 +16,15 @@ from scipy.optimize import brentq
 from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.paper.checks.exact import DOP853_AGREEMENT, contacts, dop853, exact_contacts, friction_on_mass
+from symosc.paper.checks.exact import (
+    DOP853_AGREEMENT,
+    RationalContact,
+    contacts,
+    dop853,
+    exact_contacts,
+    friction_on_mass,
+    tally,
+)
 from symosc.paper.checks.motions import recorded
 from symosc.paper.claims import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence, verdict
 from symosc.scenes import load_scene
@@ -73,43 +81,49 @@ def _parameter_sets() -> list[Parameters]:
     return [contact.p for contact in contacts(1, CASES, seed=3)]
 
 
+def _both_boundaries(seed: int) -> Iterator[RationalContact]:
+    for boundary in NEIGHBOURS:
+        yield from contacts(boundary, CASES, seed=seed + boundary)
+
+
 def _friction_coefficient(p: Parameters, boundary: int) -> Fraction:
     return p.mu1 if boundary == 1 else p.mu2
 
 
 def friction_levels() -> Evidence:
     """Eq. (1) inside the domains, against Coulomb's law of both belts and eq. (5)."""
-    cases = [(p, alpha) for p in _parameter_sets() for alpha in (1, 2, 3)]
-    wrong_coulomb = sum(-friction_force(p, alpha) != friction_on_mass(p, alpha) for p, alpha in cases)
-    wrong_motion = sum(p.A(alpha) - p.A0 != -friction_force(p, alpha) for p, alpha in cases)
-    p = load_scene("fig5").parameters
-    numbers = {
-        "rational parameter sets and domains": len(cases),
-        "F_f not the sum of both belts' Coulomb friction": wrong_coulomb,
-        "A_α − A₀ not -F_f": wrong_motion,
-        "levels of Fig. 5": ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3)),
+    questions = {
+        "rational parameter sets and domains": lambda of: True,
+        "F_f not the sum of both belts' Coulomb friction": lambda case: (
+            -friction_force(*case) != friction_on_mass(*case)
+        ),
+        "A_α − A₀ not -F_f": lambda case: case[0].A(case[1]) - case[0].A0 != -friction_force(*case),
     }
+    numbers = tally(product(_parameter_sets(), (1, 2, 3)), questions)
+    total, *wrong = numbers.values()
+    p = load_scene("fig5").parameters
+    numbers["levels of Fig. 5"] = ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3))
     finding = "F_f is the friction of both belts as a resistance: it stands with a minus on the right of (5)"
-    return Evidence(verdict(not wrong_coulomb and not wrong_motion), f"{finding}; {len(cases)} exact cases.", numbers)
+    return Evidence(verdict(not any(wrong)), f"{finding}; {total} exact cases.", numbers)
 
 
 def friction_at_the_jumps() -> Evidence:
     """Eq. (1) at x' = v1 and v2: its intervals, and the single values whose closed intervals end there too."""
-    held = outside = at_an_end = 0
-    for boundary in (1, 2):
-        for contact in contacts(boundary, CASES, seed=40 + boundary):
-            if contact.sticks:
-                p, (low, high) = contact.p, friction_interval(contact.p, boundary)
-                # x'' = 0: friction holds all other forces.
-                needed = p.A0 + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
-                held += 1
-                outside += not low <= needed <= high
-                at_an_end += needed in (low, high)
-    numbers = {
-        "exact contacts at which the mass sticks": held,
-        "friction force outside the interval of (1)": outside,
-        "friction force equal to a single value of (1)": at_an_end,
+
+    def needed(contact: RationalContact) -> Fraction:  # x'' = 0: friction holds all other forces
+        p = contact.p
+        return p.A0 + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
+
+    def interval(contact: RationalContact) -> tuple[Fraction, Fraction]:
+        return friction_interval(contact.p, contact.boundary)
+
+    questions = {
+        "exact contacts at which the mass sticks": lambda contact: True,
+        "friction force outside the interval of (1)": lambda c: not min(interval(c)) <= needed(c) <= max(interval(c)),
+        "friction force equal to a single value of (1)": lambda c: needed(c) in interval(c),
     }
+    numbers = tally((contact for contact in _both_boundaries(40) if contact.sticks), questions)
+    held, outside, at_an_end = numbers.values()
     if outside or not held:
         return Evidence(NOT_AS_PRINTED, f"Outside the interval at {outside} of {held} contacts.", numbers)
     finding = f"The friction force that keeps ẍ = 0 is in the interval at all {held} contacts, and is neither of the "
@@ -139,27 +153,23 @@ def equations_of_motion() -> Evidence:
 
 def stick_condition() -> Evidence:
     """Eq. (2) with |F_s1| <= mu1 FN, its counterpart on belt 2, and Theorem 4."""
-    total = differs = equal = stays = wrong_strict = 0
-    for boundary, (lo, hi) in NEIGHBOURS.items():
-        for contact in contacts(boundary, CASES, seed=10 + boundary):
-            held = _friction_coefficient(contact.p, boundary) * contact.p.FN
-            force = abs(stick_force(contact.p, boundary, contact.x, contact.c))
-            total += 1
-            differs += (force <= held) != (contact.force(lo) >= 0 >= contact.force(hi))
-            equal += force == held
-            stays += force == held and contact.sticks
-            wrong_strict += force != held and (force < held) != contact.sticks
-    leaves = equal - stays
-    numbers = {
-        "rational contacts with both belts": total,
-        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": differs,
-        "|Fₛ| not μ FN, and the exact flow does otherwise": wrong_strict,
-        "|Fₛ| = μ FN": equal,
-        "of them the mass stays on the belt": stays,
-        "of them it leaves at once": leaves,
+
+    def excess(contact: RationalContact) -> Fraction:
+        p, b = contact.p, contact.boundary
+        return abs(stick_force(p, b, contact.x, contact.c)) - _friction_coefficient(p, b) * p.FN
+
+    questions = {
+        "rational contacts with both belts": lambda contact: True,
+        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (excess(c) <= 0) != (c.below >= 0 >= c.above),
+        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: excess(c) and (excess(c) < 0) != c.sticks,
+        "|Fₛ| = μ FN": lambda c: excess(c) == 0,
+        "of them the mass stays on the belt": lambda c: excess(c) == 0 and c.sticks,
+        "of them it leaves at once": lambda c: excess(c) == 0 and not c.sticks,
     }
-    if differs or wrong_strict:
-        return Evidence(NOT_AS_PRINTED, f"Wrong at {differs + wrong_strict} of {total} contacts.", numbers)
+    numbers = tally(_both_boundaries(10), questions)
+    total, differs, wrong, equal, _, leaves = numbers.values()
+    if differs or wrong:
+        return Evidence(NOT_AS_PRINTED, f"Wrong at {differs + wrong} of {total} contacts.", numbers)
     finding = f"|Fₛ| ≤ μ FN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without equality. "
     finding += f"At |Fₛ| = μ FN friction just holds; at {leaves} of {equal} such contacts the mass leaves right after."
     return Evidence(CONFIRMED, finding, numbers)
@@ -187,27 +197,23 @@ def friction_order() -> Evidence:
     gaps, other = [0.0], 0
     for scene in map(load_scene, STATES):
         given = recorded(simulate(scene, max_events=12))
-        start = {"t0": scene.t0, "x0": -scene.x0, "v0": -scene.v0, "t_end": scene.t_end}
+        start: dict[str, Any] = {"t0": scene.t0, "x0": -scene.x0, "v0": -scene.v0, "t_end": scene.t_end}
         seen = simulate(mirrored(scene.parameters), **start, max_events=12)
         kinds = [(event.kind, 3 - event.boundary) for event in seen.events]
         other += kinds != [(event.kind, event.boundary) for event in given.events]
         gaps += [abs(a.t - b.t) + abs(a.x + b.x) for a, b in zip(given.events, seen.events, strict=False)]
-    reverse = wrong = 0
-    for boundary, (lo, hi) in NEIGHBOURS.items():
-        for contact in contacts(boundary, CASES, seed=20):
-            below, above = contact.force(lo), contact.force(hi)
-            if below * above != 0 and contact.p.mu1 < contact.p.mu2:
-                reverse += 1
-                wrong += (below > 0 > above) != contact.sticks
+    cases = [c for boundary in NEIGHBOURS for c in contacts(boundary, CASES, seed=20) if c.p.mu1 < c.p.mu2]
+    reverse = [contact for contact in cases if contact.below * contact.above != 0]
+    wrong = sum((contact.below > 0 > contact.above) != contact.sticks for contact in reverse)
     numbers = {
         "events of Figs. 5, 6, 8, 9, 10 compared with their mirror image": len(gaps) - 1,
         "figures whose mirror image has other events": other,
         "largest difference of t and x": f"{max(gaps):.2g}",
-        "rational contacts with μ₁ < μ₂": reverse,
+        "rational contacts with μ₁ < μ₂": len(reverse),
         "of them Theorem 4 wrong": wrong,
     }
     needless = not other and not wrong and max(gaps) < 1e-9 and reverse
-    finding = f"It can be assumed, and nothing needs it: Theorem 4 holds at all {reverse} exact contacts with "
+    finding = f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact contacts with "
     finding += f"μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the mirror images by {max(gaps):.1g}."
     return Evidence(DEFINITION, finding if needless else "It is an assumption, and it is needed.", numbers)
 
@@ -216,7 +222,7 @@ def friction_characteristics() -> Evidence:
     """Section 2: both belts possess the same friction characteristics; and the coefficients of the figures."""
     jumps = [(p, boundary, friction_interval(p, boundary)) for p in _parameter_sets() for boundary in (1, 2)]
     wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
-    numbers = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
+    numbers: dict[str, Any] = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
     for name in FIGURES:
         p = load_scene(name).parameters
         numbers[f"{name}: μ₁, μ₂"] = f"{float(p.mu1):g}, {float(p.mu2):g}"
@@ -270,13 +276,12 @@ def domains_and_boundaries() -> Evidence:
 def vector_fields() -> Evidence:
     """Eqs. (8) to (10): the field (9) is (5) divided by the mass, and jumps by 2 mu FN/m."""
     wrong = jumps = total = 0
-    for boundary, domains in NEIGHBOURS.items():
-        for contact in contacts(boundary, CASES, seed=30 + boundary):
-            p = contact.p
-            fields = [vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in domains]
-            total += 2
-            wrong += sum(field != contact.force(alpha) for field, alpha in zip(fields, domains, strict=True))
-            jumps += fields[0] - fields[1] != 2 * _friction_coefficient(p, boundary) * p.FN / p.m
+    for contact in _both_boundaries(30):
+        p, domains = contact.p, NEIGHBOURS[contact.boundary]
+        fields = [vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in domains]
+        total += 2
+        wrong += sum(field != contact.force(alpha) for field, alpha in zip(fields, domains, strict=True))
+        jumps += fields[0] - fields[1] != 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
     numbers = {
         "rational states and domains": total,
         "(9) not Newton's law with Coulomb's friction": wrong,
@@ -288,17 +293,18 @@ def vector_fields() -> Evidence:
 
 def forces_or_accelerations() -> Evidence:
     """The quantities F that Section 6 shows as forces: m F is the right side of (5), exactly."""
-    total = wrong = 0
-    for boundary, domains in NEIGHBOURS.items():
-        for contact in exact_contacts(boundary):
-            p = contact.p
-            for alpha in domains:
-                field = vector_field(p, alpha, contact.x, contact.speed, contact.c)
-                force = p.A0 + added_force(p, alpha) + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
-                total, wrong = total + 1, wrong + (p.m * field != force)
+
+    def differs(case: tuple[RationalContact, int]) -> bool:
+        (contact, side), p = case, case[0].p
+        alpha = NEIGHBOURS[contact.boundary][side]
+        force = p.A0 + added_force(p, alpha) + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
+        return p.m * vector_field(p, alpha, contact.x, contact.speed, contact.c) != force
+
+    questions = {"exact contacts and domains": lambda case: True, "m F of (9) not the right side of (5)": differs}
+    numbers = tally(product((*exact_contacts(1), *exact_contacts(2)), (0, 1)), questions)
+    _, wrong = numbers.values()
     masses = {f"Fig. {name.removeprefix('fig')}": load_scene(name).parameters.m for name in FIGURES}
     apart = [name for name, mass in masses.items() if mass != 1]
-    numbers = {"exact contacts and domains": total, "m F of (9) not the right side of (5)": wrong}
     numbers |= {f"{name}: m": f"{float(mass):g}" for name, mass in masses.items()}
     finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}."
     return Evidence(verdict(not apart and not wrong, not wrong), finding, numbers)

@@ -325,7 +325,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
     return allowed.get(then, False)
 
 
-def judge(check: Callable[[], Evidence]) -> Evidence:
+def judge(check: Callable[[], Any]) -> Evidence:
     """Return the evidence of a check, with a second opinion on every motion and orbit that it uses.
 
     Without it a claim about a motion would be judged by the simulator alone.

@@ -181,7 +181,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
     wrong = [row for row in rows if not row.right]
     generic = [row for row in wrong if not row.fourth_order]
     equation = PLACES[mapping].equation
-    numbers = {
+    numbers: dict[str, Any] = {
         "exact contacts (γ, B₀Ω/m, phase)": len(rows),
         "of them grazing": sum(row.grazes for row in rows),
     }

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from symosc.model import NEIGHBOURS
-from symosc.paper.checks.exact import RationalContact, exact_contacts
+from symosc.paper.checks.exact import RationalContact, exact_contacts, tally
 from symosc.paper.claims import CONFIRMED, CORRECTED, DEFINITION, NOT_AS_PRINTED, Evidence, verdict
 from symosc.simulation.simulate import simulate
 
@@ -208,16 +208,18 @@ def g_functions_are_derivatives() -> Evidence:
 
 def derivative_along_the_flow() -> Evidence:
     """Eq. (47): its left side by the definition after (16), and its result."""
-    gaps = [(slope_of_field(c, 1) - slope_along_boundary(c, 1), c) for c in exact_contacts(1)]
-    damping = sum(gap != -contact.p.c / contact.p.m * contact.force(1) for gap, contact in gaps)
-    apart = sum(gap != 0 for gap, _ in gaps)
-    at_zero = sum(gap != 0 for gap, contact in gaps if contact.force(1) == 0)
-    numbers = {
-        "exact contacts": len(gaps),
-        "the two sides of (47) differ": apart,
-        "their difference is not −(c/m) F⁽¹⁾": damping,
-        "they differ where F⁽¹⁾ = 0": at_zero,
+
+    def gap(contact: Contact) -> Fraction:
+        return slope_of_field(contact, 1) - slope_along_boundary(contact, 1)
+
+    questions = {
+        "exact contacts": lambda contact: True,
+        "the two sides of (47) differ": gap,
+        "their difference is not −(c/m) F⁽¹⁾": lambda c: gap(c) != -c.p.c / c.p.m * c.force(1),
+        "they differ where F⁽¹⁾ = 0": lambda c: gap(c) != 0 == c.force(1),
     }
+    numbers = tally(exact_contacts(1), questions)
+    _, apart, damping, at_zero = numbers.values()
     if not apart:
         return Evidence(CONFIRMED, "The two sides of (47) are the same.", numbers)
     if damping or at_zero:
@@ -230,15 +232,13 @@ def derivative_along_the_flow() -> Evidence:
 
 
 def _slides(contact: Contact) -> bool:
-    lo, hi = NEIGHBOURS[contact.boundary]
-    up = sliding_condition(contact.force(hi), contact.force(lo))  # n = (0, 1) points to the domain above
-    return up or sliding_condition(-contact.force(lo), -contact.force(hi))
+    up = sliding_condition(contact.above, contact.below)  # n = (0, 1) points to the domain above
+    return up or sliding_condition(-contact.below, -contact.above)
 
 
 def _passes(contact: Contact) -> bool:
-    lo, hi = NEIGHBOURS[contact.boundary]
-    up = passing_either_way(True, contact.force(lo), contact.force(hi))
-    return up or passing_either_way(False, contact.force(hi), contact.force(lo))
+    up = passing_either_way(True, contact.below, contact.above)
+    return up or passing_either_way(False, contact.above, contact.below)
 
 
 def _is_tangential(contact: Contact) -> bool:
@@ -266,7 +266,7 @@ def lemma(which: int) -> Evidence:
     cases = [(contact, says(contact), does(contact)) for contact in all_contacts()]
     wrong = [contact for contact, said, done in cases if said and not done]
     missed = [contact for contact, said, done in cases if done and not said]
-    numbers = {
+    numbers: dict[str, Any] = {
         "exact contacts": len(cases),
         f"condition fulfilled, and it {what}": sum(said and done for _, said, done in cases),
         "condition fulfilled, and it does not": len(wrong),
@@ -305,19 +305,23 @@ def necessary_and_sufficient() -> Evidence:
 
 
 def _a_force_is_zero(contact: Contact) -> bool:
-    return any(contact.force(alpha) == 0 for alpha in NEIGHBOURS[contact.boundary])
+    return contact.below * contact.above == 0
 
 
 def _force_and_slope_are_zero(contact: Contact) -> bool:
     return any(contact.force(a) == contact.slope(a) == 0 for a in NEIGHBOURS[contact.boundary])
 
 
-def _both_forces(condition: Callable[[Fraction, Fraction], bool], contact: Contact) -> bool:
-    lo, hi = NEIGHBOURS[contact.boundary]
-    return condition(contact.force(lo), contact.force(hi))
+def _sticks_as_printed(contact: Contact) -> bool:
+    return stick_condition(contact.below, contact.above)
+
+
+def _passes_as_printed(contact: Contact) -> bool:
+    return passing_condition(contact.below, contact.above)
 
 
 def _grazes_as_printed(contact: Contact) -> list[bool]:
+    """Tell it for the domain below, and for the one above."""
     lo, hi = NEIGHBOURS[contact.boundary]
     return [grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)]
 
@@ -326,11 +330,11 @@ def _grazes_as_printed(contact: Contact) -> list[bool]:
 THEOREMS: dict[int, tuple[Callable[[Contact], bool], Callable[[Contact], bool], str, Callable[[Contact], bool], str]]
 THEOREMS = {
     4: (
-        lambda contact: _both_forces(stick_condition, contact), lambda contact: contact.sticks, "sticking",
+        _sticks_as_printed, lambda contact: contact.sticks, "sticking",
         _a_force_is_zero, "a force that is exactly 0",
     ),
     5: (
-        lambda contact: _both_forces(passing_condition, contact), lambda contact: contact.passes, "passing",
+        _passes_as_printed, lambda contact: contact.passes, "passing",
         _a_force_is_zero, "a force that is exactly 0",
     ),
     6: (
@@ -347,7 +351,7 @@ def theorem(which: int, boundary: int) -> Evidence:
     regular = sum(not is_degenerate(contact) for contact in cases)
     wrong = [contact for contact in cases if printed(contact) != true(contact)]
     generic = [contact for contact in wrong if not is_degenerate(contact)]
-    numbers = {
+    numbers: dict[str, Any] = {
         "rational contacts": len(cases),
         f"of them {what} by the exact flow": sum(map(true, cases)),
         f"without {degenerate}": regular,
@@ -385,50 +389,32 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
 
 def both_sides_at_once() -> Evidence:
     """Eqs. (44) and (45) as they stand: both forces 0 and both inequalities, at one contact."""
-    grazing = both = each = 0
-    gaps = []
-    for contact in all_contacts():
-        lo, hi = NEIGHBOURS[contact.boundary]
-        if contact.slope(lo) == 0 or contact.slope(hi) == 0:
-            continue
-        sides, grazes = _grazes_as_printed(contact), _grazes(contact)
-        grazing += grazes
-        both += all(sides)
-        each += grazes and any(sides)
-        gaps.append(contact.force(lo) - contact.force(hi))
-    numbers = {
-        "contacts that graze, with G⁽¹⁾ not 0": grazing,
-        "of them with (44) and (45) on both sides": both,
-        "of them with (44) and (45) on one side": each,
-        "least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts": min(gaps),
+    contacts = [c for c in all_contacts() if all(c.slope(alpha) for alpha in NEIGHBOURS[c.boundary])]
+    questions = {
+        "contacts that graze, with G⁽¹⁾ not 0": _grazes,
+        "of them with (44) and (45) on both sides": lambda contact: all(_grazes_as_printed(contact)),
+        "of them with (44) and (45) on one side": lambda c: _grazes(c) and any(_grazes_as_printed(c)),
     }
+    numbers = tally(contacts, questions)
+    grazing, _, each = numbers.values()
+    numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(contact.below - contact.above for contact in contacts)
     finding = f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} grazing contacts; "
     return Evidence(verdict(each == grazing), f"{finding}with friction both forces cannot vanish together.", numbers)
 
 
 def no_third_way() -> Evidence:
     """Between Theorems 4 and 5 nothing is left where no force vanishes: the boundary never repels."""
-    strict = stick = passing = repelled = neither = 0
-    for contact in all_contacts():
-        below, above = (contact.force(alpha) for alpha in NEIGHBOURS[contact.boundary])
-        if below * above != 0:
-            sticks, goes_through = stick_condition(below, above), passing_condition(below, above)
-            strict += 1
-            stick += sticks
-            passing += goes_through
-            repelled += below < 0 < above
-            neither += not (sticks or goes_through)
-    numbers = {
-        "rational contacts with no force 0": strict,
-        "stick by Theorem 4": stick,
-        "pass by Theorem 5": passing,
-        "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": repelled,
-        "covered by neither theorem": neither,
+    questions = {
+        "rational contacts with no force 0": lambda contact: True,
+        "stick by Theorem 4": _sticks_as_printed,
+        "pass by Theorem 5": _passes_as_printed,
+        "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": lambda contact: contact.below < 0 < contact.above,
+        "covered by neither theorem": lambda c: not (_sticks_as_printed(c) or _passes_as_printed(c)),
     }
-    whole = neither == repelled == 0 and stick + passing == strict
-    return Evidence(
-        verdict(whole), f"{stick} + {passing} of {strict} contacts stick or pass, {neither} do neither.", numbers
-    )
+    numbers = tally((contact for contact in all_contacts() if not _a_force_is_zero(contact)), questions)
+    strict, stick, passing, repelled, neither = numbers.values()
+    finding = f"{stick} + {passing} of {strict} contacts stick or pass, {neither} do neither."
+    return Evidence(verdict(neither == repelled == 0 and stick + passing == strict), finding, numbers)
 
 
 def grazing_definition() -> Evidence:

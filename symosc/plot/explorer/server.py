@@ -18,8 +18,7 @@ from symosc.aliases import Record
 from symosc.errors import MissingExtraError, ParameterError, SymoscError
 from symosc.plot.explorer.answer import answer
 from symosc.plot.explorer.inputs import GROUPS, link_of, read_link, scene_of, shipped_scenes, state_of
-from symosc.scenes import Scene, read_scene
-from symosc.scenes.writing import as_toml
+from symosc.scenes import Scene, as_toml, read_scene
 
 try:
     from bokeh.embed import components

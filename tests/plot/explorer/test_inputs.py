@@ -12,8 +12,7 @@ from explorer_states import FIG5, random_state
 
 from symosc import load_scene, scene_names
 from symosc.plot.explorer.inputs import FIELDS, MOST_SHOWN_PERIODS, link_of, read_link, scene_of, state_of
-from symosc.scenes import START_NAMES, read_scene
-from symosc.scenes.writing import as_toml
+from symosc.scenes import START_NAMES, as_toml, read_scene
 
 
 @pytest.mark.parametrize("name", scene_names())

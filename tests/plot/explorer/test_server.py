@@ -15,8 +15,7 @@ from effort import PATIENCE
 
 from symosc import ParameterError, load_scene
 from symosc.plot.explorer.inputs import link_of, state_of
-from symosc.scenes import read_scene
-from symosc.scenes.writing import as_toml
+from symosc.scenes import as_toml, read_scene
 
 GOOD = as_toml(load_scene("fig5"))
 

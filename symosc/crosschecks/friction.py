@@ -1,0 +1,465 @@
+"""Faults at the belts: smoothed friction, chatter, drift in a stick, sticks that end too early or too late."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.crosschecks.causes import Case, Diagnosis, fitted
+from symosc.crosschecks.methods import DELAY_GRID, DELAY_LEAVES, DELAY_ZOOMS, MOST_DELAYS
+from symosc.crosschecks.models import rounded
+from symosc.crosschecks.steps import follow_steps
+from symosc.engine.state import SLIP
+from symosc.kernels._generated import acceleration
+from symosc.model import NEIGHBOURS
+
+
+class Curve(NamedTuple):
+    """Smoothed friction from -1 to 1 over z = (v - v_belt)/width, its inverse, and the integral of it minus sign(z)."""
+
+    of: Callable[[Any], Any]
+    inverse: Callable[[Any], Any]
+    integral: Callable[[Any], Any]
+
+
+CURVES = {
+    "tanh": Curve(np.tanh, np.arctanh, lambda z: np.log1p(np.exp(-2.0 * np.abs(z))) - np.log(2.0)),
+    "arctan": Curve(
+        lambda z: np.arctan(z) * (2.0 / np.pi),
+        lambda u: np.tan(np.pi * u / 2.0),
+        lambda z: 2.0 / np.pi * (z * np.arctan(z) - 0.5 * np.log1p(z * z)) - np.abs(z),
+    ),
+    "z/sqrt(1 + z^2)": Curve(
+        lambda z: z / np.sqrt(1.0 + z * z),
+        lambda u: u / np.sqrt(1.0 - u * u),
+        lambda z: 1.0 / (np.sqrt(1.0 + z * z) + np.abs(z)),
+    ),
+}
+# Widths that differ by less than this part are one, or friction is not smoothed by that curve. A curve that is wider
+# than so many times the distance of the belts is no smoothed sign.
+SAME_WIDTH, WIDEST = 0.2, 3.0
+# Needed friction beyond this shows nothing: the curve is flat.
+FLAT_ABOVE = 0.97
+# Samples off a belt that change the side so often chatter; rates of drift that differ by less than this part are one.
+TURNS_OFTEN, SAME_RATE = 0.2, 0.1
+# Steps through a belt that are tried, pieces of each, and the rest of the defects if all is of first order.
+MOST_SMOOTHED, PIECES, FIRST_ORDER = 40, 48, 0.05
+# Widths that are tried, in units of the distance of the belts, and steps that they are tried on.
+WIDTHS_TRIED = np.geomspace(1e-3, 1.0, 31)
+MOST_WIDTH_STEPS, MOST_FITTED_STEPS, FEWEST_SMOOTHED = 12, 60, 2
+# Runge-Kutta steps over a sample's step: at least, at most, and so many for the time that friction needs to change.
+FEWEST_STAGES, MOST_STAGES, STAGES_PER_CHANGE = 16, 384, 6.0
+# So much of the defects may be left at the best width of the grid, and at the fitted one.
+NEAR_WIDTH, WIDTH_LEAVES = 2.0, 0.01
+# So many sticks are late at one friction, or it is no static friction.
+FEWEST_HELD = 3
+# Ends that differ by this part of the step are one; so are numbers that differ by this part from stick to stick.
+ON_TIME = ONE_NUMBER = 1e-6
+# More than this part of the largest velocity is no drift.
+LARGEST_DRIFT = 0.02
+
+
+def _smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
+    words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
+    return Diagnosis("smoothed friction", name, words, evidence, width, error, share)
+
+
+def _middle_spread(values: np.ndarray) -> tuple[float, float]:
+    """Return the median, and the standard deviation that the median distance from it shows."""
+    middle = float(np.median(values))
+    return middle, 1.4826 * float(np.median(np.abs(values - middle)))
+
+
+# -- smoothed friction, chatter and drift where the mass should stick --------------------------------------------------
+
+
+def at_belts(case: Case) -> Iterator[Diagnosis]:
+    """Yield faults of samples that should be on a belt and are beside it."""
+    s, belts = case.steps, case.steps.belts
+    steps = case.moving_wrong[s.last[case.moving_wrong] > 3]
+    gap = s.v[steps + 1] - belts[s.last[steps] - 4]
+    steps = steps[(np.abs(gap) > 0.0) & (np.abs(gap) < 0.5 * (belts[1] - belts[0]))]
+    if len(steps) < 3:
+        return
+    share, boundary = len(steps) / int(np.sum(case.wrong)), s.last[steps] - 3
+    gap = s.v[steps + 1] - belts[boundary - 1]
+    curves = _widths_in_sticks(case, steps, boundary, gap)
+    name, width, error, spread = min(curves, key=lambda curve: curve[3])
+    rate, same, count = _rates(case, steps, boundary, gap)
+    if spread <= SAME_WIDTH and spread < same and width <= WIDEST * (belts[1] - belts[0]):
+        evidence = f"in sticks v creeps off the belt by the {name} of the needed friction, {len(steps)} samples"
+        yield _smoothed(name, width, error, evidence, 1.0)
+        return
+    runs = np.diff(steps) == 1
+    turned = float(np.mean(gap[1:][runs] * gap[:-1][runs] < 0.0)) if np.any(runs) else 0.0
+    largest = float(np.max(np.abs(gap)))
+    if same <= SAME_RATE:
+        words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
+        yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
+    elif turned > TURNS_OFTEN:
+        words = f"v jumps to and fro about the belt's speed, by up to {largest:.3g}, where the mass should stick"
+        evidence = f"{len(gap)} samples; {turned:.0%} of them are on the other side than the one before"
+        yield Diagnosis("chatter", "", words, evidence, largest, None, share)
+    else:
+        words = f"in a stick v drifts off the belt, by up to {largest:.3g}"
+        yield Diagnosis("drift", "", words, f"{len(gap)} samples, on one side of the belt", largest, None, share)
+
+
+def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
+    """Return the acceleration at a belt without its friction."""
+    K = case.steps.K
+    below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
+    A = np.array([K.A1, K.A2, K.A3])
+    mean = 0.5 * (A[below - 1] + A[above - 1])
+    return np.asarray(acceleration(x, v, np.cos(theta), mean, K.cm, K.w0sq, K.f0))
+
+
+def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
+    return np.asarray(0.5 * np.array([case.steps.K.belt1.J, case.steps.K.belt2.J])[boundary - 1])
+
+
+def _widths_in_sticks(
+    case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray
+) -> list[tuple[str, float, float, float]]:
+    """Return for each curve the width that the samples beside a belt show, its error and its relative spread."""
+    s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
+    push = _push(case, s.x[i], s.v[i], s.theta[i], boundary)
+    slope = -K.w0sq * s.belts[boundary - 1] - K.fB * np.sin(s.theta[i])  # of the push, in a stick
+    found = []
+    for name, curve in CURVES.items():
+        width = spread = np.nan
+        needed = push / half
+        for _ in range(4):  # the creep has an acceleration of its own
+            good = (np.abs(needed) < FLAT_ABOVE) & (np.abs(needed) > 1.0 - FLAT_ABOVE)
+            if np.sum(good) < 3:
+                width, spread = np.nan, np.inf
+                break
+            width, spread = _middle_spread(gap[good] / curve.inverse(needed[good]))
+            spread /= abs(width)
+            clipped = np.clip(needed, -FLAT_ABOVE, FLAT_ABOVE)
+            steep = (curve.inverse(clipped + 1e-6) - curve.inverse(clipped)) / 1e-6
+            needed = (push - width * steep * slope / half) / half
+        if not width > 0.0:
+            spread = np.inf
+        found.append((name, width, float(spread * abs(width) / np.sqrt(len(steps))), spread))
+    return found
+
+
+def _rates(case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray) -> tuple[float, float, int]:
+    """Return how fast the gap grows in steps from the belt or beside it, how much that differs, and their number."""
+    s = case.steps
+    before = s.v[steps] - s.belts[boundary - 1]
+    inside = np.isin(steps - 1, steps) | (np.abs(before) <= case.near[steps])
+    if np.sum(inside) < 2:
+        return 0.0, np.inf, 0
+    rates = ((gap - before) / (s.t[steps + 1] - s.t[steps]))[inside]
+    rate, spread = _middle_spread(rates)
+    return rate, spread / abs(rate) if rate else np.inf, len(rates)
+
+
+# -- smoothed friction in flights --------------------------------------------------------------------------------------
+
+
+def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
+    """Yield the smoothed friction whose equation, integrated over the wrong steps, repeats them."""
+    wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
+    if len(wrong) < FEWEST_SMOOTHED:
+        return
+    few, more = case.some(wrong, MOST_WIDTH_STEPS), case.some(wrong, MOST_FITTED_STEPS)
+    distance = float(np.diff(case.steps.belts)[0])
+    tried = []
+    for name, curve in CURVES.items():
+        sizes = np.max(np.abs(_missed(case, few, WIDTHS_TRIED * distance, curve)), axis=2) / case.sizes[few]
+        left = np.median(np.where(np.isfinite(sizes), sizes, np.inf), axis=1)
+        best = int(np.argmin(left))
+        tried.append((float(left[best]), float(WIDTHS_TRIED[best] * distance), name))
+    for left_best, width, name in sorted(tried):
+        if left_best > NEAR_WIDTH:
+            return
+
+        def misses(value: np.ndarray, curve: Curve = CURVES[name]) -> np.ndarray:
+            return _missed(case, more, np.exp(value), curve)[0]
+
+        fit = fitted(misses, np.log([width]), np.array([1e-4]))
+        if fit is None or not np.nanmedian(fit.sizes / case.sizes[more]) <= WIDTH_LEAVES:
+            continue
+        width = float(np.exp(fit.value[0]))
+        if width <= WIDEST * distance:
+            part = np.nanmedian(fit.sizes / case.sizes[more])
+            evidence = f"the equation with it, integrated over {len(more)} steps, leaves {part:.1e} of their defects"
+            yield _smoothed(name, width, width * float(fit.error[0]), evidence, case.share(fit.sizes, more))
+            return
+
+
+def _missed(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
+    """Return the misses of steps with smoothed friction, shape (widths, steps, 2)."""
+    s, K = case.steps, case.steps.K
+    length = s.t[steps + 1] - s.t[steps]
+    pull = max(K.belt1.J, K.belt2.J, 2.0 * float(np.max(np.abs(s.v[steps + 1] - s.v[steps]) / length)))
+    rate = pull / np.min(widths) + np.sqrt(K.w0sq) + K.cm + K.Om
+    count = int(np.clip(STAGES_PER_CHANGE * rate * np.max(length), FEWEST_STAGES, MOST_STAGES))
+    h = length / count
+    middle, width = 0.5 * (K.A1 + K.A3), widths[:, None]
+
+    def push(theta: Any, x: Any, v: Any) -> Any:
+        friction = K.belt1.J * curve.of((v - K.belt1.v) / width) + K.belt2.J * curve.of((v - K.belt2.v) / width)
+        return acceleration(x, v, np.cos(theta), middle, K.cm, K.w0sq, K.f0) - 0.5 * friction
+
+    shape = (len(widths), len(steps))
+    x, v = np.broadcast_to(s.x[steps], shape), np.broadcast_to(s.v[steps], shape)
+    for i in range(count):
+        theta = s.theta[steps] + K.Om * i * h
+        half, whole = theta + 0.5 * K.Om * h, theta + K.Om * h
+        a1 = push(theta, x, v)
+        a2 = push(half, x + 0.5 * h * v, v + 0.5 * h * a1)
+        a3 = push(half, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2)
+        a4 = push(whole, x + h * v + 0.5 * h * h * a2, v + h * a3)
+        x, v = x + h * v + h * h * (a1 + a2 + a3) / 6.0, v + h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+    return case.misses(np.stack([x, v], axis=2), steps)
+
+
+def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
+    """Yield smoothed friction that shows in flights and passages, by its effect beside the belts to first order."""
+    s = case.steps
+    usable = case.wrong & (s.first < 4) & (s.last < 4) & (np.diff(s.t) > 0.0) & np.isfinite(case.sizes)
+    usable &= np.isin(np.arange(len(usable)), s.events.step[s.events.target > 3], invert=True)
+    steps = np.flatnonzero(usable)
+    steps = steps[np.argsort(-case.sizes[steps])[:MOST_SMOOTHED]]
+    if len(steps) < 3:
+        return
+    time, velocity = _paths(case, steps)
+    best = None
+    for name, curve in CURVES.items():
+        for width in (s.K.belt2.v - s.K.belt1.v) * np.geomspace(1e-6, 1.0, 121):
+            made = _effect(case, time, velocity, width, curve)
+            left = np.max(np.abs((made + s.defects[steps]) / case.allowed[steps]), axis=1) / case.sizes[steps]
+            middle = float(np.median(left))
+            if best is None or middle < best[0]:
+                best = middle, name, float(width), left
+    if best is not None and best[0] <= SAME_WIDTH:
+        middle, name, width, left = best
+        evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
+        # One width for all steps says more than a delay for each.
+        share = float(np.mean(left < 2.0 * SAME_WIDTH)) + 0.01
+        share = share if middle <= FIRST_ORDER else share * (1.0 - middle / SAME_WIDTH)
+        yield _smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
+
+
+def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return times since the beginning of steps and velocities of the exact motion there, shape (steps, pieces + 1)."""
+    s = case.steps
+    length = s.t[steps + 1] - s.t[steps]
+    order = np.argsort(steps)
+    time, velocity = np.outer(length, np.linspace(0.0, 1.0, PIECES + 1)), np.empty((len(steps), PIECES + 1))
+    velocity[:, 0] = s.v[steps]
+    for k, i in enumerate(steps.tolist()):  # the path has a kink at each event: it is the end of a piece
+        for event in s.events.t[s.events.rows(i, i)].tolist():
+            after = event - s.t[i]
+            time[k, 1 + int(np.argmin(np.abs(time[k, 1:-1] - after)))] = after
+    i = steps[order]
+    for j in range(1, PIECES + 1):
+        times = np.maximum.accumulate(np.column_stack([s.t[i], s.t[i] + time[order, j]]).ravel())
+        there = follow_steps(case.parameters, times, np.repeat(s.x[i], 2), np.repeat(s.v[i], 2), 0.0, case.scales)
+        velocity[order, j] = there.defects[::2, 1] + s.v[i]
+    return time, velocity
+
+
+def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
+    """Return how smoothed friction moves the ends of steps in x and v, to first order, shape (steps, 2)."""
+    K = case.steps.K
+    push = np.zeros((len(time), PIECES))
+    for belt in (K.belt1, K.belt2):
+        gap = velocity - belt.v
+        change = np.diff(gap, axis=1)
+        steep = np.abs(change) > 1e-12 * (np.abs(gap[:, 1:]) + width)
+        total = width * np.diff(curve.integral(gap / width), axis=1)
+        push -= 0.5 * belt.J * np.where(steep, total / np.where(steep, change, 1.0), 0.0)
+    impulse = push * np.diff(time, axis=1)
+    left = time[:, -1:] - 0.5 * (time[:, 1:] + time[:, :-1])
+    decay = np.exp(-0.5 * K.cm * left)
+    frequency = np.sqrt(complex(K.w0sq - 0.25 * K.cm**2))
+    wave = np.real(np.sin(frequency * left) / frequency) if frequency else left
+    level = np.real(np.cos(frequency * left))
+    return np.column_stack([
+        np.sum(impulse * decay * wave, axis=1),
+        np.sum(impulse * decay * (level - 0.5 * K.cm * wave), axis=1),
+    ])  # fmt: skip
+
+
+# -- sticks that end too early or too late, or drift within a step -----------------------------------------------------
+
+
+class Sticks(NamedTuple):
+    """Wrong steps with a stick: its boundary, when and where it begins, and its exact end or that of the step."""
+
+    step: np.ndarray
+    boundary: np.ndarray
+    begin: np.ndarray
+    x: np.ndarray
+    end: np.ndarray
+
+
+def _find_sticks(case: Case) -> Sticks | None:
+    """Return the wrong steps that end in a flight after a stick, for the samples; None if there is none."""
+    s, rows = case.steps, []
+    for i in case.some(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
+        part = s.events.rows(i, i)
+        kinds, times, targets = s.events.kind[part], s.events.t[part], s.events.target[part]
+        slips, onsets = np.flatnonzero(kinds == SLIP), np.flatnonzero(targets > 3)
+        end = float(times[slips[0]]) if len(slips) else float(s.t[i + 1])
+        if s.first[i] > 3:
+            boundary, begin, x = int(s.first[i]) - 3, float(s.t[i]), float(s.x[i])
+        elif case.domain[i] == 0:  # the samples stick, the exact motion has gone by now
+            boundary, begin, x = int(_nearest_belt(case, np.array([i]))[0]), float(s.t[i]), float(s.x[i])
+            end = begin
+        elif len(onsets):
+            k = int(onsets[0])
+            boundary, begin, x = int(targets[k]) - 3, float(times[k]), float(s.events.x[part][k])
+        else:
+            continue
+        rows.append((i, boundary, begin, x, end))
+    if not rows:
+        return None
+    table = np.array(rows)
+    return Sticks(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
+
+
+def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
+    v, K = case.steps.v[samples], case.steps.K
+    return np.where(np.abs(v - K.belt1.v) <= np.abs(v - K.belt2.v), 1, 2)
+
+
+def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
+    """Return which of the steps go on with a belt from beginning to end."""
+    s = case.steps
+    speed = s.belts[_nearest_belt(case, steps) - 1]
+    ends = np.column_stack([s.x[steps] + speed * (s.t[steps + 1] - s.t[steps]), speed])
+    return np.asarray((case.miss_sizes(ends, steps) <= case.limits()[steps]) & (case.domain[steps] == 0))
+
+
+def stick_ends(case: Case) -> Iterator[Diagnosis]:
+    """Yield sticks that end too early or too late: then a flight with one force begins, without a cause."""
+    sticks, total = _find_sticks(case), int(np.sum(case.wrong))
+    if sticks is None:
+        yield from _kept_too_long(case)
+        return
+    s, there = case.steps, sticks.step
+    early = _best_exit(case, sticks, sticks.begin, sticks.end)
+    late = _best_exit(case, sticks, sticks.end, s.t[there + 1])
+    is_late = late[1] < early[1]
+    time, leaves = np.where(is_late, late[0], early[0]), np.where(is_late, late[1], early[1])
+    fits = leaves <= case.limits(DELAY_LEAVES)[there]
+    fits &= np.abs(time - sticks.end) > ON_TIME * (s.t[there + 1] - s.t[there])
+    if not np.any(fits):
+        yield from _kept_too_long(case)
+        return
+    rest = np.setdiff1d(np.flatnonzero(case.wrong), there[fits])
+    count, lasting = int(np.sum(fits)), time[fits] - sticks.end[fits]
+    if 2 * np.sum(is_late[fits]) > count:
+        held = _needed_friction(case, sticks, time)[fits & is_late]
+        evidence = f"{count} sticks are late by {float(np.mean(lasting)):.3g} on average"
+        yield _late(held, evidence, (count + int(np.sum(_kept_on(case, rest)))) / total)
+        return
+    words = f"sticks are left while the belt still holds, first at t = {float(time[fits][0]):.8g}"
+    evidence = f"{count} sticks end up to {float(np.max(-lasting)):.3g} too early; flights without a cause follow"
+    share = (count + _flights_without_cause(case, rest)) / total
+    yield Diagnosis("stick left early", "", words, evidence, share=share)
+
+
+def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
+    """Yield sticks that end too late, where the samples show their ends: only steps on the belt are wrong."""
+    s, wrong = case.steps, np.flatnonzero(case.wrong)
+    on = wrong[(case.domain[wrong] == 0) & (s.last[wrong] <= 3)]
+    on = on[_kept_on(case, on)]
+    if len(on):
+        ends = on[np.diff(on, append=-1) != 1] + 1
+        steps, time = np.minimum(ends, len(s.first) - 1), s.t[ends]
+        held = _needed_friction(case, Sticks(steps, _nearest_belt(case, ends), time, s.x[ends], time), time)
+        if np.median(held) > 1.0:
+            evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
+            yield _late(held, evidence, len(on) / len(wrong))
+
+
+def _flights_without_cause(case: Case, steps: np.ndarray) -> int:
+    """Return how many of the steps are flights with the force of one domain, be it the right one or not."""
+    if not len(steps):
+        return 0
+    left = np.min([case.miss_sizes(case.steps.flight(d, steps, steps + 1), steps) for d in (1, 2, 3)], axis=0)
+    return int(np.sum(left <= case.limits()[steps]))
+
+
+def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
+    """Return sticks that are left too late, with the friction at which they are left."""
+    ratio, count = float(np.median(held)), len(held)
+    alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
+    if count >= FEWEST_HELD and 2 * np.sum(alike) < count:
+        words = "events are not located: sticks end late, each by another friction, at the end of the solver's step"
+        return Diagnosis("late events", "", words, evidence, share=share)
+    error = float(np.std(held) / np.sqrt(count)) if count > 1 else 0.01 * abs(ratio)
+    words = f"sticks are left too late: they hold up to {ratio:.4g} times the friction (static friction?)"
+    evidence = f"{evidence}; friction there {ratio:.4g} ± {error:.1g} times the limit"
+    return Diagnosis("stick left late", "", words, evidence, ratio, error, share)
+
+
+def _needed_friction(case: Case, sticks: Sticks, time: np.ndarray) -> np.ndarray:
+    """Return which part of the friction each stick needs at a time."""
+    speed = case.steps.belts[sticks.boundary - 1]
+    push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
+    return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
+
+
+def _phase(case: Case, sticks: Sticks, time: np.ndarray) -> np.ndarray:
+    s = case.steps
+    return np.asarray(s.theta[sticks.step] + s.K.Om * (time - s.t[sticks.step]))
+
+
+def _left_at(case: Case, sticks: Sticks, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
+    """Return the misses of steps whose stick ends at a time, with a flight below (0) or above (1) it."""
+    s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
+    x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
+    return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
+
+
+def _best_exit(case: Case, sticks: Sticks, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the time between two limits at which a stick that ends there fits best, and the rest of the defect."""
+    best, leaves = low.copy(), np.full(len(low), np.inf)
+    begin, end = low, high
+    for _ in range(DELAY_ZOOMS):
+        for part in np.linspace(0.0, 1.0, 2 * DELAY_GRID):
+            tried = begin + part * (end - begin)
+            for side in (0, 1):
+                left = np.max(np.abs(_left_at(case, sticks, tried, side)), axis=1)
+                better = left < leaves
+                best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
+        width = (end - begin) / (2 * DELAY_GRID - 1)
+        begin, end = np.maximum(best - width, low), np.minimum(best + width, high)
+    return best, leaves
+
+
+def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
+    """Yield a velocity that drifts off the belt in sticks within one step: it shows in the flight after them."""
+    sticks = _find_sticks(case)
+    if sticks is None:
+        return
+    T = sticks.end - sticks.begin
+    best, leaves = np.zeros(len(T)), np.full(len(T), np.inf)
+    unit = case.scales[1] / np.maximum(T, 1e-300) * 1e-6
+    for side in (0, 1):
+        base = _left_at(case, sticks, sticks.end, side)
+        slope = (_left_at(case, sticks, sticks.end, side, 0.5 * unit * T * T, unit * T) - base) / unit[:, None]
+        rate = -np.sum(slope * base, axis=1) / np.maximum(np.sum(slope * slope, axis=1), 1e-300)
+        left = np.max(np.abs(base + slope * rate[:, None]), axis=1)
+        best, leaves = np.where(left < leaves, rate, best), np.minimum(left, leaves)
+    fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= LARGEST_DRIFT * case.scales[1])
+    if not np.any(fits):
+        return
+    middle, spread = _middle_spread(best[fits])
+    if spread <= SAME_RATE * abs(middle):
+        # One number for all sticks says more than an end for each.
+        surely = 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0
+        share = surely + float(np.sum(fits)) / int(np.sum(case.wrong))
+        words = f"in a stick v drifts off the belt, by {middle:.3g} per unit of time"
+        evidence = f"one rate explains what follows {int(np.sum(fits))} sticks"
+        yield Diagnosis("drift", "", words, evidence, middle, spread if np.sum(fits) > 1 else None, share)

@@ -1,0 +1,388 @@
+"""The method that made wrong steps: a known one with a fixed step, events that it misses or sees late, its errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from symosc.crosschecks.causes import SURE, Case, Diagnosis
+from symosc.engine.state import SLIP
+from symosc.kernels._generated import acceleration
+
+State = tuple[Any, Any]
+Force = Callable[[Any, Any, Any], Any]
+Method = Callable[[Force, Any, Any, Any, Any], State]
+# Samples may be so many steps of the method apart.
+SUBSTEPS = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100)
+MOST_REPEATED = 60
+# A method is known by leaving so little of the defects; its fitted weights by less.
+REPEATED_TO, WEIGHTS_TO = 0.005, 1e-4
+IMPLICIT_ROUNDS = 60
+FEWEST_WEIGHTED = 8
+# Steps with events on which delays are tried, on a grid of so many points, which is made finer so many times.
+MOST_DELAYS, DELAY_GRID, DELAY_ZOOMS = 60, 9, 8
+# A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
+DELAY_LEAVES = 0.005
+
+
+# -- methods with a fixed step: each returns the state after a step h, for the acceleration a(t, x, v) -----------------
+
+
+def semi_implicit(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Use the new velocity for the position."""
+    v = v + h * a(t, x, v)
+    return x + h * v, v
+
+
+def position_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Use the new position for the velocity."""
+    x = x + h * v
+    return x, v + h * a(t, x, v)
+
+
+def taylor(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Keep the acceleration."""
+    first = a(t, x, v)
+    return x + h * v + 0.5 * h * h * first, v + h * first
+
+
+def kick_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Do half a kick, a drift, half a kick (leapfrog, Verlet)."""
+    middle = v + 0.5 * h * a(t, x, v)
+    x = x + h * middle
+    return x, middle + 0.5 * h * a(t + h, x, middle)
+
+
+def drift_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+    """Do half a drift, a kick, half a drift."""
+    middle = x + 0.5 * h * v
+    after = v + h * a(t + 0.5 * h, middle, v)
+    return middle + 0.5 * h * after, after
+
+
+def velocity_verlet(predicted: float) -> Method:
+    """Return velocity Verlet with the force at the old velocity (0) or at a predicted one (1)."""
+
+    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+        first = a(t, x, v)
+        x = x + h * v + 0.5 * h * h * first
+        return x, v + 0.5 * h * (first + a(t + h, x, v + predicted * h * first))
+
+    return step
+
+
+def implicit(part: float) -> Method:
+    """Return the implicit rule of order 1 (part 1) or 2 (1/2: Crank-Nicolson, Newmark)."""
+
+    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+        first, ahead = a(t, x, v), v
+        for _ in range(IMPLICIT_ROUNDS):
+            there = x + h * ((1.0 - part) * v + part * ahead)
+            ahead = v + h * ((1.0 - part) * first + part * a(t + h, there, ahead))
+        return x + h * ((1.0 - part) * v + part * ahead), ahead
+
+    return step
+
+
+def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
+    """Return an explicit Runge-Kutta method from its tableau."""
+
+    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+        slopes = stages(rows, a, t, x, v, h)
+        dx, dv = (sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True)) for i in (0, 1))
+        return x + h * dx, v + h * dv
+
+    return step
+
+
+def stages(rows: Sequence[Sequence[float]], a: Force, t: Any, x: Any, v: Any, h: Any) -> list[State]:
+    """Return the slopes of x and v at the stages of an explicit Runge-Kutta method."""
+    slopes: list[State] = []
+    for row in rows:
+        dx, dv = (sum(part * slope[i] for part, slope in zip(row, slopes, strict=True)) for i in (0, 1))
+        ahead = v + h * dv
+        slopes.append((ahead, a(t + sum(row) * h, x + h * dx, ahead)))
+    return slopes
+
+
+CLASSICAL = ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0))
+#: "exact" is the closed form, with the force of the domain at the beginning of the step.
+FIXED_STEP_METHODS: dict[str, Method | None] = {
+    "exact": None,
+    "Euler": runge_kutta(((),), 1.0),
+    "semi-implicit Euler": semi_implicit,
+    "semi-implicit Euler, x first": position_first,
+    "constant acceleration": taylor,
+    "midpoint": runge_kutta(((), (0.5,)), 0.0, 1.0),
+    "Heun": runge_kutta(((), (1.0,)), 0.5, 0.5),
+    "leapfrog (velocity Verlet)": kick_first,
+    "velocity Verlet with the old v": velocity_verlet(0.0),
+    "velocity Verlet with a predicted v": velocity_verlet(1.0),
+    "leapfrog, x first": drift_first,
+    "implicit Euler": implicit(1.0),
+    "trapezoidal rule": implicit(0.5),
+    "RK3": runge_kutta(((), (0.5,), (-1.0, 2.0)), 1 / 6, 4 / 6, 1 / 6),
+    "RK4": runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 3, 1 / 6),
+    "RK4 with equal weights": runge_kutta(CLASSICAL, 1 / 4, 1 / 4, 1 / 4, 1 / 4),
+    "RK4 with weights 1, 3, 3, 1 over 8": runge_kutta(CLASSICAL, 1 / 8, 3 / 8, 3 / 8, 1 / 8),
+    "RK4 with weights 2, 1, 1, 2 over 6": runge_kutta(CLASSICAL, 1 / 3, 1 / 6, 1 / 6, 1 / 3),
+    "RK4 with weights 1, 2, 1, 2 over 6": runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 6, 1 / 3),
+    "RK4 with weights 1, 1, 2, 2 over 6": runge_kutta(CLASSICAL, 1 / 6, 1 / 6, 1 / 3, 1 / 3),
+    "RK4 with weights 2, 2, 1, 1 over 6": runge_kutta(CLASSICAL, 1 / 3, 1 / 3, 1 / 6, 1 / 6),
+}
+# Tried with at most so many steps from sample to sample.
+RARE = {name for name in FIXED_STEP_METHODS if name.startswith(("RK4 with", "RK3", "implicit", "trapez", "constant"))}
+MOST_RARE = 10
+
+
+def repeated(case: Case) -> Iterator[Diagnosis]:
+    """Yield the method that repeats the wrong steps: with events located, or with the friction of each stage's v."""
+    wrong, inside = case.moving_wrong, case.inside_wrong
+    at_events = case.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
+    flights = case.some(inside, MOST_REPEATED)
+    # Where most steps with events have a sample on the belt at an end, the events are located.
+    passed = 2 * np.sum((case.domain[at_events] > 0) & (case.domain[at_events + 1] > 0)) > len(at_events)
+    for count in SUBSTEPS:
+        for name, method in FIXED_STEP_METHODS.items():
+            if name in RARE and count > MOST_RARE:
+                continue
+            others = _share_repeated(case, flights, method, count)
+            if len(flights) >= 3 and others < 0.8:
+                continue
+            events, held = max(
+                (_share_repeated(case, at_events, method, count, held), held) for held in (False, method is not None)
+            )
+            h = float(np.median(case.steps.t[wrong + 1] - case.steps.t[wrong])) / count
+            over_events = (passed or (len(at_events) and method is None)) and events >= 0.8
+            if over_events:
+                unseen = case.domain[at_events + 1] == case.domain[at_events]
+                yield _not_located(case, name, h, events, count == 1 and 2 * np.sum(unseen) > len(unseen), held)
+            if len(flights) >= 3 and not (over_events and method is None):
+                words = f"the steps are those of the method {name} with a step of {h:.4g}"
+                evidence = f"{others:.0%} of {len(flights)} steps inside a domain are repeated by it"
+                yield Diagnosis("truncation", name, words, evidence, h, 0.0, others)
+            if over_events or len(flights) >= 3:
+                return
+    yield from _other_weights(case, flights)
+
+
+def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
+    """Yield the classical Runge-Kutta method with fitted weights."""
+    if len(flights) < FEWEST_WEIGHTED:
+        return
+    s, force = case.steps, _force(case, flights)
+    h = s.t[flights + 1] - s.t[flights]
+    slopes = np.array(stages(CLASSICAL, force, 0.0 * h, s.x[flights], s.v[flights], h)) * h  # stage, x or v, step
+    J = np.moveaxis(slopes, 0, -1).transpose(1, 0, 2) / case.allowed[flights][:, :, None]
+    wanted = np.diff(s.states, axis=0)[flights] / case.allowed[flights]
+    if not np.all(np.isfinite(J)):
+        return
+    weights = np.linalg.lstsq(J.reshape(-1, 4), wanted.ravel(), rcond=1e-9)[0]
+    left = np.max(np.abs(J @ weights - wanted), axis=1)
+    share = float(np.mean(left <= case.limits(WEIGHTS_TO)[flights]))
+    if share >= 0.8:
+        values, total = ", ".join(f"{weight:.4f}" for weight in weights), np.sum(weights)
+        words = f"the steps are those of RK4 with wrong weights: {values}, which should be 1, 2, 2, 1 over 6"
+        evidence = f"fitted: these weights, whose sum is {total:.6g}, repeat {share:.0%} of {len(flights)} steps"
+        yield Diagnosis("truncation", "Runge-Kutta weights", words, evidence, float(total), 0.0, share)
+
+
+def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
+    """Return that a method with a fixed step goes over events; in sticks that is chatter."""
+    if name == "exact" and unseen:
+        words = "belts are met and left within a step, and that is not seen"
+        evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
+        return Diagnosis("double root", "", words, evidence, share=share)
+    if name == "exact":
+        words = f"events are not located: they happen at the end of steps of {h:.4g}"
+        evidence = f"right flights with the force at the beginning of steps of {h:.4g} repeat {share:.0%} of the steps"
+        return Diagnosis("late events", name, words, evidence, h, 0.0, share)
+    friction = "the friction at its beginning" if held else "the friction of each stage's v"
+    evidence = f"{name} with steps of {h:.4g} and {friction} repeats {share:.0%} of the steps with events"
+    if case.sticks and np.any(case.wrong & (case.steps.last > 3)):
+        words = f"v jumps to and fro about a belt's speed: {name} with a step of {h:.4g} goes over the events"
+        return Diagnosis("chatter", name, words, evidence, h, 0.0, share)
+    words = f"events are not located: {name} with a step of {h:.4g} goes over them"
+    return Diagnosis("late events", name, words, evidence, h, 0.0, share)
+
+
+def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
+    """Return which part of the steps is repeated by so many steps of a method, with the friction of each stage's v.
+
+    `held`: with the friction at the beginning of each of its steps.
+    """
+    if not len(chosen):
+        return 0.0
+    s, K = case.steps, case.steps.K
+    h = (s.t[chosen + 1] - s.t[chosen]) / count
+    t, x, v = np.zeros(len(chosen)), s.x[chosen], s.v[chosen]
+    with np.errstate(all="ignore"):
+        for _ in range(count):
+            if method is None:
+                x, v = s.fly(1 + (v > K.belt1.v) + (v > K.belt2.v), x, v, s.theta[chosen] + K.Om * t, h).T
+            else:
+                x, v = method(_force(case, chosen, held), t, x, v, h)
+            t = t + h
+        sizes = np.nan_to_num(case.miss_sizes(np.column_stack([x, v]), chosen), nan=np.inf)
+    return float(np.mean(sizes <= case.limits(REPEATED_TO)[chosen]))
+
+
+def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
+    """Return the acceleration in some steps, at times since they began; `held`: in the domain at their beginning."""
+    s, K = case.steps, case.steps.K
+    forces = np.array([K.A1, K.A2, K.A3])
+    domain: list[np.ndarray] = []
+
+    def force(t: Any, x: Any, v: Any) -> Any:
+        here = (v > K.belt1.v).astype(int) + (v > K.belt2.v)
+        if held and not domain:
+            domain.append(here)
+        theta = s.theta[chosen] + K.Om * t
+        return acceleration(x, v, np.cos(theta), forces[domain[0] if held else here], K.cm, K.w0sq, K.f0)
+
+    return force
+
+
+def truncation(case: Case) -> Iterator[Diagnosis]:
+    """Yield errors like those of some method, with their size and order."""
+    wrong = case.inside_wrong
+    if len(wrong) < 3:
+        return
+    errors = np.max(np.abs(case.steps.defects[wrong]) / case.scales, axis=1)
+    size, more = float(np.median(errors)), ""
+    words = f"steps without events have errors of about {size:.1e} of the largest |x|, |v|: a tolerance of the method"
+    h = np.log(np.diff(case.steps.t)[wrong])
+    if np.ptp(h) >= 1.0 and len(h) >= 20:  # the steps differ enough to show an order
+        (slope, _), matrix = np.polyfit(h, np.log(errors), 1, cov=True)
+        more = f"; they grow like the step to the power {slope:.1f} ± {np.sqrt(matrix[0, 0]):.1g}"
+    evidence = f"no coefficient, sign, column or method of those tried explains them{more}"
+    yield Diagnosis("truncation", "", words, evidence, size, None, 0.6 * case.flights_wrong)
+
+
+# -- events that are missed, late, or on a straight line ---------------------------------------------------------------
+
+
+def double_roots(case: Case) -> Iterator[Diagnosis]:
+    """Yield belts met within one step, which signs at its ends do not show: the samples keep to their domain."""
+    s = case.steps
+    source, target = case.domain[:-1], case.domain[1:]
+    there = case.wrong & (source > 0) & (source == target) & (s.first == source)
+    chosen = np.flatnonzero(there & np.isin(np.arange(len(there)), s.events.step))
+    if not len(chosen):
+        return
+    sizes = case.miss_sizes(s.flight(source[chosen], chosen, chosen + 1), chosen)
+    fits = sizes <= case.limits()[chosen]
+    count, right, total = int(np.sum(fits)), int(np.sum(sizes <= 1.0)), int(np.sum(case.wrong))
+    if count:
+        times = s.events.t[s.events.rows(int(chosen[fits][0]), int(chosen[fits][0]))]
+        low, high = float(times[0]), float(times[-1])
+        words = f"a belt is met within one step, and that is not seen ({count} times)"
+        first = f"the first time at t = {low:.8g} to {high:.8g}"
+        evidence = f"{first}; without the contacts {right} of these steps are right"
+        yield Diagnosis("double root", "", words, evidence, share=SURE if right == total else count / total)
+
+
+def delays(case: Case) -> Iterator[Diagnosis]:
+    """Yield events that happen later than they should, with the mean delay."""
+    s = case.steps
+    chosen, rows, every = _first_events(case, np.ones(len(s.first), bool))
+    if not len(chosen):
+        return
+    delay, leaves = _best_delays(case, chosen, rows)
+    fits = leaves <= case.limits(DELAY_LEAVES)[chosen]
+    if not np.any(fits) or np.all(s.events.kind[rows][fits] == SLIP):  # late ends of sticks are another cause
+        return
+    share = float(np.mean(fits)) * every / int(np.sum(case.wrong))
+    room = s.t[chosen + 1] - s.events.t[rows]
+    unseen = int(np.sum(fits & (delay >= 0.999 * room) & (case.domain[chosen + 1] == s.first[chosen])))
+    if 2 * unseen > np.sum(fits):
+        words = f"belts are met and left within a step, and that is not seen ({unseen} times)"
+        yield Diagnosis("double root", "", words, f"the force before them repeats {unseen} steps", share=share)
+        return
+    mean, spread, largest = float(np.mean(delay[fits])), float(np.std(delay[fits])), float(np.max(delay[fits]))
+    evidence = f"{int(np.sum(fits))} events are late by {mean:.3g} on average (spread {spread:.2g})"
+    words = f"events are not located: they happen up to {largest:.3g} late, at the end of the solver's step"
+    yield Diagnosis("late events", "", words, evidence, mean, spread, share)
+
+
+def _best_delays(case: Case, chosen: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the delay of the first event of each step that fits best, and the defect that it leaves."""
+    room = case.steps.t[chosen + 1] - case.steps.events.t[rows]
+    low, high = np.zeros(len(chosen)), np.ones(len(chosen))
+    best, leaves = np.ones(len(chosen)), np.full(len(chosen), np.inf)
+    for _ in range(DELAY_ZOOMS):
+        for part in np.linspace(0.0, 1.0, DELAY_GRID):
+            tried = low + part * (high - low)
+            left = np.minimum(*(_with_delay(case, chosen, rows, tried * room, onto) for onto in (False, True)))
+            better = left < leaves
+            best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
+        width = (high - low) / (DELAY_GRID - 1)
+        low, high = np.maximum(best - width, 0.0), np.minimum(best + width, 1.0)
+        if np.all(leaves <= case.limits(DELAY_LEAVES)[chosen]):
+            break
+    return best * room, leaves
+
+
+def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
+    """Return the miss sizes of steps if their first event came later; `onto`: then v is set to the belt's."""
+    s = case.steps
+    time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
+    source, tau = s.first[chosen], time - s.t[chosen]
+    speed = s.belts[s.events.boundary[rows] - 1]
+    # To the event as before, a flight on its own or on the belt.
+    x, v = s.fly(np.minimum(source, 3), s.x[chosen], s.v[chosen], s.theta[chosen], tau).T
+    held = source > 3
+    x = np.where(held, s.x[chosen] + speed * tau, x)
+    return _after(case, chosen, time, x, np.where(held | onto, speed, v))
+
+
+def _after(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the miss sizes of the exact motion from states inside steps to their ends."""
+    misses = case.between(np.column_stack([time, x, v]), chosen + 1, np.zeros(len(chosen))) / case.allowed[chosen]
+    return np.asarray(np.max(np.abs(misses), axis=1))
+
+
+def interpolated(case: Case) -> Iterator[Diagnosis]:
+    """Yield events located on the straight line between the ends of a step, from which the flight goes on."""
+    s = case.steps
+    chosen, rows, every = _first_events(case, s.first <= 3)
+    if not len(chosen):
+        return
+    t, x, v, theta, first = s.t[chosen], s.x[chosen], s.v[chosen], s.theta[chosen], s.first[chosen]
+    speed = s.belts[s.events.boundary[rows] - 1]
+    whole = s.flight(first, chosen, chosen + 1)
+    part = (speed - v) / (whole[:, 1] - v)
+    time = t + part * (s.t[chosen + 1] - t)
+    good = np.isfinite(part) & (part >= 0.0) & (part <= 1.0)
+    if not np.any(good):
+        return
+    at_line = x + part * (whole[:, 0] - x)
+    at_flight = s.fly(first, x, v, theta, np.where(good, time, s.t[chosen + 1]) - t)[:, 0]
+    left = np.full(len(chosen), np.inf)
+    for place in (at_line, at_flight):
+        after = _after(case, chosen, np.where(good, time, t), np.where(good, place, x), np.where(good, speed, v))
+        left = np.fmin(left, np.where(good, after, np.inf))
+    # Where the samples end with the event, the line from its sample to the end of the solver's usual step led there.
+    usual = float(np.median(np.diff(s.t)))
+    whole = s.fly(first, x, v, theta, (t + usual) - t)
+    part = (speed - v) / (whole[:, 1] - v)
+    late = np.abs(t + part * usual - s.t[chosen + 1]) * np.maximum(np.abs(speed), np.abs(v))
+    off = np.maximum(np.abs(x + part * (whole[:, 0] - x) - s.x[chosen + 1]), late) / case.allowed[chosen, 0]
+    ends = np.abs(s.v[chosen + 1] - speed) <= case.near[chosen + 1]
+    left = np.fmin(left, np.where(ends & np.isfinite(off), off, np.inf))
+    fits = left <= case.limits()[chosen]
+    share = float(np.mean(fits)) * every / int(np.sum(case.wrong))
+    if np.sum(fits) >= 2 or np.all(fits):
+        evidence = f"that repeats {int(np.sum(fits))} of {len(chosen)} wrong steps in which a flight meets a belt"
+        words = "events are located by linear interpolation of v over a step"
+        yield Diagnosis("event interpolation", "", words, evidence, share=share)
+
+
+def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return some wrong steps with an event, the row of the first event of each, and how many such steps there are."""
+    steps = np.unique(case.steps.events.step)
+    steps = steps[case.wrong[steps] & usable[steps]]
+    chosen = case.some(steps, MOST_DELAYS)
+    return chosen, np.searchsorted(case.steps.events.step, chosen), len(steps)

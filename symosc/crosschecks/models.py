@@ -1,0 +1,370 @@
+"""Other systems as causes of wrong steps: those that people write by mistake, as they are, and fitted numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import inf, pi, remainder, sqrt
+from typing import Any
+
+import numpy as np
+
+from symosc.crosschecks.causes import FITS, LEFT_OVER, SURE, Candidate, Case, Change, Diagnosis, Fit, fitted
+from symosc.crosschecks.steps import follow_steps
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import Constants
+from symosc.errors import ParameterError
+from symosc.model import PARAMETER_NAMES, Parameters
+
+# Steps on which a system is tried first, and the part of them that it must explain to be followed over all.
+MOST_TRIED, SEEMS_RIGHT = 60, 0.5
+LEAST_FLIGHTS, MOST_FLIGHTS = 3, 24
+GRAVITY = 9.81
+# A diagnosis explains the samples if it explains this part of the wrong steps.
+ENOUGH = 0.9
+# Steps that a fit through events uses, and those of a fit through flights.
+MOST_FOLLOWED, MOST_FLOWN = 80, 400
+# Derivatives are taken over this part of a coefficient.
+TICK = 1e-5
+# Far coefficients: factors of the right one, the fewest flights that show one, flights on which factors are compared,
+# and frequencies of the drive and phases that are compared.
+FAR_FACTORS = np.geomspace(1e-3, 1e3, 61)
+FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES, TURNS_TRIED = 8, 24, 4000, 48
+# A phase so near to a quarter of a turn is one.
+QUARTER = 1e-4
+# Cause, subject, words, the change in words, and the values that change.
+System = tuple[str, str, str, str, dict[str, Any]]
+
+
+# -- systems that people write by mistake ------------------------------------------------------------------------------
+
+
+def other_systems(case: Case) -> Iterator[Candidate]:
+    """Yield the systems of the table that explain the steps, each with the change that tests it."""
+    p, seen = case.parameters, {case.parameters}
+    tried = case.some(case.moving_wrong, MOST_TRIED)
+    flights = case.some(case.inside, MOST_FLIGHTS)
+    for cause, subject, words, change, values in _systems(p):
+        other = _other(p, **values)
+        if other is None or other in seen or not len(tried):
+            continue
+        seen.add(other)
+        if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
+            few, chosen = case.flown(Arithmetic(other).K, chosen=flights), flights
+        else:
+            few, chosen = case.followed_some(other, tried), tried
+        if np.mean(np.max(np.abs(few), axis=1) <= case.limits()[chosen]) < SEEMS_RIGHT:
+            continue
+        value = float(next(iter(values.values()))) if len(values) == 1 else None
+        share = case.share(case.followed(other))
+        found = Diagnosis(cause, subject, words, "", value, None if value is None else 0.0, share)
+        yield Candidate(found, Change(f"with {change}", parameters=other))
+    yield from _flights_of_no_system(case)
+
+
+def _systems(p: Parameters) -> Iterator[System]:
+    """Yield common mistakes, the likeliest first."""
+    m, Om = float(p.m), float(p.Omega)
+    for name in ("A0", "B0", "v1", "v2"):
+        yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
+    swapped = f"the belts are swapped: belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
+    yield "swapped belts", "", swapped, "mu1 and mu2 swapped", {"mu1": p.mu2, "mu2": p.mu1}
+    if p.mu1 + p.mu2:
+        yield "coefficient", "FN", "there is no friction at all (FN = 0)", "FN = 0", {"FN": 0}
+    changes: list[tuple[str, Any, str]] = [
+        ("Omega", Om * 2 * pi, "times 2 pi"), ("Omega", Om / (2 * pi), "divided by 2 pi"),
+        ("Omega", Om * pi / 180, "Omega t in degrees"), ("Omega", Om * 180 / pi, "Omega in degrees"),
+        ("Omega", Om * Om, "its square"), ("Omega", 2 * Om, "twice"), ("Omega", Om / 2, "half"),
+        ("m", m * m, "divided by twice"), ("m", 1.0, "left out"),
+        ("m", m * 1000, "times 1000"), ("m", m / 1000, "/1000"),
+    ]  # fmt: skip
+    for factor, why in ((0, "missing"), (0.5, "half"), (2, "twice")):
+        names = ("c", "k", "B0", "A0", "FN", "mu1", "mu2", "m")
+        changes += [(name, float(getattr(p, name)) * factor, why) for name in names]
+    changes += [("FN", float(p.FN) * GRAVITY, "times g"), ("FN", float(p.FN) * (1 / GRAVITY), "divided by g")]
+    changes += [("mu1", p.mu2, "mu2 in its place"), ("mu2", p.mu1, "mu1 in its place")]
+    for name, value, why in changes:
+        text, right = f"{float(value):.15g}", float(getattr(p, name))
+        words = f"the solution has {name} = {text}, which should be {right:.10g}: {why}"
+        yield "coefficient", name, words, f"{name} = {text}", {name: float(text)}
+    for group, where in ((("A0", "B0", "FN"), "the forces A0, B0 and FN are"), (("k", "c"), "k and c are")):
+        for mass, how in ((m, "not divided by m"), (1.0 / m, "divided by m twice")):
+            values = {name: float(getattr(p, name)) * mass for name in group}
+            change = ", ".join(f"{name} = {float(value):.17g}" for name, value in values.items())
+            yield "coefficient", "m", f"{where} {how}", change, values
+
+
+def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
+    """Yield wrong signs with which there is no system: only flights can show them."""
+    p, inside, K = case.parameters, case.some(case.inside, 10 * MOST_FLIGHTS), case.steps.K
+    if len(inside) < LEAST_FLIGHTS:
+        return
+    from scipy.linalg import expm
+
+    s, tau, theta = case.steps, np.diff(case.steps.t)[inside], case.steps.theta[inside]
+    begin = np.column_stack([s.states[inside], np.cos(theta), np.sin(theta), np.ones(len(inside))])
+    against = tuple(float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
+    right = (K.A1, K.A2, K.A3)
+    for name, there, what, forces, damping, spring in (
+        ("friction", p.FN * (p.mu1 + p.mu2), "it pushes away from the belts", against, 1, 1),
+        ("k", p.k, "the spring pushes away", right, 1, -1),
+        ("c", p.c, "the damper pushes", right, -1, 1),
+    ):
+        if there:
+            rates = np.zeros((len(inside), 5, 5))  # of x, v, cos theta, sin theta, 1
+            rates[:, 0, 1] = 1.0
+            rates[:, 1, 0], rates[:, 1, 1], rates[:, 1, 2] = -spring * K.w0sq, -damping * K.cm, K.f0
+            rates[:, 1, 4] = np.array(forces)[case.domain[inside] - 1]
+            rates[:, 2, 3], rates[:, 3, 2] = -K.Om, K.Om
+            ends = np.einsum("nij,nj->ni", expm(rates * tau[:, None, None]), begin)[:, :2]
+            sizes = np.nan_to_num(case.miss_sizes(ends, inside), nan=np.inf)
+            fits = sizes <= 1.0
+            evidence = f"with it {int(np.sum(fits))} of {len(inside)} steps inside a domain are right"
+            share = 0.5 * (1.0 + SURE) if np.all(fits) and case.flights_wrong > 0.5 else case.share(sizes, inside)
+            yield Candidate(Diagnosis("sign", name, f"{name} has the wrong sign: {what}", evidence, share=share))
+
+
+# -- fitted coefficients -----------------------------------------------------------------------------------------------
+
+
+def coefficients(case: Case) -> Iterator[Candidate]:
+    """Yield one wrong coefficient after the other, each fitted to the flights, those of belts to all steps."""
+    flights = case.some(case.inside, MOST_FLOWN)
+    before = _middle(case.sizes[flights])
+    for name in PARAMETER_NAMES:
+        if name in ("v1", "v2"):
+            fit = _fit_belt(case, name) if case.flights_wrong <= 0.5 else None
+        else:
+            fit = _fit_flights(case, name, flights) if len(flights) and before > 1.0 else None
+            fit = _if_good(fit, before)
+        yield from _coefficient(case, name, fit)
+
+
+def far_coefficients(case: Case) -> Iterator[Candidate]:
+    """Yield coefficients so far away that no fit from the right one finds them: the best of a grid is fitted."""
+    flights = case.some(case.inside, MOST_FLOWN)
+    before, p = _middle(case.sizes[flights]), case.parameters
+    if len(flights) < FEWEST_FAR or case.flights_wrong < 0.5:
+        return
+    few = case.some(flights, FEW_FAR)
+    for name in ("m", "c", "k", "Omega"):
+        right = float(getattr(p, name))
+        values = _frequencies(case, flights) if name == "Omega" else (right or 1.0) * FAR_FACTORS
+        tried = [(_middle(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
+                 for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
+        if tried:
+            fit = _fit_flights(case, name, flights, float(min(tried)[1]))
+            yield from _coefficient(case, name, _if_good(fit, before))
+
+
+def _if_good(fit: Fit | None, before: float) -> Fit | None:
+    """Return a fit that leaves little of the defects, else None."""
+    return fit if fit is not None and _middle(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
+
+
+def _middle(sizes: np.ndarray) -> float:
+    known = sizes[~np.isnan(sizes)]
+    return float(np.median(known)) if len(known) else 0.0 if not len(sizes) else inf
+
+
+def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
+    """Yield a fitted coefficient, with the digits that are named."""
+    if fit is None:
+        return
+    value, error, right = float(fit.value[0]), float(fit.error[0]), float(getattr(case.parameters, name))
+    text = rounded(value, error)
+    other = _other(case.parameters, **{name: float(text)})
+    if other is not None and other != case.parameters:
+        words = f"the solution has {name} = {text}, which should be {right:.10g}"
+        share = case.share(case.followed(other), part=FITS)
+        found = Diagnosis(
+            "coefficient", name, words, f"fitted: {name} = {with_error(value, error)}", value, error, share
+        )
+        yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a number and its error as text."""
+    return f"{rounded(value, error)} ± {error:.1g}"
+
+
+def rounded(value: float, error: float) -> str:
+    """Return a number with the digits that its error leaves, at most 10."""
+    if not error > 0.0 or not value:
+        return f"{value:.10g}"
+    digits = int(np.clip(np.ceil(np.log10(abs(value) / error)) + 1, 2, 10))
+    return f"{value:.{digits}g}"
+
+
+def _other(p: Parameters, **values: Any) -> Parameters | None:
+    """Return changed parameters, or None if there is no such system."""
+    try:
+        return p.replace(**values)
+    except ParameterError:
+        return None
+
+
+def _tick(p: Parameters, name: str) -> np.ndarray:
+    """Return a small change of a parameter."""
+    rate = max(float(p.Omega), sqrt(float(p.k / p.m)), float(p.c / p.m))
+    push = max(abs(float(p.A(alpha))) for alpha in (1, 2, 3)) + abs(float(p.B0))
+    units = {"c": float(p.m) * rate, "k": float(p.m) * rate**2, "A0": push, "B0": push, "mu1": 1.0, "mu2": 1.0}
+    units |= {"v1": float(p.v2 - p.v1), "v2": float(p.v2 - p.v1)}
+    return np.array([TICK * (units[name] if name in units else float(getattr(p, name)) or push)])
+
+
+def _fit_flights(case: Case, name: str, flights: np.ndarray, start: float | None = None) -> Fit | None:
+    p = case.parameters
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        K = _constants(p, name, float(value[0]))
+        return np.full((len(flights), 2), np.nan) if K is None else case.flown(K, chosen=flights)
+
+    return fitted(misses, np.array([float(getattr(p, name)) if start is None else start]), _tick(p, name))
+
+
+def _constants(p: Parameters, name: str, value: float) -> Constants | None:
+    other = _other(p, **{name: value})
+    if other is not None:
+        return Arithmetic(other).K
+    if name in ("mu1", "mu2", "FN"):  # beyond 0, for a derivative at 0: the forces are linear in them
+        low, high = (Arithmetic(p.replace(**{name: part})).K for part in (0, abs(value)))
+        changes = {field: 2 * getattr(low, field) - getattr(high, field) for field in ("cm", "w0sq", "A1", "A2", "A3")}
+        return low._replace(**changes)
+    return None
+
+
+def _fit_belt(case: Case, name: str) -> Fit | None:
+    """Return the speed of a belt: that of samples that move with it, or else fitted."""
+    p, s = case.parameters, case.steps
+    chosen = case.some(case.moving_wrong, MOST_FOLLOWED)
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        other = _other(p, **{name: float(value[0])})
+        return np.full((len(chosen), 2), np.nan) if other is None else case.followed_some(other, chosen)
+
+    step, start = np.diff(s.t), np.array([float(getattr(p, name))])
+    still = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
+    still &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= case.allowed[:, 0]
+    speeds = s.v[:-1][still & case.wrong]
+    if len(speeds) >= 2:
+        own, others = (float(p.v1), float(p.v2))[:: 1 if name == "v1" else -1]
+        near = speeds[np.abs(speeds - own) < np.abs(speeds - others)]
+        if len(near) >= 2:
+            error = np.array([float(case.allowed[0, 1])])
+            return Fit(np.array([float(np.median(near))]), error, np.max(np.abs(misses(start)), axis=1))
+    return fitted(misses, start, _tick(p, name)) if len(chosen) else None
+
+
+def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
+    """Return the frequencies of the drive that fit the mean accelerations of flights best."""
+    s, K = case.steps, case.steps.K
+    begin, end = s.t[flights], s.t[flights + 1]
+    tau = end - begin
+    # The mean of x over a step is that of the cubic through its ends.
+    x = 0.5 * (s.x[flights] + s.x[flights + 1]) + tau * (s.v[flights] - s.v[flights + 1]) / 12.0
+    rest = (s.v[flights + 1] - s.v[flights]) / tau + K.cm * (s.x[flights + 1] - s.x[flights]) / tau + K.w0sq * x
+    rest -= np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
+    grid = np.arange(1, MOST_FREQUENCIES + 1) * min(0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES)
+    made = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
+    left = np.median(np.abs(K.f0 * made - rest), axis=1)
+    return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
+
+
+# -- the phase of the drive, the forces of the domains -----------------------------------------------------------------
+
+
+def phases_of_drive(case: Case) -> Iterator[Candidate]:
+    """Yield another phase of the drive, as a phase or as a shifted clock: the steps cannot say which, the start can."""
+    flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
+    if not case.parameters.B0:
+        return
+    turn = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None
+    finer = None
+    if turn is not None:
+        finer = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
+    elif len(case.wrong) <= MOST_FLOWN:
+        finer = _turn_of_steps(case)
+    if finer is not None:
+        yield _shift_or_phase(case, remainder(float(finer.value[0]), 2.0 * pi), float(finer.error[0]))
+
+
+def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
+    """Return the phase by which the drive of flights is ahead, if they have a drive of that size."""
+    K = case.steps.K
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        a, b = value
+        size, turn = float(np.hypot(a, b)), float(np.arctan2(b, a))
+        return case.flown(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
+
+    fit = fitted(misses, np.array([1.0, 0.0]), np.array([1e-4, 1e-4]))
+    if fit is None or abs(np.hypot(*fit.value) - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
+        return None
+    return float(np.arctan2(fit.value[1], fit.value[0]))
+
+
+def _turn_of_steps(case: Case) -> Fit | None:
+    """Return the phase of all steps, also of those with events: the best of a grid is fitted."""
+    s, chosen = case.steps, case.some(case.moving_wrong, MOST_FOLLOWED)
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        found = follow_steps(case.parameters, s.t + float(value[0]) / s.K.Om, s.x, s.v, case.near, case.scales)
+        return np.asarray((found.defects / case.allowed)[chosen])
+
+    turns = np.linspace(-pi, pi, TURNS_TRIED, endpoint=False)
+    best = min(turns.tolist(), key=lambda turn: float(np.median(np.max(np.abs(misses(np.array([turn]))), axis=1))))
+    return fitted(misses, np.array([best]), np.array([1e-5])) if len(chosen) else None
+
+
+def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
+    """Return which of the two it is: with a shifted clock the samples are the scene's own motion at other times."""
+    Om, s, start = case.steps.K.Om, case.steps, case.check.own_start
+    quarters = round(turn / (pi / 2))
+    names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
+    near = quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error)
+    turn = quarters * pi / 2 if near else turn
+    share = case.share(case.followed(case.parameters, ahead=turn / Om), part=FITS)
+    words = f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
+    phase = Diagnosis("phase", "", words, f"fitted: {with_error(turn, error)}", turn, error, share)
+    shift = -turn / Om
+    words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
+    clock = Diagnosis("time shift", "", words, f"fitted: {with_error(turn, error)}", shift, error / Om, share)
+    change = Change(f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v))
+    if start is None:
+        return Candidate(replace(clock, alternatives=(phase,)), change)
+    # The scene's motion at the first sample's own time, at this phase or one of whole periods later.
+    (t0, x0, v0), slack = start, 1e3 * case.allowed[0]
+    if not case.offset and (
+        abs(s.t[0] - t0) > 4.0 * np.spacing(abs(t0)) or abs(s.x[0] - x0) > slack[0] or abs(s.v[0] - v0) > slack[1]
+    ):
+        return Candidate(clock, change)
+    return Candidate(phase, change._replace(words=f"with the phase turned by {turn:.17g}"))
+
+
+def forces(case: Case) -> Iterator[Diagnosis]:
+    """Yield the forces of the domains, fitted to the flights: another law of friction, whatever it is."""
+    flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
+    visited = [d for d in (1, 2, 3) if np.sum(case.domain[flights] == d) >= 3]
+    if not visited:
+        return
+    names = [f"A{d}" for d in visited]
+    start = np.array([float(getattr(K, name)) for name in names])
+    tick = TICK * (np.max(np.abs(start)) + abs(K.f0))
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        rows = case.flown(K._replace(**dict(zip(names, value.tolist(), strict=True))), chosen=flights)
+        return np.where(np.isin(case.domain[flights], visited)[:, None], rows, 0.0)
+
+    fit = fitted(misses, start, np.full(len(start), tick))
+    if fit is None:
+        return
+    m, share = float(case.parameters.m), case.share(fit.sizes, flights, FITS)
+    parts = [
+        f"A{d} = {rounded(m * value, m * error)} (should be {m * right:.6g})"
+        for d, value, error, right in zip(visited, fit.value, fit.error, start, strict=True)
+        if abs(value - right) > 5.0 * error
+    ]
+    if parts:
+        words = f"the forces of the flights are {', '.join(parts)}"
+        yield Diagnosis("forces", "", words, "fitted to the flights of each domain", share=share)

@@ -1,0 +1,623 @@
+"""Where the flow into a tangency came from: backward in time to its first contact, without stepping over one.
+
+Why nothing can be missed in real arithmetic
+--------------------------------------------
+With s = t_m - t the velocity of a flight obeys v'' - (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta - Omega s): damping
+has changed its sign, the transient grows. So the bounds of `symosc.engine.first_exit`, which rest on an energy that
+never grows, do not hold backward. For the n-th derivative y of v the energy E = y'^2 + (k/m) y^2 obeys
+
+    d/ds sqrt(E) <= (c/m) sqrt(E) + (|B0| Omega/m) Omega^n,
+
+hence over a step H, with y = v^(n) and y' = v^(n+1) taken at its beginning,
+
+    |v^(n+1)| <= exp(c H/m) (sqrt(E) + H (|B0| Omega/m) Omega^n),
+
+which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the largest rate), so
+the remainder is below the rounding error. On each step the gap to a boundary is that polynomial, known within `noise`:
+remainder, rounding, and the errors of all steps before, which grow like the energy. `first_root` finds its first root.
+At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in real
+arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
+
+A contact that the noise leaves undecided counts as a touch. A search in double precision (`Origins.arrival`) hands such
+a step to one with more digits, and goes on from there as if it had just begun. `Flights` has the same flight in closed
+form, in any number of digits, by the kernel `motion` at the time -tau: Newton's method refines a contact with it.
+
+A flight may never have met a boundary. That can happen in an over- or critically damped system only, and is recognised
+by a transient that runs away from the only boundary for ever (`Origins._never_came`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.aliases import Angle, Context, Number
+from symosc.engine.arithmetic import MpArithmetic
+from symosc.engine.flow import Constants, constants, derivatives
+from symosc.errors import ParameterError
+from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels.entire import EPS
+from symosc.mappings.theorem7_cases import place
+from symosc.model import Parameters
+
+# What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
+# met a boundary; velocities beyond HUGE; all steps used up; a contact that no number of digits tried has decided.
+CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
+UNDECIDED = "undecided"
+
+# Length of a step, times the largest rate of the system. An undecided step is repeated with other lengths, so that the
+# decision does not depend on where steps end.
+STEP, REPEATED_STEPS = 1.0, (1.21, 1.37)
+# Rounding error of a Taylor polynomial in units of eps times the size of its terms; the same for the closed form.
+BACKWARD_ROUNDING, DIGITS_ROUNDING = 8, 2**10
+# What a flight must stay away from a boundary to have never met it, as a part of the velocity's size.
+LEAST_GAP = 1e-9
+# Larger velocities are not followed: nothing can be simulated from there.
+HUGE = 1e100
+# The work of a search: more than 100 periods at the fastest drive, and less than a second.
+MOST_BACKWARD_STEPS = 20_000
+# How far back a start is looked for, in periods of the excitation.
+SEARCH_PERIODS = 100
+# Digits with which an undecided step is repeated first; then with twice as many.
+REPEAT_DIGITS, MOST_REPEAT_DIGITS = 60, 200
+# How many undecided steps of one flight are repeated: one that keeps to a boundary for longer stays undecided.
+MOST_REPEATS = 40
+MOST_CONTACT_NEWTON = 200
+# How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
+NEAR_TOUCH = 1e-3
+
+
+# --- the first root of a polynomial that is known within a noise ---
+
+# Where an interval is divided: not a fraction at which roots are likely.
+CUT = 0.4831
+# The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
+NARROWEST = 2.0**-60
+# Newton's method halves its bracket at worst: enough for thousands of digits.
+MOST_ROOT_STEPS = 20_000
+
+
+def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
+    """Return (touch, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
+
+    `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
+
+    If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
+    from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
+    once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there are
+    two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
+    undecided at the smallest width is a touch too.
+    """
+    if p[0] - sum(abs(term) for term in p[1:]) > noise:
+        return False, None
+    one = 1 + 0 * p[0]
+    slope = [k * term for k, term in enumerate(p)][1:]
+    narrowest = max(eps**0.5 / 16, NARROWEST)
+    stack = [(0 * one, one, bernstein(p))]
+    while stack:
+        low, high, b = stack.pop()
+        if min(b) > noise:
+            continue
+        if b[0] > noise and b[-1] < -noise and _changes(b, noise) == 1 and _changes(b, -noise) == 1:
+            return False, _newton(p, slope, low, high, eps)
+        rising = [second > first for first, second in pairwise(b)]
+        if len(rising) > 1 and not rising[0] and rising[-1] and sum(a != c for a, c in pairwise(rising)) == 1:
+            bottom = _newton([-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps)
+            value = _polynomial(p, bottom)
+            if value > noise:
+                continue
+            if b[0] > noise and value < -noise:
+                return False, _newton(p, slope, low, bottom, eps)
+            return True, bottom
+        if high - low < narrowest:
+            return True, 0.5 * (low + high)
+        left, right, row = [b[0]], [b[-1]], b
+        while len(row) > 1:
+            row = [first + CUT * (second - first) for first, second in pairwise(row)]
+            left.append(row[0])
+            right.append(row[-1])
+        middle = low + CUT * (high - low)
+        stack += [(middle, high, right[::-1]), (low, middle, left)]
+    return False, None
+
+
+def bernstein(p: list[Number]) -> list[Number]:
+    """Return the Bernstein coefficients on [0, 1] of a polynomial in powers."""
+    n = len(p) - 1
+    row = [term / math.comb(n, j) for j, term in enumerate(p)]
+    coefficients = []
+    while row:  # a table of sums: b_i = sum_j comb(i, j) row_j
+        coefficients.append(row[0])
+        row = [first + second for first, second in pairwise(row)]
+    return coefficients
+
+
+def _changes(b: list[Number], level: Number) -> int:
+    """Return how often a row of numbers crosses a level."""
+    signs = [value > level for value in b]
+    return sum(first != second for first, second in pairwise(signs))
+
+
+def _polynomial(p: list[Number], sigma: Number) -> Number:
+    value = 0 * sigma
+    for term in reversed(p):
+        value = value * sigma + term
+    return value
+
+
+def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
+    """Return the root of p, positive at `low` and negative at `high`, by Newton's method kept inside the bracket.
+
+    Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
+    halving, whose length says nothing.
+    """
+    sigma = 0.5 * (low + high)
+    before, settled = high - low, eps**0.75
+    for _ in range(MOST_ROOT_STEPS):
+        value, rise = _polynomial(p, sigma), _polynomial(slope, sigma)
+        if value > 0:
+            low = sigma
+        else:
+            high = sigma
+        shift = -value / rise if rise != 0 else high - low
+        if abs(shift) <= eps * sigma or (before <= abs(shift) <= settled * sigma):
+            return sigma
+        if low < sigma + shift < high:
+            sigma, before = sigma + shift, abs(shift)
+        else:
+            following = 0.5 * (low + high)
+            if following in (low, high):
+                return sigma
+            sigma = following
+    return sigma
+
+
+# --- steps backward ---
+
+
+class Boundary(NamedTuple):
+    """A boundary of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
+
+    number: int
+    v: Number
+    inward: int
+
+
+class BackwardState(NamedTuple):
+    """A flight `tau` before the tangency, displaced by dx from it, with bounds of its errors."""
+
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    v_error: Number
+    x_error: Number
+    energy_error: Number
+
+
+class Arrival(NamedTuple):
+    """How a backward flight ends, on which boundary (0: none), and its state there."""
+
+    kind: str
+    boundary: int
+    tau: Number
+    dx: Number
+    v: Number
+    a: Number
+    v_error: Number
+    x_error: Number
+
+    @classmethod
+    def at(cls, kind: str, state: BackwardState, boundary: int = 0) -> Arrival:
+        """Return the arrival at a state."""
+        return cls(kind, boundary, *state[:-1])
+
+
+class BackwardHit(NamedTuple):
+    """A contact on a step: at its part `sigma`, with which boundary, and whether it is a touch."""
+
+    touch: bool
+    sigma: Number
+    boundary: Boundary
+
+
+class BackwardStep(NamedTuple):
+    """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
+
+    T: list[Number]
+    remainder: Number
+    low: Number
+    high: Number
+    end: tuple[Number, ...]
+
+
+class BackwardSteps:
+    """Steps backward from tangencies of one system at one belt, in the arithmetic `functions` with rounding unit `eps`.
+
+    A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
+    gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
+    """
+
+    def __init__(
+        self, K: Constants, boundary: int, domain: int, functions: Context = math, eps: Number = EPS, step: float = STEP
+    ) -> None:
+        self.K, self.functions, self.eps, self.H = K, functions, eps, step / K.rate
+        numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
+        self.boundaries = [Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers]
+        self.touched = next(each for each in self.boundaries if each.number == boundary)
+        self.growth = functions.exp(K.cm * self.H)
+        # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
+        cm, w0sq, power = -K.cm * self.H, K.w0sq * self.H * self.H, K.fB * self.H * self.H
+        self.recurrence: list[tuple[Number, Number, Number]] = []
+        term = 1.0 / eps
+        while term > 0.1:  # up to the degree whose term rounding hides
+            k = len(self.recurrence)
+            term = term * step / (k + 1)
+            power = power / (k + 2)
+            self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
+            power = power * K.Om * self.H
+        self.drive_remainder = abs(power)
+        self._matrix = self._linear() if functions is math else None
+
+    def _linear(self) -> np.ndarray:
+        columns = []
+        for i in range(4):
+            *T, behind = self._taylor(*(float(i == j) for j in range(4)))
+            dv, slope, area = _changes_over(T, 1.0)
+            columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
+        return np.array(columns).T.copy()
+
+    def begin(self, zero: Number) -> BackwardState:
+        """Return the state at the tangency."""
+        return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
+
+    def over(
+        self, theta: Number, order: int, state: BackwardState
+    ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
+        """Return the first contact on the step from a state, the step, and the state with the errors at its end.
+
+        `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
+        """
+        K, H, eps = self.K, self.H, self.eps
+        tau, v, a = state.tau, state.v, state.a
+        step = self._step(v, a, *self.wave(theta, tau))
+        drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
+        rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
+        energy_error = self.growth * state.energy_error + rounding / H
+        v_error = self.growth * state.v_error + H * energy_error + rounding + eps * abs(v)
+        if K.w0 > 0:
+            v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
+        energy_error = max(energy_error, K.w0 * rounding)
+        found = None
+        for boundary in self.boundaries:
+            at_start = tau == 0 and boundary is self.touched
+            noise = step.remainder + (rounding if at_start else v_error)
+            if not at_start and (step.low - boundary.v if boundary.inward > 0 else boundary.v - step.high) > noise:
+                continue
+            if at_start:
+                p = [boundary.inward * term for term in step.T[order + 1 :]]
+            else:
+                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
+            touch, sigma = first_root(p, noise, eps)
+            if sigma is not None and (found is None or sigma < found.sigma):
+                found = BackwardHit(touch, sigma, boundary)
+        return found, step, state._replace(v_error=v_error, energy_error=energy_error)
+
+    def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
+        """Return sine and cosine of the phase tau before theta."""
+        angle = theta - self.K.Om * tau
+        return self.functions.sin(angle), self.functions.cos(angle)
+
+    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
+        """Return the state at the part `sigma` of a step, whose errors are those at its end."""
+        dv, slope, area = _changes_over(step.T, sigma)
+        return self._moved(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
+
+    def ended(self, state: BackwardState, step: BackwardStep) -> BackwardState:
+        """Return the state at the end of a step in double precision."""
+        return self._moved(state, self.H, *step.end)
+
+    def _moved(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
+        dx = state.dx + dx
+        x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
+        return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
+
+    def arrival(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> Arrival:
+        """Return the contact found on a step from a state."""
+        here = self.moved(state, step, found.sigma)._replace(v=found.boundary.v)
+        return Arrival.at(TOUCH if found.touch else CONTACT, here, found.boundary.number)
+
+    def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
+        """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
+        sines = (s, -c, -s, c)  # (-d/dphase)^k sin
+        T = [v, -a * self.H]
+        for k, (power, cm, w0sq) in enumerate(self.recurrence):
+            T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
+        return T
+
+    def _remainder(self, behind: Number, last: Number) -> Number:
+        """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
+        degree = len(self.recurrence)
+        return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (degree + 1) + self.drive_remainder)
+
+    def _step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
+        if self._matrix is None:
+            *T, behind = self._taylor(v, a, s, c)
+            spread = sum(map(abs, T[1:]))
+            return BackwardStep(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())
+        rows, n = (self._matrix @ np.array((v, a, s, c))).tolist(), len(self.recurrence) + 1
+        changes = rows[n + 1 : -3]
+        remainder = self._remainder(rows[n], rows[n - 1])
+        return BackwardStep(rows[:n], remainder, v + min(changes), v + max(changes), tuple(rows[-3:]))
+
+
+def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
+    """Return the change of a polynomial from 0 to sigma, its slope at sigma and its integral."""
+    change = slope = area = 0 * sigma
+    for k in range(len(T) - 1, -1, -1):
+        slope = slope * sigma + change
+        change = change * sigma + (T[k] if k else 0)
+        area = area * sigma + T[k] / (k + 1)
+    return change, slope, sigma * area
+
+
+# --- flights in closed form, in any number of digits ---
+
+
+class Instant(NamedTuple):
+    """A flight at the time tau before its tangency.
+
+    A shift of theta_m along the contacts moves the state at fixed tau by
+
+        dv/d(theta_m) = (a - E1(-tau) G1)/Omega
+        dx/d(theta_m) = (v + (E0(-tau) + (c/m) E1(-tau)) G1 m/k)/Omega
+
+    with G1 = G^(1) at the tangency: at a fixed time neighbouring contacts differ in x only.
+    """
+
+    dx: Number  # displacement from the tangency
+    v: Number
+    a: Number
+    b: Number  # dv''
+    w: Number  # dv'''
+    v_theta: Number  # derivatives by theta_m at fixed tau
+    x_theta: Number
+    v_error: Number
+    x_error: Number
+
+
+class Flights:
+    """Flights of one mapping into its tangencies, with `digits` decimal digits."""
+
+    def __init__(self, p: Parameters, mapping: str, digits: int) -> None:
+        self.p, self.place, self.digits = p, place(mapping), digits
+        self.arithmetic = MpArithmetic(p, digits)
+        self.context, self.K = self.arithmetic.context, self.arithmetic.K
+        self.v = self.number(p.belt(self.place.boundary))  # of the belt that is touched
+        self._basis = self.arithmetic.namespace["basis"]
+        self._steps: dict[float, BackwardSteps] = {}
+
+    def number(self, value: Any) -> Number:
+        """Return a Fraction, a float or a sympy constant as a number of this precision."""
+        if hasattr(value, "evalf"):
+            return self.context.mpf(str(value.evalf(self.digits + 5)))
+        return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
+
+    def contact(self, theta: Number) -> Number:
+        """Return x_m(theta)."""
+        rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
+        return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
+
+    def instant(self, theta: Number, tau: Number) -> Instant:
+        """Return the flight tau before the tangency at the phase theta."""
+        K, v0 = self.K, self.v
+        s, c = self.context.sin(theta), self.context.cos(theta)
+        E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
+        dx, dv, a = motion(v0, 0 * v0, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        v = v0 + dv
+        b, w, _ = derivatives(v, a, s * c_Om + c * s_Om, c * c_Om - s * s_Om, K)
+        G1 = -(K.w0sq * v0 + K.fB * s)
+        drive = abs(R2) + abs(I2)
+        v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
+        x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
+        noise = DIGITS_ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
+        v_theta = (a - E1 * G1) / K.Om
+        x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
+        return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
+
+    def state(self, theta: Number, tau: Number) -> BackwardState:
+        """Return the flight as the state of a search."""
+        now = self.instant(theta, tau)
+        return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
+
+    def refined(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
+        """Return an arrival in double precision with all digits; None if Newton's method leads elsewhere."""
+        if found.kind in (NEVER, LARGE, LONG):
+            return found
+        tau = self.number(tau_max if found.kind == REACHED else found.tau)
+        speed = self.number(self.p.belt(found.boundary)) if found.boundary else None
+        if speed is not None:
+            begin, time_error = tau, abs(float(found.v_error) / (float(found.a) or 1.0))
+            tau = self._contact_time(theta, tau, speed, found.kind == TOUCH)
+            if tau is None or abs(tau - begin) > NEAR_TOUCH * STEP / float(self.K.rate) + time_error:
+                return None
+        now = self.instant(theta, tau)
+        v = now.v if speed is None else speed
+        return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
+
+    def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
+        """Return where v is `speed` by Newton's method, or where it is nearest to it, for a touch."""
+        before = None
+        for _ in range(MOST_CONTACT_NEWTON):
+            now = self.instant(theta, tau)
+            top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
+            if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
+                top, slope = now.b, now.w  # a touch of fourth order
+            if slope == 0:
+                return tau if top == 0 else None
+            shift = top / slope
+            tau = tau + shift
+            if abs(shift) <= self.context.eps * 4 * abs(tau):
+                return tau
+            if before is not None and abs(shift) >= before and abs(shift) < self.context.eps**0.75 * abs(tau):
+                return tau
+            before = abs(shift)
+        return None
+
+    def repeat_step(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
+        """Return the contact on a step of this length about the one at tau, if any, and the state to go on from."""
+        if step not in self._steps:
+            where, context = self.place, self.context
+            self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
+        steps, back = self._steps[step], (step - STEP) / 2 / self.K.rate
+        state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
+        found, taken, after = steps.over(theta, order, state)
+        if found is None:
+            return None, rounded(self.state(theta, state.tau + steps.H))
+        return steps.arrival(after, taken, found), rounded(state)
+
+    def missing_digits(self, arrival: Arrival, wanted: int) -> int:
+        """Return how many digits after the decimal point a refined arrival lacks."""
+        if arrival.kind not in (CONTACT, REACHED):
+            return 0
+        t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a
+        x_error = arrival.x_error + abs(arrival.v) * t_error
+        v_error = arrival.v_error if arrival.kind == REACHED else 0 * arrival.a
+        worst = max(t_error, x_error, v_error)
+        return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
+
+
+def rounded(state: BackwardState) -> BackwardState:
+    """Return a state in doubles, with the errors that rounding it adds."""
+    eps = 2.0**-53
+    tau, dx, v, a, v_error, x_error, energy_error = map(float, state)
+    errors = v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
+    return BackwardState(tau, dx, v, a, *errors)
+
+
+# --- the search ---
+
+
+class Origins:
+    """The origins of the flows into the tangencies of one mapping; ParameterError without grazing and for k = 0."""
+
+    def __init__(self, p: Parameters, mapping: str) -> None:
+        where = place(mapping)
+        if p.k == 0:
+            raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+        self.p, self.mapping, self.place, self.K = p, mapping, where, constants(p)
+        self.steps = BackwardSteps(self.K, where.boundary, where.domain)
+        self._flights: dict[int, Flights] = {}
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.p, self.mapping)
+
+    def flights(self, digits: int) -> Flights:
+        """Return flights with that many digits, made once."""
+        if digits not in self._flights:
+            self._flights[digits] = Flights(self.p, self.mapping, digits)
+        return self._flights[digits]
+
+    def arrival(
+        self,
+        angle: Angle | float,
+        order: int = 1,
+        far: float | None = None,
+        careful: bool = True,
+        digits: int = REPEAT_DIGITS,
+        repeats: int = len(REPEATED_STEPS),
+        most_steps: int = MOST_BACKWARD_STEPS,
+    ) -> Arrival:
+        """Follow the flow back from the tangency at an angle in double precision, to the first contact or over `far`.
+
+        `order` is that of the first G-function that does not vanish there. An undecided step is repeated with `digits`
+        (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
+        """
+        steps, theta = self.steps, float(angle)
+        far = SEARCH_PERIODS * self.K.period if far is None else far
+        state, repeats_left = steps.begin(0.0), MOST_REPEATS
+        for _ in range(most_steps):
+            found, step, state = steps.over(theta, order, state)
+            if careful and found and found.touch and state.tau <= far:
+                if state.tau > 0:  # often only the bound of the error has grown
+                    flights = self.flights(digits)
+                    state = rounded(flights.state(flights.number(angle), state.tau))
+                    found, step, after = steps.over(theta, order, state)
+                    if found is None:
+                        state = steps.ended(after, step)
+                        continue
+                if found.touch:
+                    repeats_left -= 1
+                    arrival, state = self._repeated(angle, order, state.tau, digits, repeats)
+                    if arrival is None:
+                        if repeats_left:
+                            continue
+                        arrival = Arrival.at(LONG, state)
+                else:
+                    arrival = steps.arrival(after, step, found)
+                return arrival if arrival.tau <= far else self._reached(theta, order, state, far)
+            if state.tau + (found.sigma if found else 1.0) * steps.H > far:
+                return self._reached(theta, order, state, far)
+            if found:
+                return steps.arrival(state, step, found)
+            if state.tau > 0 and self._never_came(theta, state):
+                return Arrival.at(NEVER, state)
+            state = steps.ended(state, step)
+            if abs(state.v) > HUGE:
+                return Arrival.at(LARGE, state)
+        return Arrival.at(LONG, state)
+
+    def _repeated(
+        self, angle: Angle | float, order: int, tau: float, digits: int, repeats: int
+    ) -> tuple[Arrival | None, BackwardState]:
+        """Return the contact on an undecided step, if any, and the state to go on from."""
+        for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
+            flights = self.flights(times * digits)
+            arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
+            if arrival is None or arrival.kind == CONTACT:
+                break
+        return arrival, state
+
+    def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> Arrival:
+        """Return the end of the search, reached on the step from a state."""
+        _, step, state = self.steps.over(theta, order, state)
+        return Arrival.at(REACHED, self.steps.moved(state, step, (far - state.tau) / self.steps.H))
+
+    def _never_came(self, theta: float, state: BackwardState) -> bool:
+        """Return whether, going on backward from a state, no boundary is met; an underdamped flight comes back."""
+        K = self.K
+        if K.under or self.place.domain == 2:
+            return False
+        s, c = self.steps.wave(theta, state.tau)
+        u = state.v - (K.Ss * s + K.Sc * c)
+        u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
+        # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
+        sign, boundary = self.steps.touched.inward, self.steps.touched.v
+        away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
+        gap = K.V0 + state.v_error + LEAST_GAP * (abs(state.v) + K.V0)
+        return bool(away and sign * (u - boundary) > gap)
+
+    def exact(
+        self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
+    ) -> tuple[Arrival, Flights]:
+        """Return where the flow came from with `wanted` digits after the point, and the flights that it is one of.
+
+        `far` is the time to search, as a number of the given flights.
+        """
+        flights = self.flights(wanted + 20)
+        found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, MOST_REPEAT_DIGITS))
+        while True:
+            arrival = flights.refined(flights.number(angle), found, far(flights))
+            if arrival is None:
+                return found._replace(kind=UNDECIDED), flights
+            if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
+                found = found._replace(kind=REACHED, boundary=0)
+                continue
+            missing = flights.missing_digits(arrival, wanted)
+            if missing <= 0:
+                return arrival, flights
+            flights = self.flights(flights.digits + missing + 3)

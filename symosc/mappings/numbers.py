@@ -1,0 +1,307 @@
+"""Numbers of maps and grazing: switching points and exact phases, read, compared and written as LaTeX.
+
+An exact phase is a Fraction, a real constant of sympy, or an `ExactPhase` a + b pi with rational a and b. The sine of
+an `ExactPhase` is rational in two cases only. If a is not 0 it is transcendental (Lindemann: exp(i a) is, and exp(i b
+pi) is algebraic). If a is 0 it is algebraic, and rational only for the multiples of pi/6 where it is 0, 1/2 or 1 in
+size (Niven). So level + amplitude sin is 0 in known cases only; elsewhere enough digits show its sign.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeGuard
+
+import numpy as np
+
+from symosc.aliases import Angle, Context, Expr, Number
+from symosc.engine.arithmetic import mp_context
+from symosc.errors import ParameterError
+from symosc.exact import LARGEST, NUMBER_FORMS, read_exact, unmasked
+
+# --- switching points ---
+
+POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
+REAL_NUMBER = "must be a finite real number: a float, an int or an mpmath number"
+
+
+def is_mp(value: object) -> bool:
+    """Return whether a value is an mpmath number."""
+    return hasattr(value, "_mpf_") and hasattr(value, "context")
+
+
+def is_array(value: Any) -> bool:
+    """Return whether a value is an array or a sequence of numbers."""
+    try:
+        return np.ndim(value) > 0
+    except (ValueError, RuntimeError):  # lists of different lengths, or nested deeply
+        return True
+
+
+def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
+    """Return a number in the arithmetic of `convert`."""
+    if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
+        raise ParameterError(name, value, REAL_NUMBER)
+    try:
+        number = convert(value)
+        finite = not hasattr(number, "_mpc_") and abs(number) < math.inf
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(name, value, REAL_NUMBER) from None
+    if not finite:
+        raise ParameterError(name, value, REAL_NUMBER if hasattr(number, "_mpc_") else "must be finite")
+    return number
+
+
+def point_columns(given: list[object]) -> list[np.ndarray]:
+    """Return the four arrays x_i, theta_i, x_j, theta_j in one shape."""
+    allowed = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
+    columns = [real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)]
+    try:
+        return [np.array(column) for column in np.broadcast_arrays(*columns)]
+    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
+        shapes = tuple(column.shape for column in columns)
+        raise ParameterError("points", shapes, "must be arrays whose shapes fit together (broadcast)") from None
+
+
+def real_array(name: str, value: object, allowed: str) -> np.ndarray:
+    """Return finite real numbers as an array of floats; text, booleans and complex numbers are refused."""
+    unmasked(name, value)
+    try:
+        array = np.asarray(value)
+        plain = array is value and array.dtype.kind != "O"
+        if array.dtype.kind not in "iufO" or (not plain and text_or_booleans(value)):
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(name, value, allowed) from None
+    if not np.isfinite(array).all():
+        raise ParameterError(name, array[~np.isfinite(array)].flat[0], "must be finite everywhere")
+    return array
+
+
+def text_or_booleans(value: object) -> bool:
+    """Return whether there is text or a boolean among the entries, which numpy and float() would read as numbers."""
+    entries = np.asarray(value, dtype=object).ravel().tolist()
+    return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)
+
+
+# --- phases a + b pi ---
+
+# Longer texts are no angles that somebody means.
+LONGEST_TEXT = 200
+PHASE_FORMS = (
+    "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
+)
+PHASE_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)", re.ASCII)
+PHASE_TEXT = re.compile(r"(?:pi|[\d.\s()+\-*/])+", re.ASCII)
+#: The sines that are rational, by the phase in units of pi/6.
+RATIONAL_SINES = {0: Fraction(0), 1: Fraction(1, 2), 3: Fraction(1), 5: Fraction(1, 2), 6: Fraction(0)}
+RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
+SINE_DIGITS = 30
+
+
+class ExactPhase(NamedTuple):
+    """The number rest + multiple pi."""
+
+    rest: Fraction
+    multiple: Fraction = Fraction(0)
+
+    def symbolic(self) -> Expr:
+        """Return it as a sympy number."""
+        import sympy
+
+        return symbolic(self.rest) + symbolic(self.multiple) * sympy.pi
+
+    def number(self, context: Context) -> Number:
+        """Return it as an mpf of a context."""
+        return number_of(self.rest, context) + number_of(self.multiple, context) * context.pi
+
+    def scaled(self, factor: Fraction) -> ExactPhase:
+        """Return it times a rational number."""
+        return ExactPhase(self.rest * factor, self.multiple * factor)
+
+
+def has_pi(text: object) -> TypeGuard[str]:
+    """Return whether this is text with pi in it."""
+    return isinstance(text, str) and ("pi" in text or "π" in text)
+
+
+def read_phase_text(name: str, text: str) -> ExactPhase:
+    """Return the phase that a text such as "3*pi/2", "pi - 1/3" or "0.7" means."""
+    if not has_pi(text):
+        return ExactPhase(read_exact(name, text))
+    if len(text) > LONGEST_TEXT:
+        raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
+    plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
+    if not PHASE_TEXT.fullmatch(plain) or "**" in plain or "//" in plain:
+        raise ParameterError(name, text, PHASE_FORMS)
+    # Decimals are kept as text, which is exact, under the names n0, n1, ...
+    known = {f"n{i}": ExactPhase(Fraction(number)) for i, number in enumerate(PHASE_NUMBER.findall(plain))}
+    names = iter(known)
+    try:
+        tree = ast.parse(PHASE_NUMBER.sub(lambda _: next(names), plain), mode="eval").body
+        phase = _value(tree, known | {"pi": ExactPhase(Fraction(0), Fraction(1))})
+    except (SyntaxError, KeyError, ValueError, ZeroDivisionError, RecursionError, MemoryError):
+        raise ParameterError(name, text, PHASE_FORMS) from None
+    if max(map(abs, phase)) > LARGEST:
+        raise ParameterError(name, text, f"must be at most {float(LARGEST):g} in size")
+    return phase
+
+
+def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
+    """Return the value of an expression that is linear in pi; raises ValueError for another one."""
+    match node:
+        case ast.Name(name):
+            return known[name]
+        case ast.UnaryOp(ast.USub() | ast.UAdd() as sign, operand):
+            return _value(operand, known).scaled(Fraction(-1 if isinstance(sign, ast.USub) else 1))
+        case ast.BinOp(first, operator, second):
+            left, right = _value(first, known), _value(second, known)
+            if isinstance(operator, ast.Add | ast.Sub):
+                right = right.scaled(Fraction(1 if isinstance(operator, ast.Add) else -1))
+                return ExactPhase(left.rest + right.rest, left.multiple + right.multiple)
+            if isinstance(operator, ast.Mult) and right.multiple != 0:
+                left, right = right, left
+            if isinstance(operator, ast.Mult | ast.Div) and right.multiple == 0:
+                return left.scaled(right.rest if isinstance(operator, ast.Mult) else 1 / right.rest)
+    raise ValueError
+
+
+def of_sympy(value: Expr) -> ExactPhase | None:
+    """Return a sympy number as a phase, None if it is not a + b pi with rational a and b."""
+    import sympy
+
+    multiple = value.coeff(sympy.pi)
+    rest = value - multiple * sympy.pi
+    if not (multiple.is_Rational and rest.is_Rational):
+        return None
+    return ExactPhase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
+
+
+def rational_sine(phase: ExactPhase) -> Fraction | None:
+    """Return the sine if it is rational, else None."""
+    sixths = phase.multiple * 6 % 12
+    return RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
+
+
+def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
+    """Return the sign of level + amplitude sin(phase), exactly."""
+    sine = rational_sine(phase)
+    if sine is not None or amplitude == 0:
+        total = level + amplitude * (sine or 0)
+        return (total > 0) - (total < 0)
+    digits = SINE_DIGITS
+    while True:
+        context = mp_context(digits + len(str(int(max(map(abs, phase))))))
+        value = context.sin(phase.number(context)) + number_of(level / amplitude, context)
+        if abs(value) > context.mpf(10) ** (5 - digits):
+            return 1 if (value > 0) == (amplitude > 0) else -1
+        digits *= 2
+
+
+# --- phases and times: fractions, or real constants of sympy such as 3 pi/2 ---
+
+
+def read_phase(name: str, value: object) -> Angle:
+    """Return what `read_angle` returns, but a float as the binary number that it is: phases are computed, not typed."""
+    if isinstance(value, float | np.floating) and math.isfinite(value):
+        value = Fraction(float(value))
+    return read_angle(name, value)
+
+
+def read_angle(name: str, value: Any) -> Angle:
+    """Return a Fraction, or a real sympy constant, for a number, a text such as "3*pi/2" or a sympy expression."""
+    forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
+    if has_pi(value):
+        return read_phase_text(name, value).symbolic()
+    if is_symbolic(value):
+        plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
+        if not (plain and value.is_real is not False and value.evalf().is_Float):
+            raise ParameterError(name, value, forms)
+        return value
+    try:
+        return read_exact(name, value)
+    except ParameterError as error:
+        raise ParameterError(name, value, error.allowed if "finite" in error.allowed else forms) from None
+
+
+def is_symbolic(value: Any) -> bool:
+    """Return whether this is an expression of sympy and no plain number."""
+    return getattr(value, "is_Float", None) is False and not value.is_Rational
+
+
+def number_of(value: Angle, context: Context) -> Number:
+    """Return a Fraction or a sympy constant as an mpf of a context."""
+    if isinstance(value, Fraction):
+        return context.mpf(value.numerator) / value.denominator
+    return context.mpf(str(value.evalf(context.dps + 5)))
+
+
+def reduced(angle: Angle) -> Angle:
+    """Return an exact angle reduced to [0, 2 pi), exactly."""
+    if isinstance(angle, Fraction) and 0 <= angle < 6:
+        return angle
+    import sympy
+
+    angle = symbolic(angle)
+    return angle - 2 * sympy.pi * sympy.floor(angle / (2 * sympy.pi))
+
+
+def symbolic(value: Angle) -> Expr:
+    """Return a Fraction as a sympy number, and anything else as it is."""
+    import sympy
+
+    return sympy.Rational(value.numerator, value.denominator) if isinstance(value, Fraction) else value
+
+
+def times(value: Angle, factor: Fraction) -> Angle:
+    """Return an exact angle times a rational number."""
+    return value * factor if isinstance(value, Fraction) else value * symbolic(factor)
+
+
+# --- LaTeX ---
+
+# Digits of a float in print; an mpmath number has those that its digits= asked for.
+FLOAT_DIGITS = 10
+
+
+def latex_number(value: Any) -> str:
+    """Return a number as LaTeX: a decimal, with a power of ten where it is very large or small."""
+    text = f"{value:.{FLOAT_DIGITS}g}" if isinstance(value, float) else str(value)
+    mantissa, _, exponent = text.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+def latex_point(letter: str, theta: Any, x: Any) -> str:
+    """Return (Omega t, x) = (theta, x) with a letter as index."""
+    return rf"(\Omega t_{letter}, x_{letter}) = ({latex_number(theta)}, {latex_number(x)})"
+
+
+def latex_words(text: str | None) -> str:
+    """Return words inside a formula, with the signs escaped that LaTeX takes for commands."""
+    escaped = re.sub(r"([_^%&#$])", r"\\\1", text or "")
+    return rf"\text{{{escaped}}}"
+
+
+def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return an array with a line below its heads."""
+    lines = [" & ".join(heads) + r" \\ \hline", *(" & ".join(row) + r" \\" for row in rows)]
+    return "\n".join([rf"\begin{{array}}{{{'l' * len(heads)}}}", *lines, r"\end{array}"])
+
+
+class LatexAnswer:
+    """An answer that notebooks show as the formula of its method `latex`."""
+
+    __slots__ = ()
+
+    def latex(self) -> str:
+        """Return the answer as LaTeX (no dollar signs)."""
+        raise NotImplementedError
+
+    def _repr_latex_(self) -> str:
+        return f"${self.latex()}$"

@@ -1,0 +1,597 @@
+"""All reference cases: scenes of the paper, hard cases, exact grazes, rests, Coulomb oscillators, long runs.
+
+All numbers of the hard cases are decimals of at most 17 digits, except for the periodic orbits of the long runs: every
+solver gets the same problem, up to the rounding of a decimal to a double, whose effect is the condition number.
+
+The Coulomb oscillator: with A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches, the model is
+m x'' + c x' + k x = P cos(Omega t) - F sgn(x'), here with m = k = FN = 1. The closed forms of its events are kept as
+text; a test evaluates them and compares.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from fractions import Fraction
+from functools import lru_cache
+from math import pi
+from typing import Any
+
+from symosc.aliases import Number, NumberLike
+from symosc.engine.arithmetic import mp_context
+from symosc.errors import ParameterError
+from symosc.exact import read_exact, show
+from symosc.grazing.start import grazing_start
+from symosc.mappings.theorem7_cases import place
+from symosc.model import Parameters
+from symosc.orbits.find import find_orbit
+from symosc.reference.case import ReferenceCase, last_period
+from symosc.reference.compare import REFERENCE_DIGITS
+from symosc.scenes import Scene, figure_of, load_scene, scene_names
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
+
+#: One more whenever a case is added or changed, so that scores name the set that they belong to.
+SET_VERSION = 1
+PAPER_SCENES, GRAZES, RESTS, COULOMB = "paper", "exact graze", "creeping and rest", "Coulomb oscillator"
+CONTINUUM, LONG_RUNS = "continuum", "long run"
+#: The difficulty of each group of hard cases, in order of the table.
+GROUPS = {
+    "easy": "nothing: a scene of the paper, for comparison",
+    "peak beyond a belt": "two roots of the velocity so close that a step sees neither; then a short stick",
+    "peak short of a belt": "no root, but only just: nothing may happen",
+    "short stick or flight": "a contact that ends at once, or a force that dips through zero on a belt, or just not",
+    "fig8's sticks": "at resonance each stick is 3/8 as long as the one before",
+    "near-critical damping": "two characteristic roots merge: differences of exponentials cancel",
+    "resonance": "k = m Omega^2 and c -> 0: steady state and transient grow without bound and cancel",
+    "weak spring": "k -> 0: nothing bounds the position",
+    "light mass": "m -> 0: stiff",
+    "fast and slow drive": "rates that differ by a factor of 1000 and more",
+    "late start": "Omega t0 has used up the digits of a double",
+    "belts": "transparent, very weak, close together, far apart; or no excitation",
+    "1e5 periods": "errors and drift over 2e5 to 4e5 events",
+}
+#: The difficulty of each group, in order.
+CASE_GROUPS = {
+    PAPER_SCENES: "the scenes of Chen and Fan (2016), and the orbits and exact grazes that belong to them",
+    **GROUPS,
+    GRAZES: "double roots of the velocity, in each regime of damping, at each belt and from each side",
+    RESTS: "velocities that creep to a belt's speed, and rest on a belt",
+    COULOMB: "published closed forms: amplitudes, growth and decay, the border of motions without stops",
+    CONTINUUM: "orbits that no motion returns to after an error",
+    LONG_RUNS: "hundreds of events: errors that add up",
+}
+
+
+@lru_cache(maxsize=1)
+def reference_cases() -> Sequence[ReferenceCase]:
+    """Return all reference cases: motions whose events are known for certain, and mostly proven.
+
+    Nothing is computed yet; a case computes its events, certificate and condition when they are asked for.
+
+    Examples
+    --------
+    >>> from symosc import reference_cases
+    >>> cases = reference_cases()
+    >>> cases[0].name, cases[-1].group
+    ('paper-fig5', 'long run')
+    """
+    return (*_paper(), *_hard(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_runs())
+
+
+def reference_case(name: str) -> ReferenceCase:
+    """Return the reference case of a name; ParameterError with the nearest names if there is none."""
+    cases = {case.name: case for case in reference_cases()}
+    if name not in cases:
+        near = get_close_matches(name, cases, 3) or ["symosc cases lists all"]
+        raise ParameterError("case", name, f"is no reference case; near it: {', '.join(near)}")
+    return cases[name]
+
+
+def chosen(group: str | None) -> Sequence[ReferenceCase]:
+    """Return the cases of a group, or all; ParameterError if there is no such group."""
+    if group is not None and group not in CASE_GROUPS:
+        raise ParameterError("group", group, f"is none; there are: {', '.join(CASE_GROUPS)}")
+    return [case for case in reference_cases() if group in (None, case.group)]
+
+
+# -- the paper's scenes ------------------------------------------------------------------------------------------------
+
+AT_A_SLIP = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
+
+
+def _paper() -> Iterator[ReferenceCase]:
+    for name in filter(figure_of, scene_names()):
+        scene = load_scene(name)
+        reason = AT_A_SLIP if name == "fig10-orbit" else ""
+        yield ReferenceCase(f"paper-{name}", PAPER_SCENES, scene, f"the paper's {name}", scene.source, open=reason)
+
+
+# -- cases that are hard for solvers -----------------------------------------------------------------------------------
+
+DIGITS_OF_A_NUMBER, LATE_PERIODS = 17, 100_000
+HARD_SOURCE = "a scene of the paper with numbers that make it hard"
+# Starts (t0, x0, v0) of the scenes whose parameters are changed.
+FIG5, FIG6, FIG9, FIG10 = ("0", "0", "0"), ("0", "0", "5"), ("0.1324", "4.5447", "1"), ("0.4588", "3.0837", "1")
+# Scene whose parameters, mapping that grazes, time of the peak, start, end, exponents of the distances, quick ones.
+PEAKS = (
+    ("fig7-corrected", "P2", "3.14", "2.5", "15", (3, 5, 7, 9, 11, 13), (3, 13)),
+    ("fig8", "P3", "3.14", "2.5", "4.5", (8, 13), ()),
+    ("fig10", "P5", "1", "0.8", "8", (8, 13), (13,)),
+    ("fig10", "P6", "3", "2.8", "9", (8, 13), (13,)),
+)
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """A hard case by its name within its group; `quick`: --quick runs it too; `periods`: as in `ReferenceCase`."""
+
+    name: str
+    group: str
+    scene: Scene
+    quick: bool = False
+    periods: int = 0
+
+    def reference(self, scene: Scene | None = None, digits: int = REFERENCE_DIGITS) -> Sequence[Event]:
+        """Return the events that a solver must find in the scene, or in a neighbour of it, with so many digits."""
+        scene = scene or self.scene
+        return last_period(scene, digits) if self.periods else simulate(scene, digits=digits).events
+
+
+@lru_cache(maxsize=1)
+def hard_cases() -> tuple[HardCase, ...]:
+    """Return all hard cases, in the order of GROUPS."""
+    easy = (HardCase(name, "easy", replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10"))
+    cases = [*easy, *_peaks(), *_short_contacts(), *_shrinking_sticks(), *_regimes(), *_belts(), *_endless_runs()]
+    return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
+
+
+def _hard() -> Iterator[ReferenceCase]:
+    for case in hard_cases():
+        name = _slug(f"{case.group} {case.name}")
+        scene = replace(case.scene, name=name)
+        hard = f"{GROUPS[case.group]}; {case.name}"
+        yield ReferenceCase(name, case.group, scene, hard, HARD_SOURCE, periods=case.periods)
+
+
+def _slug(text: str) -> str:
+    """Return a text as a name of letters, digits and single hyphens."""
+    signs = {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}
+    for sign, word in signs.items():
+        text = text.replace(sign, word)
+    text = re.sub(r"(?<=\d)\.(?=\d)", "p", text)
+    return re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-")
+
+
+def short(value: Number | Fraction) -> str:
+    """Return a number as a decimal with the digits of a double."""
+    context = mp_context(60)
+    return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
+
+
+def _scene(
+    name: str, base: str, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike, **changes: NumberLike
+) -> Scene:
+    return _named(name, load_scene(base).parameters.replace(**changes), start, t_end)
+
+
+def _named(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
+    t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
+    return Scene(name, p, t0, x0, v0, end)
+
+
+def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str) -> tuple[str, str, str]:
+    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes (short of it if < 0).
+
+    That is the start of the orbit that grazes a belt which is faster by `height`.
+    """
+    where = place(mapping)
+    beyond = 1 if where.domain == where.boundary else -1
+    speed = p.belt(where.boundary) + beyond * height
+    moved = p.replace(v1=speed) if where.boundary == 1 else p.replace(v2=speed)
+    start = grazing_start(moved, mapping, t_m=t_m, t0=t0)
+    if not start.found:
+        raise ValueError(f"no flight from t = {t0} peaks at t = {t_m}: {start.reason}")
+    return t0, short(Fraction(start.start["x0"])), short(Fraction(start.start["v0"]))
+
+
+def _peaks() -> list[HardCase]:
+    cases = []
+    for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
+        p = load_scene(base).parameters
+        for group, sign in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
+            for exponent in exponents:
+                start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
+                name = f"by 1e-{exponent} ({mapping}, {base})"
+                cases.append(HardCase(name, group, _named(name, p, start, t_end), exponent in quick))
+    return cases
+
+
+def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: str) -> tuple[str, str, str]:
+    """Return t0, x0, v0 on a belt from which F^(domain) is `force` there."""
+    context = mp_context(40)
+    cosine = Fraction(str(context.cos(context.mpf(p.Omega.numerator) / p.Omega.denominator * context.mpf(t0))))
+    speed = p.belt(boundary)
+    x = (p.A(domain) + p.B0 * cosine - p.c * speed - p.m * Fraction(force)) / p.k
+    return t0, short(context.mpf(x.numerator) / x.denominator), str(speed)
+
+
+def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
+    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`.
+
+    It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns positive.
+    """
+    context = mp_context(40)
+    ratio = p.k * p.v1 / (p.B0 * p.Omega)
+    theta = context.pi + context.asin(context.mpf(ratio.numerator) / ratio.denominator)
+    t_m = Fraction(str(theta)) / p.Omega
+    _, x_m, speed = start_with_force(p, 1, 1, str(context.mpf(t_m.numerator) / t_m.denominator), height)
+    return t0, short(Fraction(x_m) - p.v1 * (t_m - Fraction(t0))), speed
+
+
+def _short_contacts() -> list[HardCase]:
+    p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
+    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
+        start = start_before_a_dip(p, height, "2.5")
+        cases.append(
+            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _named("dip", p, start, "12"), True)
+        )
+    for force in ("1e-7", "1e-9"):
+        start = start_with_force(p, 1, 1, "5", f"-{force}")
+        cases.append(HardCase(f"flight from F = {force}", group, _named("flight", p, start, "12"), force == "1e-7"))
+        start = start_with_force(p, 1, 1, "1", force)
+        cases.append(HardCase(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
+    weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
+    for t0, where in (("1", "below"), ("4", "above")):
+        start = start_with_force(weak, 1, 1, t0, "1e-8")
+        cases.append(
+            HardCase(f"forces 2e-8 apart, ends {where}", group, _named("weak", weak, start, "12"), where == "above")
+        )
+    cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
+    return cases
+
+
+def _shrinking_sticks() -> list[HardCase]:
+    scene, group = load_scene("fig8"), "fig8's sticks"
+    return [
+        HardCase(f"{periods} periods of the drive", group, replace(scene, t_end=Fraction(t_end)), periods == 5)
+        for periods, t_end in ((2, 9), (5, 18), (10, 34))
+    ]
+
+
+def _regimes() -> list[HardCase]:
+    cases: list[HardCase] = []
+
+    def add(group: str, name: str, scene: Scene, quick: bool = False) -> None:
+        cases.append(HardCase(name, group, scene, quick))
+
+    for small in ("1e-4", "1e-8", "1e-14", "0"):
+        for sign, letter in ((1, "+"), (-1, "-"))[: 1 if small == "0" else 2]:
+            quarter = Fraction(1, 4) * (1 + sign * Fraction(small))
+            name = "k = c^2/4m" if small == "0" else f"k = c^2/4m (1 {letter} {small})"
+            scene = _scene(name, "fig5", FIG5, "25", k=quarter)
+            add("near-critical damping", name, scene, name in ("k = c^2/4m", "k = c^2/4m (1 + 1e-14)"))
+    for c in ("1e-2", "1e-7", "1e-12", "0"):
+        scene = _scene(f"c = {c}", "fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
+        add("resonance", f"c = {c}", scene, c in ("1e-12", "0"))
+    for k in ("1e-3", "1e-9", "1e-15", "0"):
+        add("weak spring", f"k = {k}", _scene(f"k = {k}", "fig10", FIG10, "12.2", k=k), k in ("1e-15", "0"))
+    for m in ("1e-2", "1e-5", "1e-8"):
+        add("light mass", f"m = {m}", _scene(f"m = {m}", "fig10", FIG10, "9.5", m=m), m == "1e-5")
+    free = _scene("m = 1e-5, c = 0", "fig10", FIG10, "1.47", m="1e-5", c=0)
+    add("light mass", free.name, free)
+    group = "fast and slow drive"
+    add(group, "Omega = 1e3", _scene("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000), True)
+    add(group, "Omega = 1e-3", _scene("Omega = 1e-3", "fig6", FIG6, "6000", Omega="1e-3"), True)
+    for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
+        for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
+            add("late start", f"t0 = {text} ({base})", _scene("late", base, (t0, x0, v0), t0 + span), t0 == 10**10)
+    return cases
+
+
+def _belts() -> list[HardCase]:
+    scenes = (
+        _scene("mu1 = 0", "fig5", FIG5, "25", mu1=0),
+        _scene("mu1 = mu2 = 0", "fig5", FIG5, "25", mu1=0, mu2=0),
+        _scene("FN = 1e-9", "fig5", FIG5, "25", FN="1e-9"),
+        _scene("v2 - v1 = 1e-6", "fig5", FIG5, "25", v2="1.000001"),
+        _scene("v2 - v1 = 999", "fig5", FIG5, "25", v2=1000),
+        _scene("B0 = 0, c = 0", "fig9", ("0", "30", "0"), "8", B0=0, c=0),
+        _scene("x0 = 1e8", "fig9", ("0", "1e8", "0"), "5"),
+    )
+    return [HardCase(scene.name, "belts", scene, scene.name in ("mu1 = 0", "v2 - v1 = 1e-6")) for scene in scenes]
+
+
+def _endless_runs() -> list[HardCase]:
+    cases = []
+    for name in ("fig9-orbit", "fig10-orbit"):
+        scene = load_scene(name)
+        # a twentieth of a period after the last event, where nothing happens
+        turns = Fraction(2 * LATE_PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
+        t_end = scene.t0 + turns / scene.parameters.Omega
+        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", LATE_PERIODS))
+    return cases
+
+
+# -- exact grazes ------------------------------------------------------------------------------------------------------
+
+GRAZE_HARD = (
+    "a double root of the velocity: a step sees no change of sign, and rounding of the start makes two roots or none"
+)
+GRAZE_SOURCE = "Theorem 7 of the paper (symosc.grazing_start): the flow back from the tangency"
+#: Digits of a start. Half of them are left at the touch, where the gap is a square.
+TOUCH_DIGITS = 95
+#: The exact v0 is within so many units of the last digit: those of x0 and its own.
+UNITS_OF_V0 = 5
+#: How long before the touch a motion starts, and how long it is followed.
+BEFORE, FOLLOWED = Fraction(3, 10), 8
+
+GRAZING = Parameters(m=1, c=1, k=2, A0=0, B0=4, Omega=1, v1=-1, v2="1/2", mu1="0.3", mu2="0.2", FN=5)
+DAMPED: dict[str, dict[str, NumberLike]] = {
+    "underdamped": {},
+    "critically damped": {"c": 2, "k": 1},
+    "overdamped": {"c": 5},
+    "undamped": {"c": 0},
+    "undamped resonance": {"c": 0, "k": 1},
+    "near resonance": {"c": "1e-6", "k": 1},
+    "weak spring": {"k": "1e-3"},
+}
+#: Times of the touches: in the window of Theorem 7, with a flight of `BEFORE` to them.
+TOUCHES = {"P2": "1.1", "P3": "3.3", "P5": "0.55", "P6": "3.85"}
+
+
+def grazes() -> Iterator[ReferenceCase]:
+    """Yield the cases."""
+    for regime, changes in DAMPED.items():
+        p = GRAZING.replace(**changes)
+        for mapping, t_m in TOUCHES.items():
+            boundary, domain = place(mapping).boundary, place(mapping).domain
+            t0 = Fraction(t_m) - BEFORE
+            start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=TOUCH_DIGITS).start
+            error = UNITS_OF_V0 * start["start_error"][2]
+            name = f"graze-{regime.replace(' ', '-')}-{mapping}"
+            yield ReferenceCase(
+                name,
+                GRAZES,
+                Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)}),
+                f"{GRAZE_HARD}; {regime}, belt {boundary} touched from domain {domain}",
+                GRAZE_SOURCE,
+                (f"t[0] = {t_m}",),
+            )
+
+
+# -- creeping and rest -------------------------------------------------------------------------------------------------
+
+UNIQUENESS = "uniqueness of the periodic motion and its exception (symosc derive literature): rests form an interval"
+AT_THE_EDGE = "the force on the belt is 0 where it turns; it is never beyond, by elementary reasons: min of A + B0 cos"
+ELEMENTARY = "the solution of the linear equation in one domain"
+
+#: Overdamped, no drive, belt 1 at rest, far from belt 2; the roots are -1 and -3.
+CREEPER = Parameters(m=1, c=4, k=3, A0=0, B0=0, Omega=1, v1=0, v2=50, mu1="0.2", mu2="0.1", FN=1)
+GAP = Fraction(1)
+
+
+def rests() -> Iterator[ReferenceCase]:
+    """Yield the cases."""
+    yield from _creeping()
+    yield from _towards_a_limit()
+    yield from _on_a_belt()
+
+
+def _rest(
+    name: str,
+    p: Parameters,
+    start: tuple[NumberLike, NumberLike],
+    t_end: NumberLike,
+    hard: str,
+    source: str = ELEMENTARY,
+    closed: tuple[str, ...] = (),
+    reason: str = "",
+) -> ReferenceCase:
+    scene = Scene(name, p, Fraction(0), start[0], start[1], t_end)  # type: ignore[arg-type]
+    return ReferenceCase(name, RESTS, scene, hard, source, closed, reason)
+
+
+def _creeping() -> Iterator[ReferenceCase]:
+    """Yield flights from v = -1 to v = 0: with u = g' + r2 g = `push` at the start, g = |v|, contact only if u < 0.
+
+    Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
+    """
+    for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
+        for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):
+            u = Fraction(push)
+            if r1 == r2 and -u < Fraction(1, 1000) and u < 0:
+                continue  # a contact after 1e9 time constants, where nothing is left of the velocity
+            p = CREEPER.replace(c=r1 + r2, k=r1 * r2)
+            a0 = -(u - r2 * GAP)
+            x0 = (p.A(1) + p.c * GAP - p.m * a0) / p.k
+            expression = "log(1 + 2/(%s))/2" if r1 != r2 else "1/(%s)"
+            closed = (f"t[0] = {expression % show(-u)}",) if u < 0 else ()
+            hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: {roots}"
+            t_end = 150 if r1 == r2 and u < 0 else 30
+            yield _rest(f"creeping-{number}-{roots.replace(' ', '-')}", p, (x0, -GAP), t_end, hard, closed=closed)
+
+
+def _towards_a_limit() -> Iterator[ReferenceCase]:
+    """Yield flights without spring and drive: v tends to A/c, which is `beyond` past the belt's speed 1."""
+    for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
+        p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * Fraction(beyond) - Fraction("0.3"))
+        b = Fraction(beyond)
+        closed = (f"t[0] = log((1 + {beyond})/({beyond}))/2",) if b > 0 else ()
+        hard = "the velocity tends to a limit " + (
+            f"{beyond} beyond the belt's speed" if b > 0 else "that is the belt's speed" if not b else "short of it"
+        )
+        yield _rest(f"limit-speed-{number}", p, (0, 0), 40, hard, closed=closed)
+
+
+def _on_a_belt() -> Iterator[ReferenceCase]:
+    p = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
+    for number, x0 in enumerate((0, "1/2", "-3/5", "-4/5", 1), 1):
+        edge = x0 in ("-4/5", 1)
+        hard = "rest on a belt: nothing may happen, for ever" + (
+            "; on the edge, where the force just falls to 0" * edge
+        )
+        yield _rest(f"rest-{number}", p, (x0, 0), 200, hard, UNIQUENESS, reason=AT_THE_EDGE if edge else "")
+    hard = "the force reaches the edge of friction by 1e-9 or misses it by that, on a belt at rest"
+    for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1
+        yield _rest(f"rest-edge-{name}", p, (x0, 0), 60, hard, UNIQUENESS)
+    fast = p.replace(v1=1, B0=0)
+    hard = "one stick, one flight, then a slow approach to rest between the belts' speeds, with nothing more to find"
+    yield _rest("stick-then-settling", fast, (0, 1), 60, hard)
+
+
+# -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
+
+DEN_HARTOG = "Den Hartog, Phil. Mag. 9 (1930) and Trans. ASME 53 (1931)"
+BORDER_SOURCE = "Den Hartog (1931); Hong and Liu, J. Sound Vib. 229 (2000)"
+CSERNAK = "Csernak, Stepan and Shaw, Nonlinear Dynamics 50 (2007), doi:10.1007/s11071-006-9145-6"
+BALANCE = "the energy of a free or resonant oscillator with constant friction, half a cycle at a time"
+AT_A_TURN = (
+    "contacts are exactly where the drift of the belt turns, between two pieces of the proof; see the closed form"
+)
+FAR_BELT = 10**6
+# Digits of a start on an orbit whose amplitude is not rational.
+ORBIT_DIGITS = 60
+
+
+def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
+    """Return the parameters of a mass on a spring that rubs on a wall.
+
+    Examples
+    --------
+    >>> wall("0.4", "1.5").mu1
+    Fraction(2, 5)
+    """
+    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=FAR_BELT, mu1=F, mu2=0, FN=1)
+
+
+def coulomb() -> Iterator[ReferenceCase]:
+    """Yield the cases with closed forms."""
+    yield from _slides()
+    yield from _borders()
+    yield from _resonance()
+    yield from _decay()
+
+
+def _oscillator(
+    name: str, p: Parameters, start: tuple[Any, Any, Any], t_end: Any, *said: Any, group: str = COULOMB
+) -> Any:
+    hard, source, closed = said
+    reason = AT_A_TURN if group == CONTINUUM else ""
+    return ReferenceCase(name, group, Scene(name, p, *start, t_end), hard, source, tuple(closed), reason)
+
+
+def _slides() -> Iterator[ReferenceCase]:
+    """Yield motions without stops from their highest point: the amplitude is Den Hartog's."""
+    for number, (c, F, Omega) in enumerate((("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1):
+        p = wall(F, Omega, c)
+        orbit = find_orbit(p, "P32", guess=find_orbit(p, "P32"), digits=ORBIT_DIGITS)
+        context = mp_context(ORBIT_DIGITS)
+        t0, x0 = (Fraction(context.nstr(value, ORBIT_DIGITS)) for value in orbit.points[0][:2])
+        cycles, period = 4, 2 * pi / float(p.Omega)
+        closed = [f"x[{i}] = {'-' if i % 2 == 0 else ''}({amplitude(c, F, Omega)})" for i in range(2 * cycles)]
+        t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
+        hard = "a start and events at velocity 0, on the belt at rest; the motion passes it and does not stop"
+        yield _oscillator(f"den-hartog-{number}", p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
+
+
+def amplitude(c: str, F: str, Omega: str) -> str:
+    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression.
+
+    Examples
+    --------
+    >>> amplitude("0", "0.4", "1.5")[:40]
+    'sqrt((1/(1 - (1.5)**2))**2 - (0.4)**2*(t'
+    """
+    if Fraction(c) == 0:
+        return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
+    zeta = f"(({c})/2)"
+    root, g = f"sqrt(1 - {zeta}**2)", f"(pi*{zeta}/({Omega}))"
+    s = f"(pi*{root}/({Omega}))"
+    below = f"(cosh({g}) + cos({s}))"
+    G = f"((sinh({g}) - {zeta}/{root}*sin({s}))/{below})"
+    H = f"(sin({s})/(({Omega})*{root}*{below}))"
+    Q = f"(1/((1 - ({Omega})**2)**2 + 4*{zeta}**2*({Omega})**2))"
+    return f"-({F})*{G} + sqrt({Q} - ({F})**2*{H}**2)"
+
+
+def _borders() -> Iterator[ReferenceCase]:
+    """Yield motions on both sides of the border of those without stops, F*/P = 0.64657909 and 0.81740639."""
+    for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
+        for side, F in (("below", below), ("above", above)):
+            hard = (
+                f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
+            )
+            yield _oscillator(
+                f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE, ()
+            )
+
+
+def _resonance() -> Iterator[ReferenceCase]:
+    """Yield motions at Omega = omega_0, c = 0, whose turning points are at pi/2 + i pi and grow."""
+    for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
+        p = wall(F, 1)
+        closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
+        closed += [f"x[{i}] = {'-' if i % 2 else ''}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))" for i in range(12)]
+        start = (0, Fraction(1, 2) - Fraction(F), 5)
+        hard = "undamped resonance: the amplitude grows for ever"
+        yield _oscillator(f"resonance-growth-{number}", p, start, 40, hard, BALANCE, closed)
+
+
+def _decay() -> Iterator[ReferenceCase]:
+    """Yield motions without a drive that lose 2 F/k per half cycle and stop at the first turning point within F/k."""
+    for number, (x0, F) in enumerate((("10", "0.3"), ("1", "0.07"), ("100", "0.9")), 1):
+        last = next(i for i in range(1000) if abs(Fraction(x0) - 2 * i * Fraction(F)) <= Fraction(F))
+        closed = [f"t[{i}] = {i + 1}*pi" for i in range(last)]
+        closed += [f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)]
+        hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
+        p, t_end = wall(F, 1, P=0), int(pi * last) + 20
+        yield _oscillator(f"free-decay-{number}", p, (0, x0, 0), t_end, hard, BALANCE, closed)
+
+
+def continuum() -> Iterator[ReferenceCase]:
+    """Yield motions at Omega = 1/(2 n), c = 0: from d + x_0, with x_0 = 1/(1 - Omega^2), turning at d -+ x_0 for ever.
+
+    That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
+    """
+    members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
+    for n, F, middles in members:
+        Omega = Fraction(1, 2 * n)
+        x_0 = 1 / (1 - Omega**2)
+        for number, d in enumerate(middles, 1):
+            stays = abs(Fraction(d)) < Omega**2 * x_0 - Fraction(F)
+            count = 8 if stays else 0
+            closed = [f"t[{i}] = {2 * n * (i + 1)}*pi" for i in range(count)]
+            closed += [f"x[{i}] = {d} {'+' if i % 2 else '-'} {show(x_0)}" for i in range(count)]
+            hard = "a continuum of orbits: nothing draws the motion back, so that errors stay" + (
+                "" if stays else "; beyond its end, where the motion stops"
+            )
+            name, t_end = f"continuum-{n}-{number}", Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}")
+            start = (0, Fraction(d) + x_0, 0)
+            yield _oscillator(name, wall(F, Omega), start, t_end, hard, CSERNAK, closed, group=CONTINUUM)
+
+
+# -- long runs ---------------------------------------------------------------------------------------------------------
+
+
+def _long_runs() -> Iterator[ReferenceCase]:
+    for base, periods, hard in (
+        ("fig9-orbit", 150, "300 crossings of one belt on an orbit without sticks"),
+        ("fig10", 75, "300 sticks and slips at two belts"),
+        ("fig5", 150, "300 sticks and slips at one belt"),
+    ):
+        scene = load_scene(base)
+        end = scene.t0 + Fraction(f"{(periods + 0.05) * 2 * pi / float(scene.parameters.Omega):.8g}")
+        name = f"long-{base}"
+        yield ReferenceCase(name, LONG_RUNS, replace(scene, name=name, t_end=end), hard, scene.source)
+    name, start = "long-resonance", Fraction(1, 2) - Fraction("0.4")
+    scene = Scene(name, wall("0.4", 1), Fraction(0), start, Fraction(5), Fraction(630))
+    hard = "200 turning points at undamped resonance, each farther out"
+    yield ReferenceCase(name, LONG_RUNS, scene, hard, BALANCE, ("t[199] = 199*pi + pi/2",))
+    name = "long-continuum"
+    scene = Scene(name, wall("0.1", "1/2"), Fraction(0), Fraction(1, 5) + Fraction(4, 3), Fraction(0), Fraction(1260))
+    hard = "200 turning points on a continuum of orbits: errors add up and nothing draws them back"
+    closed = ("x[199] = 1/5 + 4/3", "t[199] = 400*pi")
+    yield ReferenceCase(name, LONG_RUNS, scene, hard, CSERNAK, closed, AT_A_TURN)

@@ -1,0 +1,159 @@
+"""Reads scene files: what is wrong is said with its line, its table, and what is allowed."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from symosc.aliases import Record
+from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
+from symosc.exact import NUMBER, show
+from symosc.model import PARAMETER_NAMES
+from symosc.scenes.quantities import half_unit, read_number
+
+#: Keys of a scene file: table, those that are needed, and those that may be there.
+TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "": (("start", "t_end", "parameters"), ("name", "structure", "source", "reference")),
+    "parameters": (PARAMETER_NAMES, ()),
+    "start": (("t0", "x0", "v0"), ("start_error",)),
+}
+#: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
+#: for a key of ten thousand parts. Of notes on long numbers so many digits are shown.
+MOST_CHARACTERS, MOST_DOTS, SHOWN_PART = 100_000, 200, 24
+#: Characters that may be read to find a line: a file that takes more is no scene that somebody wrote.
+MOST_READ = 1_000_000
+
+
+class SceneFile(NamedTuple):
+    """A scene file that was read: its text, what messages call it, its values, and the texts of rounded numbers."""
+
+    text: str
+    where: str
+    data: Record
+    rounded: dict[str, str]
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what is to be said of numbers that are not exact."""
+        values, notes = self.data["parameters"] | self.data["start"] | self.data, []
+        for name, text in self.rounded.items():
+            shown = show(values[name])
+            shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
+            notes.append(f"{name} = {text}: read to 40 digits, {shown}")
+        return tuple(notes)
+
+    def place(self, *path: str) -> str:
+        """Return where a key stands, in words."""
+        line = line_of(self.text, path)
+        table = f"[{path[0]}]" if len(path) > 1 else ""
+        return ", ".join(filter(None, [f"line {line}" if line else "", table]))
+
+    def located(self, error: ParameterError) -> SymoscError:
+        """Return an error of a number with the place of that number."""
+        tables = [name for name, (required, optional) in TABLES.items() if error.name in (*required, *optional)]
+        place = self.place(*filter(None, [*tables[:1], error.name])) if tables else ""
+        where = ", ".join(filter(None, [self.where, place]))
+        return ParameterError(error.name, error.value, f"{error.allowed} ({where})")
+
+
+def line_of(text: str, path: Sequence[str]) -> int | None:
+    """Return the line on which a key or table of a TOML text is complete, which tomllib does not tell; None: not found.
+
+    The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
+    dotted keys are all read by the same rules as the file itself.
+    """
+    begin, read = "", 0
+    for n, line in enumerate(text.splitlines(keepends=True), 1):
+        begin += line
+        if not line.strip():
+            continue
+        read += len(begin)
+        if read > MOST_READ:
+            return None
+        try:
+            data: Any = tomllib.loads(begin)
+        except (ValueError, RecursionError):
+            continue
+        for key in path:
+            data = data.get(key) if isinstance(data, dict) else None
+        if data is not None:
+            return n
+    return None
+
+
+def read_scene_file(text: str, where: str) -> SceneFile:
+    """Return a scene file with its numbers; SceneError for its form, ParameterError for a value that is no number."""
+    if len(text) > MOST_CHARACTERS:
+        raise SceneError(where, f"has more than {MOST_CHARACTERS} characters: it is no scene")
+    for n, line in enumerate(text.split("\n"), 1):
+        if line.count(".") > MOST_DOTS:
+            raise SceneError(where, f"line {n}: has more than {MOST_DOTS} dots: it is no line of a scene")
+    try:
+        data = tomllib.loads(text, parse_float=Decimal)
+    except RecursionError:
+        raise SceneError(where, "is not valid TOML: nested too deeply") from None
+    except ArithmeticError:  # of Decimal
+        raise SceneError(where, "is not valid TOML: a number is too large") from None
+    except ValueError as error:  # TOMLDecodeError, and an int of more digits than Python converts
+        raise SceneError(where, f"is not valid TOML: {error}") from None
+    if not data:
+        raise SceneError(where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one")
+    file = SceneFile(text, where, data, {})
+    for table in TABLES:
+        _check_keys(file, table)
+    for key in ("name", "structure", "source"):
+        if key in data and not isinstance(data[key], str):
+            raise SceneError(where, f"{file.place(key)}: {key} must be text")
+    _read_number(file, data, "t_end")
+    for table in ("parameters", "start"):
+        for name in TABLES[table][0]:
+            _read_number(file, data[table], name)
+    _add_start_error(file)
+    return file
+
+
+def _check_keys(file: SceneFile, name: str) -> None:
+    table = file.data[name] if name else file.data
+    if not isinstance(table, dict):
+        raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")
+    required, optional = TABLES[name]
+    prefix, known = f"{name}." if name else "", (*required, *optional)
+    missing = [key for key in required if key not in table]
+    for key in table:  # before what is missing: that may be what was meant
+        if key not in known:
+            place = file.place(*filter(None, [name, key]))
+            hint = meant(key, missing or known)
+            unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
+            raise SceneError(file.where, f"{place}: {unknown}" if place else unknown)
+    for key in missing:
+        begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
+        advice = f": give it in a table [{key}]" if key in TABLES else begins
+        raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
+
+
+def _read_number(file: SceneFile, table: Record, name: str) -> None:
+    """Replace the text of an expression or a quantity by its number; `Parameters` and `Scene` read everything else."""
+    value = table[name]
+    if not isinstance(value, str) or NUMBER.fullmatch(value.strip()):
+        return
+    try:
+        table[name], exact = read_number(name, value)
+    except ParameterError as error:
+        raise file.located(error) from None
+    if not exact:
+        file.rounded[name] = value
+
+
+def _add_start_error(file: SceneFile) -> None:
+    """Give a start that is not exact the error of its last digit, unless the file has one."""
+    start, parameters, names = file.data["start"], file.data["parameters"], ("t0", "x0", "v0")
+    if "start_error" in start or not set(names) & set(file.rounded):
+        return
+    belts: list[Any] = [parameters["v1"], parameters["v2"]]
+    # A start on a belt has the belt's speed, however many digits that has.
+    known = [name not in file.rounded or (name == "v0" and start[name] in belts) for name in names]
+    start["start_error"] = [
+        Fraction(0) if exact else half_unit(start[name]) for name, exact in zip(names, known, strict=True)
+    ]

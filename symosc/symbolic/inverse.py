@@ -1,0 +1,722 @@
+"""Theorem 7 inverted: for which values of parameters does the window of a map have a property?
+
+The sign function side (k v_lambda + B0 Omega sin theta) is linear in each of Omega, B0, k and v_lambda, and its extreme
+over theta in |B0|. So each answer is a half line or an interval whose end is known in closed form:
+
+    contains theta   iff side (k v_lambda + B0 Omega sin theta) > 0
+    empty            iff side k v_lambda <= -|B0| Omega
+    everything       iff side k v_lambda >= |B0| Omega and side k v_lambda > 0    (order 1: > |B0| Omega)
+
+In full order (see `symosc.grazing.window.grazing_window`) equality counts too where theta is at the top or bottom of
+the sine, if side k v_lambda > 0: that is the tangency of fourth order.
+
+An interval of phases is in the window iff the phases with the smallest and the largest sine of it are. One at an open
+end of the interval may be an end of the window, as long as something in between is inside.
+
+For two parameters the same inequalities are written down as a region, k v_lambda on the left and the drive on the
+right. Points of it are decided exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+from symosc.aliases import Expr, NumberLike, Order
+from symosc.arguments import public
+from symosc.display.drawable import Drawable
+from symosc.errors import ParameterError
+from symosc.exact import read_exact
+from symosc.mappings.numbers import LatexAnswer, latex_table
+from symosc.mappings.theorem7_cases import Place, place
+from symosc.model import Parameters
+from symosc.symbolic.theorem7 import latex, rational, real, sign_of
+
+#: The letters of questions without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
+QUERY_LETTERS = {
+    "k": sp.Symbol("k", nonnegative=True),
+    "v": sp.Symbol("v_lambda", real=True),
+    "B0": sp.Symbol("B_0", real=True),
+    "Omega": sp.Symbol("Omega", positive=True),
+    "v1": sp.Symbol("v_1", real=True),
+    "v2": sp.Symbol("v_2", real=True),
+}
+THETA = sp.Symbol("theta", real=True)
+ASKS_PHASES, ASKS_NOTHING, ASKS_EVERYTHING = "contains", "empty", "everything"
+
+
+# --- intervals of phases ---
+
+
+class Extreme(NamedTuple):
+    """A phase where the sine over an interval is smallest or largest; not attained at an open end."""
+
+    theta: Expr
+    attained: bool
+
+
+class PhaseInterval(NamedTuple):
+    """An interval of phases, of any length up to a turn and with ends of any size."""
+
+    low: Expr
+    high: Expr
+    low_open: bool = False
+    high_open: bool = False
+
+    def set(self) -> Expr:
+        """Return it as a sympy Interval."""
+        return sp.Interval(*self)
+
+    def extremes(self) -> tuple[Extreme, Extreme]:
+        """Return where the sine is smallest and where it is largest."""
+        return self._extreme(-1), self._extreme(1)
+
+    def between(self) -> Expr:
+        """Return a phase inside, whose sine is neither the smallest nor the largest one."""
+        sines = [sp.sin(each.theta) for each in self.extremes()]
+        for parts in (2, 3, 5):
+            theta = self.low + (self.high - self.low) / parts
+            if all(sign_of(sp.sin(theta) - sine) for sine in sines):
+                return theta
+        raise AssertionError("three phases cannot all be extreme")
+
+    def _extreme(self, sign: int) -> Extreme:
+        """Return where sign sin(theta) is largest."""
+        # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
+        top = sign * sp.pi / 2
+        first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
+        ends = [Extreme(self.low, not self.low_open), Extreme(self.high, not self.high_open)]
+        if sign_of(first - self.low) > 0 and sign_of(self.high - first) > 0:
+            return Extreme(first, True)
+        difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
+        if difference == 0:  # one of them is as good as the other: an attained one is wanted
+            return max(ends, key=lambda end: end.attained)
+        return ends[difference > 0]
+
+
+def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
+    """Return a phase as a sympy expression, or an interval of them."""
+    if isinstance(value, sp.Interval):
+        ends, open_ends = (value.start, value.end), (bool(value.left_open), bool(value.right_open))
+    elif isinstance(value, tuple | list):
+        if len(value) != 2:
+            allowed = "must be a phase, or an interval of phases: a pair (low, high) with low < high, or"
+            raise ParameterError(name, value, f"{allowed} a sympy Interval")
+        ends, open_ends = tuple(value), (False, False)
+    else:
+        return real(name, value)
+    low, high = (real(name, end) for end in ends)
+    if low.free_symbols or high.free_symbols:
+        raise ParameterError(name, value, "the ends of an interval must be numbers")
+    if sign_of(high - low) <= 0:
+        allowed = "the interval must go from a lower to a higher phase; (7*pi/4, 9*pi/4) has 0 in"
+        raise ParameterError(name, value, allowed)
+    if sign_of(high - low - 2 * sp.pi) > 0:
+        raise ParameterError(name, value, "the interval is longer than a turn")
+    return PhaseInterval(low, high, *open_ends)
+
+
+# --- answers ---
+
+
+class GrazingQuestion(NamedTuple):
+    """What is asked: for which values of parameters the window of a map contains phases, is empty or everything.
+
+    Attributes
+    ----------
+    mapping : str
+    names : tuple of str
+        One parameter or two.
+    asked : {"contains", "empty", "everything"}
+    theta : sympy expression, PhaseInterval or None
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_containing
+    >>> print(values_containing(load_scene("fig9").parameters, "P2", "Omega", "pi").question.text())
+    P2 grazes at theta = pi
+    """
+
+    mapping: str
+    names: tuple[str, ...]
+    asked: str
+    theta: Any = None
+
+    def text(self) -> str:
+        """Return the property in words."""
+        if self.asked != ASKS_PHASES:
+            return f"{self.mapping} grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase"
+        if isinstance(self.theta, PhaseInterval):
+            return f"{self.mapping} grazes at every theta in {interval_text(self.theta.set())}"
+        return f"{self.mapping} grazes at theta = {self.theta}"
+
+    def latex(self) -> str:
+        """Return the property as LaTeX."""
+        name = f"P_{{{self.mapping.removeprefix('P')}}}"
+        if self.asked != ASKS_PHASES:
+            return rf"{name} \text{{ grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase}}"
+        interval = isinstance(self.theta, PhaseInterval)
+        phases = rf"\in {latex(self.theta.set())}" if interval else f"= {latex(self.theta)}"
+        return rf"{name} \text{{ grazes at {'every ' if interval else ''}}}\theta {phases}"
+
+
+def interval_text(values: Expr) -> str:
+    """Return a set in the notation of the paper."""
+    if values.is_empty:
+        return "the empty set"
+    if isinstance(values, sp.Interval):
+        return f"{'(' if values.left_open else '['}{values.start}, {values.end}{')' if values.right_open else ']'}"
+    for kind, sign in ((sp.Union, " U "), (sp.Intersection, " & ")):
+        if isinstance(values, kind):
+            return sign.join(interval_text(part) for part in values.args)
+    return str(values)
+
+
+def condition_text(condition: Expr) -> str:
+    """Return a condition in words and signs."""
+    if isinstance(condition, sp.Eq):
+        return f"{condition.lhs} = {condition.rhs}"
+    if isinstance(condition, sp.And):
+        return " and ".join(sorted(condition_text(each) for each in condition.args))
+    if isinstance(condition, sp.Or):
+        parts = [(condition_text(each), isinstance(each, sp.And)) for each in condition.args]
+        return " or ".join(sorted(f"({text})" if joined else text for text, joined in parts))
+    return str(condition)
+
+
+class Answer(NamedTuple):
+    """Values of the parameter that was asked for, under a condition on the others.
+
+    Attributes
+    ----------
+    condition : sympy Boolean
+        When it holds.
+    values : sympy Set
+        The values that have the property then.
+
+    Examples
+    --------
+    >>> from symosc import values_empty
+    >>> values_empty(None, "P3", "B0")[0]
+    Answer(condition=k*v_lambda > 0, values=Interval(-k*v_lambda/Omega, k*v_lambda/Omega))
+    """
+
+    condition: Expr
+    values: Expr
+
+    def latex(self) -> str:
+        """Return "condition: values" as LaTeX (no dollar signs)."""
+        return rf"{latex(self.condition)}:\quad {latex(self.values)}"
+
+
+class Answers(tuple[Answer, ...], LatexAnswer):
+    """Answers for letters: one for each condition on the other parameters, of which exactly one holds.
+
+    Attributes
+    ----------
+    question : GrazingQuestion
+
+    Examples
+    --------
+    >>> from symosc import values_everything
+    >>> answers = values_everything(None, "P2", "Omega")
+    >>> answers.question.text()
+    'P2 grazes at every phase'
+    >>> len(answers)
+    4
+    """
+
+    question: GrazingQuestion
+
+    @classmethod
+    def to(cls, question: GrazingQuestion, answers: Any) -> Answers:
+        """Return the answers to a question."""
+        made = cls(answers)
+        made.question = question
+        return made
+
+    def text(self) -> str:
+        """Return question and answers in words, a line for each condition."""
+        name = QUERY_LETTERS[self.question.names[0]]
+        lines = [f"  if {condition_text(each.condition)}: {name} in {interval_text(each.values)}" for each in self]
+        return "\n".join([f"{self.question.text()}:", *lines])
+
+    def latex(self) -> str:
+        """Return the answers as a table in LaTeX (an array, no dollar signs)."""
+        name = latex(QUERY_LETTERS[self.question.names[0]])
+        rows = ((latex(answer.condition), latex(answer.values)) for answer in self)
+        return latex_table([self.question.latex(), rf"{name} \in"], rows)
+
+
+class ParameterValues(LatexAnswer):
+    """The values of one parameter that have a property; works like the sympy Set `values`, and prints itself.
+
+    Attributes
+    ----------
+    question : GrazingQuestion
+    values : sympy Set
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_containing
+    >>> found = values_containing(load_scene("fig9").parameters, "P2", "Omega", "7*pi/6")
+    >>> print(found.text())
+    P2 grazes at theta = 7*pi/6 for Omega in (0, 2/3)
+    >>> "1/2" in found, 1 in found
+    (True, False)
+    """
+
+    def __init__(self, question: GrazingQuestion, values: Expr) -> None:
+        self.question, self.values = question, values
+
+    def text(self) -> str:
+        """Return question and answer in words."""
+        name = self.question.names[0]
+        where = f"no {name}" if self.values.is_empty else f"{name} in {interval_text(self.values)}"
+        return f"{self.question.text()} for {where}"
+
+    def latex(self) -> str:
+        """Return question and answer as LaTeX (no dollar signs)."""
+        name = latex(QUERY_LETTERS[self.question.names[0]])
+        return rf"{self.question.latex()}:\quad {name} \in {latex(self.values)}"
+
+    @public
+    def __contains__(self, value: NumberLike) -> bool:
+        name = self.question.names[0]
+        if isinstance(value, sp.Basic) and value.free_symbols:
+            raise ParameterError(name, value, "must be a number")
+        exact = value if isinstance(value, sp.Basic) else rational(read_exact(name, value))
+        return bool(self.values.contains(exact) == sp.true)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the set has: boundary, is_subset, measure, ..."""
+        if name.startswith("__") or name in ("question", "values"):
+            raise AttributeError(name)
+        return getattr(self.values, name)
+
+    def _sympy_(self) -> Expr:
+        return self.values
+
+    def __bool__(self) -> bool:
+        return not self.values.is_empty
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.values == (other.values if isinstance(other, ParameterValues) else other))
+
+    def __hash__(self) -> int:
+        return hash(self.values)
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+
+class ParameterRegion(Drawable, LatexAnswer):
+    """The region of two parameters that has a property; `plot` draws it.
+
+    Attributes
+    ----------
+    question : GrazingQuestion
+    condition : sympy Boolean
+        In the letters of both parameters; the others are numbers.
+    parameters : Parameters
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_containing
+    >>> region = values_containing(load_scene("fig9").parameters, "P2", ("Omega", "k"), "7*pi/6")
+    >>> print(region.text())
+    P2 grazes at theta = 7*pi/6 where k > 9*Omega/2
+    >>> region.contains(Omega="1/5", k=1), region.contains(Omega=1, k=1)
+    (True, False)
+    """
+
+    def __init__(self, question: GrazingQuestion, condition: Expr, parameters: Parameters) -> None:
+        self.question, self.condition, self.parameters = question, condition, parameters
+
+    @property
+    def allowed(self) -> Expr:
+        """What Parameters allows for both, as a sympy Boolean; kept as it is written, though the letters know some."""
+        found = {
+            "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
+            "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),
+            "B0": sp.true,
+            "v1": QUERY_LETTERS["v1"] < rational(self.parameters.v2),
+            "v2": QUERY_LETTERS["v2"] > rational(self.parameters.v1),
+        }
+        return sp.And(*(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False)
+
+    @property
+    def letters(self) -> tuple[Expr, Expr]:
+        """The symbols of both parameters."""
+        first, second = (QUERY_LETTERS[name] for name in self.question.names)
+        return first, second
+
+    @public
+    def contains(self, **values: NumberLike) -> bool:
+        """Return whether a point of the plane is in the region, decided exactly.
+
+        Raises
+        ------
+        ParameterError
+            Unless both parameters are given, as values that Parameters allows.
+        """
+        if set(values) != set(self.question.names):
+            raise ParameterError("values", ", ".join(values) or None, f"give {' and '.join(self.question.names)}")
+        allowed = self.parameters.replace(**values)
+        numbers = {QUERY_LETTERS[name]: rational(getattr(allowed, name)) for name in self.question.names}
+        return holds(self.condition, numbers)
+
+    def text(self) -> str:
+        """Return question and answer in words."""
+        where = {sp.true: "everywhere", sp.false: "nowhere"}
+        return f"{self.question.text()} {where.get(self.condition) or f'where {condition_text(self.condition)}'}"
+
+    def latex(self) -> str:
+        """Return the region as LaTeX (no dollar signs)."""
+        names = ", ".join(latex(letter) for letter in self.letters)
+        region = {sp.true: latex(self.allowed), sp.false: r"\text{nowhere}"}
+        inside = region.get(self.condition, rf"{latex(self.allowed)},\ {latex(self.condition)}")
+        return rf"{self.question.latex()}:\quad \left\{{({names}) : {inside}\right\}}"
+
+    def __repr__(self) -> str:
+        return f"<ParameterRegion: {self.text()}>"
+
+
+def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
+    """Return whether a condition holds for numbers; each comparison is decided exactly."""
+    if condition in (sp.true, sp.false):
+        return bool(condition)
+    if isinstance(condition, sp.And | sp.Or):
+        each = (holds(part, numbers) for part in condition.args)
+        return all(each) if isinstance(condition, sp.And) else any(each)
+    sign = sign_of((condition.lhs - condition.rhs).subs(numbers))
+    return {sp.Gt: sign > 0, sp.Ge: sign >= 0, sp.Lt: sign < 0, sp.Le: sign <= 0, sp.Eq: sign == 0}[condition.func]
+
+
+# --- questions ---
+
+
+@public
+def values_containing(
+    p: Parameters | None,
+    mapping: str,
+    name: str | Sequence[str],
+    theta: NumberLike | tuple[NumberLike, NumberLike] | sp.Interval | None = None,
+    order: Order = "full",
+) -> Any:
+    """Return for which values of a parameter, or of two, the window of a map contains a phase, or an interval of them.
+
+    Parameters
+    ----------
+    p : Parameters or None
+        The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place of numbers.
+    mapping : {"P2", "P3", "P5", "P6"}
+    name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}, or a pair of them
+        The parameter that is asked for; v_lambda is the map's belt, v1 or v2.
+    theta : number, text, sympy expression, or an interval
+        The phase, exactly: "3*pi/2" as text, the rest as for `symosc.theorem7`. A pair (low, high), or a sympy
+        Interval: every phase of it, ends included unless the Interval is open; it may go through 0, as (-1, 1) does.
+        With p = None it is one phase, and may be left out: the letter theta.
+    order : {"full", "paper"}
+        See `symosc.grazing_window`.
+
+    Returns
+    -------
+    ParameterValues, Answers or ParameterRegion
+        The values that Parameters allows and that have the property, as a sympy Set with ``text()`` and ``latex()``.
+        With letters: one Answer for each condition on the others; exactly one condition holds. For two parameters: the
+        region, as a condition.
+
+    Raises
+    ------
+    ParameterError
+        For a map without grazing, a parameter on which its window does not depend, or a phase that is not a number.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_containing
+    >>> p = load_scene("fig9").parameters
+    >>> values_containing(p, "P2", "Omega", "7*pi/6")
+    Interval.open(0, 2/3)
+    >>> values_containing(p, "P2", "Omega", ("pi", "5*pi/4"))
+    Interval.open(0, sqrt(2)/3)
+    """
+    names, full = _read_names(mapping, name, p), order == "full"
+    phases = THETA if theta is None and p is None else read_phases("theta", theta)
+    if p is None and isinstance(phases, PhaseInterval):
+        raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
+    if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
+        raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
+
+    def solve(problem: _Problem) -> Iterator[Answer]:
+        if isinstance(phases, PhaseInterval):
+            return _containing_all(problem, phases, full)
+        return _containing(problem, Extreme(phases, True), full)
+
+    return _answer(p, GrazingQuestion(mapping, names, ASKS_PHASES, phases), full, solve)
+
+
+@public
+def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) -> Any:
+    """Return for which values of a parameter, or of two, the window of a map is empty; see `values_containing`.
+
+    Both orders agree: at equality the tangency of fourth order bends to the other side.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_empty
+    >>> values_empty(load_scene("fig9").parameters, "P3", "Omega")
+    Interval.Lopen(0, 1/3)
+    """
+    question = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_NOTHING)
+    return _answer(
+        p, question, True, lambda problem: _reaching(problem, -problem.where.side, closed=True, at_zero=True)
+    )
+
+
+@public
+def values_everything(p: Parameters | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
+    """Return for which values of a parameter, or of two, every phase is in the window; see `values_containing`.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, values_everything
+    >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
+    Interval.open(0, 1/3)
+    """
+    question, full = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_EVERYTHING), order == "full"
+    return _answer(p, question, full, lambda problem: _reaching(problem, problem.where.side, full, at_zero=False))
+
+
+def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
+    """Return the names of one parameter or two; the belt is "v" among letters, v1 or v2 among numbers."""
+    belt = f"v{place(mapping).boundary}"
+    asked = tuple(given) if isinstance(given, tuple | list) else (given,)
+    own = "v" if p is None else belt
+    names = tuple(own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked)
+    for name, asked_name in zip(names, asked, strict=True):
+        if not isinstance(name, str) or name not in ("Omega", "B0", "k", own):
+            known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
+            raise ParameterError("name", asked_name, known)
+    if len(names) not in (1, 2) or len(set(names)) < len(names):
+        raise ParameterError("name", given, "give one parameter, or a pair of two different ones")
+    return names
+
+
+class _Problem(NamedTuple):
+    """A question about one parameter: "k", "v", "B0" or "Omega", the values of all, and those Parameters allows."""
+
+    where: Place
+    name: str
+    values: dict[str, Expr]
+    domain: Expr
+
+
+def _answer(
+    p: Parameters | None, question: GrazingQuestion, full: bool, solve: Callable[[_Problem], Iterator[Answer]]
+) -> Any:
+    """Return the region of two parameters, or the answers of `solve` cut to the allowed values of one."""
+    where = place(question.mapping)
+    if len(question.names) == 2:
+        return _region(p, where, question, full)
+    problem = _problem(p, where, question.names[0])
+    found: dict[Expr, Expr] = {}  # conditions with one answer are joined
+    for condition, values in solve(problem):
+        if condition != sp.false:
+            inside = values & problem.domain
+            found[inside] = sp.Or(found.get(inside, sp.false), condition)
+    if p is not None:
+        [values] = found
+        return ParameterValues(question, values)
+    return Answers.to(question, (Answer(condition, values) for values, condition in found.items()))
+
+
+def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
+    belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
+    if p is None:
+        values = QUERY_LETTERS
+    else:
+        values = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
+        values["v"] = rational(p.belt(where.boundary))
+    domain = {
+        "Omega": sp.Interval.open(0, sp.oo),
+        "k": sp.Interval(0, sp.oo),
+        "B0": sp.Interval(-sp.oo, sp.oo),
+        "v1": sp.Interval.open(-sp.oo, values[other]),
+        "v2": sp.Interval.open(values[other], sp.oo),
+    }[belt if name == "v" else name]
+    return _Problem(where, "v" if name == belt else name, values, domain)
+
+
+# --- one parameter, case by case ---
+
+
+def _containing(problem: _Problem, extreme: Extreme, full: bool) -> Iterator[Answer]:
+    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained."""
+    theta, attained = extreme
+    values, side = problem.values, problem.where.side
+    k, v, B0, Omega, sine = *(values[name] for name in ("k", "v", "B0", "Omega")), sp.sin(theta)
+    # The left side is start + slope * parameter; level is side k v at its root.
+    if problem.name in ("Omega", "B0"):
+        start, slope = side * k * v, side * (B0 if problem.name == "Omega" else Omega) * sine
+        level = start
+    else:
+        start, slope = side * B0 * Omega * sine, side * (v if problem.name == "k" else k)
+        level = -start
+    for slope_sign, sloped in _signs(slope):
+        if slope_sign == 0:
+            for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
+                yield Answer(sloped & started, problem.domain if positive else sp.S.EmptySet)
+            continue
+        cases: Any = [(not attained, sp.true)] if not (attained and full) else _quartic(theta, level)
+        for closed, closing in cases:
+            yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
+
+
+def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Iterator[Answer]:
+    """Solve for numbers that every phase of an interval grazes."""
+    extremes = phases.extremes()
+    found = [answer.values for each in extremes for answer in _containing(problem, each, full)]
+    if not all(each.attained for each in extremes):
+        found += [answer.values for answer in _containing(problem, Extreme(phases.between(), True), False)]
+    yield Answer(sp.true, sp.Intersection(*found))
+
+
+def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
+    """Yield whether equality at theta is a tangency of fourth order from the map's domain, with the condition."""
+    cosine = sp.cos(theta)
+    if not cosine.free_symbols:
+        yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
+        return
+    for positive, condition in _positive(level):
+        turning = sp.Eq(cosine, 0)
+        if positive:
+            yield True, turning & condition
+            yield False, sp.Not(turning) & condition
+        else:
+            yield False, condition
+
+
+def _reaching(problem: _Problem, direction: int, closed: bool, at_zero: bool) -> Iterator[Answer]:
+    """Solve direction k v >= |B0| Omega, or > unless `closed`; whether equality at 0 counts is `at_zero`."""
+    k, v, B0, Omega = (problem.values[each] for each in ("k", "v", "B0", "Omega"))
+    if problem.name in ("Omega", "B0"):
+        # |B0| Omega <= level
+        level = direction * k * v
+        for level_sign, levelled in _signs(level):
+            if level_sign < 0 or (level_sign == 0 and not at_zero):
+                yield Answer(levelled, sp.S.EmptySet)
+            elif problem.name == "B0":
+                end = level / Omega if level_sign else sp.S.Zero
+                yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
+            else:
+                for B0_sign, signed in _signs(B0):
+                    values = problem.domain
+                    if B0_sign and level_sign == 0:  # Omega > 0
+                        values = sp.S.EmptySet
+                    elif B0_sign:  # the end is > 0 under these conditions
+                        values = sp.Interval(0, level / (B0_sign * B0), True, not closed)
+                    yield Answer(levelled & signed, values)
+        return
+    # factor * parameter >= |B0| Omega
+    factor = direction * (v if problem.name == "k" else k)
+    for factor_sign, factored in _signs(factor):
+        for B0_sign, signed in _signs(B0):
+            reached = B0_sign == 0 and at_zero
+            if factor_sign == 0:
+                values = problem.domain if reached else sp.S.EmptySet
+            elif problem.name == "k" and factor_sign < 0:  # k >= 0
+                values = sp.FiniteSet(0) if reached else sp.S.EmptySet
+            elif B0_sign == 0:
+                values = _half_line(sp.S.Zero, factor_sign, at_zero)
+            else:
+                values = _half_line(B0_sign * B0 * Omega / factor, factor_sign, closed)
+            yield Answer(factored & signed, values)
+
+
+def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
+    """Return the half line from `end` upwards (direction 1) or downwards (-1)."""
+    return sp.Interval(end, sp.oo, not closed, True) if direction > 0 else sp.Interval(-sp.oo, end, True, not closed)
+
+
+def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
+    """Yield the signs that an expression can have, each with its condition."""
+    if not expr.free_symbols:
+        yield sign_of(expr), sp.true
+        return
+    if expr.could_extract_minus_sign():  # conditions without needless minus signs
+        yield from ((-sign, condition) for sign, condition in _signs(-expr))
+        return
+    for sign, condition in ((1, expr > 0), (0, sp.Eq(expr, 0)), (-1, expr < 0)):
+        if condition != sp.false:
+            yield sign, condition
+
+
+def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
+    """Yield whether an expression is > 0, with the condition."""
+    if not expr.free_symbols:
+        yield sign_of(expr) > 0, sp.true
+        return
+    flipped = expr.could_extract_minus_sign()
+    conditions = (-expr < 0, -expr >= 0) if flipped else (expr > 0, expr <= 0)
+    for positive, condition in zip((True, False), conditions, strict=True):
+        if condition != sp.false:
+            yield positive, condition
+
+
+# --- two parameters ---
+
+# A Boolean `a > b` that sympy keeps as it is written.
+OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
+
+
+def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
+    """Return the region of two parameters in which the answer to a question is yes."""
+    if p is None:
+        raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
+    belt = f"v{where.boundary}"
+    values = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
+    values |= {name: QUERY_LETTERS[name] for name in question.names}
+    level = where.side * values["k"] * values[belt]
+    scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
+    level, Omega = level / scale, values["Omega"] / scale
+    drive, size = where.side * values["B0"] * Omega, sp.Abs(values["B0"]) * Omega
+    if question.asked == ASKS_PHASES:
+        condition = _region_containing(level, drive, question.theta, full)
+    elif question.asked == ASKS_NOTHING:
+        condition = CLOSED_REGION(-level, size)
+    else:
+        condition = CLOSED_REGION(level, size) if full else OPEN_REGION(level, size)
+        if full and not size.is_positive:
+            condition = sp.And(condition, OPEN_REGION(level, 0))
+    return ParameterRegion(question, condition, p)
+
+
+def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: bool) -> Expr:
+    """Return when level + drive sin > 0 at a phase, or at every one of an interval."""
+    if not isinstance(theta, PhaseInterval):
+        return _region_at(level, drive, Extreme(theta, True), full)
+    lowest, highest = theta.extremes()
+    # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
+    sign = 1 if drive.is_positive else -1 if drive.is_negative else 0
+    extremes = [lowest] * (sign >= 0) + [highest] * (sign <= 0)
+    conditions = [_region_at(level, drive, each, full) for each in extremes]
+    if not all(each.attained for each in extremes):
+        conditions.append(_region_at(level, drive, Extreme(theta.between(), True), False))
+    return sp.And(*conditions)
+
+
+def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
+    """Return when a phase grazes; one that is not attained may be an end of the window."""
+    theta, attained = extreme
+    left, right = level, -drive * sp.sin(theta)
+    if not attained:
+        return CLOSED_REGION(left, right)
+    if full and sign_of(sp.cos(theta)) == 0 and not right.is_nonpositive:
+        # The tangency of fourth order, where k v_lambda has the right sign.
+        if right.is_positive:
+            return CLOSED_REGION(left, right)
+        return sp.Or(OPEN_REGION(left, right), sp.And(CLOSED_REGION(left, right), OPEN_REGION(left, 0)))
+    return OPEN_REGION(left, right)

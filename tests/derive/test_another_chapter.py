@@ -1,0 +1,60 @@
+"""What CONTRIBUTING says of a new chapter, done to the letter in a copy."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from scratch import Scratch
+
+CHAPTER = r'''"""The energy of the mass."""
+
+from symosc.derive.latex import named
+from symosc.derive.steps import Sign, equation, step
+from symosc.symbolic.solution import k, m, v, x
+
+TITLE = "Energy"
+
+
+def items(scope):
+    """Return the chapter."""
+    energy, still = named(r"\mathcal{E}"), named(r"\mathcal{E}_0")
+    total = m * v**2 / 2 + k * x**2 / 2
+    return (
+        r"\subsection{The sum}",
+        r"\begin{lemma}[energy]\label{thm:energy-sum} The energy \cite{newton1687} is",
+        equation(energy, total, total, label="energy-total"),
+        r"and never negative at rest:",
+        step(still, ">=", 0, Sign({still: total.subs(v, 0)})),
+        r"\end{lemma}",
+    )
+'''
+REFERENCE = """@book{newton1687,
+  author    = {Newton, Isaac},
+  title     = {Principia},
+  publisher = {Royal Society},
+  address   = {London},
+  year      = {1687},
+  checked   = {title},
+}
+
+"""
+
+
+@pytest.mark.slow
+def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
+    scratch = Scratch(tmp_path)
+    scratch.write("symosc/derive/chapters/energy.py", CHAPTER)
+    last = '    "certificates": "why each kind of certificate proves what it says",\n'
+    scratch.replace("symosc/derive/chapters/__init__.py", last, last + '    "energy": "the energy of the mass",\n')
+    symbol = r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\"
+    scratch.replace("symosc/derive/notation.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
+    scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
+    # All chapters would take long.
+    log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))
+    assert [(step["step"], step["kind"]) for step in log["steps"]] == [("13.1", "exact"), ("13.2", "sign")]
+    assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(encoding="utf-8")
+    assert "certificates, energy, or all" in " ".join(scratch.run("symosc", "derive", "--help").split())
+    tests = "energy or symbol_is_in or labels"
+    scratch.run("pytest", "-q", "-p", "no:cacheprovider", "-n0", "tests/derive/test_chapters.py", "-k", tests)

@@ -1,0 +1,386 @@
+"""The way back from a tangency, against the oracle that knows only the ODE; the search for the first root."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from itertools import pairwise
+from math import pi, sqrt
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from grazing_starts import BELT, DOMAIN
+from oracle import flow_oracle
+from touches import tenths
+from units import UNITS, Units
+
+from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene
+from symosc.engine.flow import constants
+from symosc.grazing.backward import (
+    CONTACT,
+    REACHED,
+    Arrival,
+    BackwardState,
+    BackwardSteps,
+    Flights,
+    Origins,
+    first_root,
+    rounded,
+)
+from symosc.grazing.check import Ways
+from symosc.mappings.theorem7_cases import PLACES
+
+BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+
+
+def test_a_flow_that_touches_the_other_belt_on_the_way() -> None:
+    # fig8's orbit to which all motions tend grazes both belts, half a period apart
+    start = grazing_start(load_scene("fig8").parameters, "P5", 0)
+    assert (start.found, start.touch, start.boundary) == (False, True, 1)
+    assert abs(start.t + pi / 2) < 1e-12
+    assert "touches belt 1" in str(start.reason)
+
+
+def test_unforced_overdamped_flow_runs_away() -> None:
+    # v'' + 3 v' + 2 v = 0 from v = -1, a = 0: v = -2 e^{-t} + e^{-2t}, backward -> +infinity; belt 1 at -1 is met at
+    # the root of e^{2s} - 2 e^s + 1 = (e^s - 1)^2: only s = 0, so domain 2 is left through belt 2
+    p = BASE.replace(c=3, k=2, B0=0)
+    start = grazing_start(p, "P3", 1)
+    s = _log_root(float(p.v2))
+    assert (start.found, start.boundary) == (False, 2)
+    assert abs(float(start.t_m) - float(start.t) - s) < 1e-12
+    # P5, from v = 1.5 below belt 2: v = 3 e^{-t} - 1.5 e^{-2t}: falls backward through belt 1
+    start = grazing_start(p, "P5", 1)
+    assert (start.found, start.boundary) == (False, 1)
+    # P2 with v1 > 0: v = 2 v1 e^{-t} - v1 e^{-2t} runs away downward and never was on belt 1
+    start = grazing_start(p.replace(v1=1), "P2", 1)
+    assert (start.found, start.t, start.boundary, start.start) == (False, None, 0, {})
+    assert "never met a belt" in str(start.reason)
+
+
+def _log_root(v: float) -> float:
+    # e^{2s} - 2 e^s = v
+    return float(mpmath.log(1 + sqrt(1 + v)))
+
+
+def test_search_that_is_too_short_says_so() -> None:
+    p = BASE.replace(c=0, B0=0, v1=1, k=1)  # v = cos t: on belt 1 again 2 pi earlier, by a touch
+    start = grazing_start(p, "P2", 0)
+    assert start.found
+    assert start.touch
+    assert abs(start.t + 2 * pi) < 1e-12
+    short = grazing_start(p, "P2", 0, periods=0.5)
+    assert not short.found
+    assert "periods" in str(short.reason)
+
+
+@pytest.mark.parametrize("c", ["0", "0.4", "9"])
+def test_bounds_of_errors_add_up_backward(c: str) -> None:
+    """An error of the energy grows as backward motions do, and each step adds its own rounding."""
+    p = load_scene("fig9").parameters.replace(c=c)
+    K = constants(p)
+    search = BackwardSteps(K, 1, 1)
+    state, errors = search.begin(0.0), []
+    for _ in range(40):
+        _, step, state = search.over(1.0, 1, state)
+        errors.append((state.energy_error, state.v_error))
+        state = search.ended(state, step)
+    growth = float(np.exp(K.cm * search.H))
+    for (before, _), (after, v_error) in pairwise(errors):
+        assert after > growth * before > 0.0
+        assert 0.0 < v_error < 2.0 * after / K.w0 * max(1.0, K.rate / K.w0)
+    assert errors[-1][0] > 20 * errors[0][0]
+
+
+MAPS = sorted(BELT)
+
+
+REGIMES = {"underdamped": "0.7", "overdamped": "7", "undamped": "0"}
+
+
+def system(c: str) -> Parameters:
+    return Parameters(
+        m="1.3", c=c, k="2.1", A0="0.4", B0="6.3", Omega="1.7", v1="-1.1", v2="1.9", mu1="0.3", mu2="0.2", FN=4
+    )
+
+
+def number(value: Any) -> Fraction:
+    return Fraction(mpmath.nstr(value, 60))
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize("mapping", MAPS)
+def test_the_flight_leads_into_the_tangency(mapping: str, regime: str) -> None:
+    """The oracle, from a point of the flight, arrives with the belt's speed at the contact, without acceleration."""
+    p, rng = system(REGIMES[regime]), random.Random(mapping + regime)
+    flights = Flights(p, mapping, 50)
+    for _ in range(3):
+        theta, tau = (
+            flights.number(Fraction(rng.randint(0, 628), 100)),
+            flights.number(Fraction(rng.randint(1, 80), 20)),
+        )
+        now, x_m = flights.instant(theta, tau), flights.contact(theta)
+        t_m = theta / flights.number(p.Omega)
+        begin = number(t_m - tau)
+        x, v = flow_oracle(p, DOMAIN[mapping], begin, number(x_m + now.dx), number(now.v), number(tau), 60)[:2]
+        size = max(1, abs(x_m), abs(now.v), abs(now.a))
+        assert abs(x - x_m) < 1e-40 * size
+        assert abs(v - flights.v) < 1e-40 * size
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize("mapping", MAPS)
+def test_derivatives_are_differences(mapping: str, regime: str) -> None:
+    p, rng = system(REGIMES[regime]), random.Random(mapping)
+    flights = Flights(p, mapping, 50)
+    theta, tau = flights.number(Fraction(rng.randint(0, 628), 100)), flights.number(Fraction(rng.randint(2, 60), 20))
+    step = flights.number(Fraction(1, 10**15))
+    low, now, high = (flights.instant(theta + n * step, tau) for n in (-1, 0, 1))
+    moved = [flights.contact(theta + n * step) for n in (-1, 1)]
+    assert abs((high.v - low.v) / (2 * step) - now.v_theta) < 1e-25 * (1 + abs(now.v_theta))
+    assert abs((high.dx + moved[1] - low.dx - moved[0]) / (2 * step) - now.x_theta) < 1e-25 * (1 + abs(now.x_theta))
+    # and by time: x' = v, v' = a, a' = b, b' = w; tau runs back
+    before, after = (flights.instant(theta, tau + n * step) for n in (1, -1))
+    for value, slope in (("dx", now.v), ("v", now.a), ("a", now.b), ("b", now.w)):
+        found = (getattr(after, value) - getattr(before, value)) / (2 * step)
+        assert abs(found - slope) < 1e-24 * (1 + abs(slope)), value
+
+
+def test_a_contact_is_polished_to_all_digits() -> None:
+    p = system("0.7")
+    flights = Flights(p, "P2", 60)
+    theta, wall = flights.number(Fraction(11, 2)), p.belt(1)
+    taus = [flights.number(Fraction(n, 50)) for n in range(1, 400)]
+    gaps = [flights.instant(theta, tau).v - flights.v for tau in taus]
+    i = next(i for i in range(5, len(gaps)) if gaps[i - 1] * gaps[i] < 0)
+    near = mpmath.findroot(lambda tau: flights.instant(theta, tau).v - flights.v, (taus[i - 1], taus[i]), "anderson")
+    now = flights.instant(theta, near)
+    found = Arrival(CONTACT, 1, float(near) * (1 + 1e-12), now.dx, now.v, float(now.a), 1e-9, 1e-9)
+    refined = flights.refined(theta, found, flights.number(100))
+    assert refined is not None
+    assert refined.v == flights.number(wall)
+    assert abs(flights.instant(theta, refined.tau).v - flights.number(wall)) < 1e-55
+    assert abs(refined.tau - near) < 1e-11
+    assert flights.missing_digits(refined, 40) <= 0 < flights.missing_digits(refined, 70)
+    # Newton's method that leads elsewhere is no answer
+    assert flights.refined(theta, found._replace(tau=float(near) * 1.05), flights.number(100)) is None
+
+
+def test_what_was_reached_is_evaluated_there() -> None:
+    flights = Flights(system("0.7"), "P5", 40)
+    theta, far = flights.number(Fraction(3)), flights.number(Fraction(7, 3))
+    found = Arrival(REACHED, 0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    refined = flights.refined(theta, found, far)
+    now = flights.instant(theta, far)
+    assert refined is not None
+    assert (refined.tau, refined.dx, refined.v, refined.a) == (far, now.dx, now.v, now.a)
+
+
+def test_rounding_a_state_adds_its_error() -> None:
+    flights = Flights(system("0.7"), "P5", 40)
+    state = flights.state(flights.number(Fraction(3)), flights.number(Fraction(7, 3)))
+    doubles = rounded(state)
+    for name, error in (("dx", "x_error"), ("v", "v_error")):
+        lost = abs(flights.number(getattr(doubles, name)) - getattr(state, name))
+        assert lost <= getattr(doubles, error) <= 1e-15 * (1 + abs(getattr(doubles, name)))
+        assert getattr(doubles, error) > getattr(state, error)
+
+
+FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
+
+
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("part", ["0.2", "0.5", "0.9"])
+@pytest.mark.parametrize("mapping", sorted(BELT))
+def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -> None:
+    low, high = map(Fraction, grazing_window(FIG9, mapping).intervals[0][:2])
+    origins, theta = Origins(FIG9, mapping), low + (high - low) * Fraction(part)
+    arrival, flights = origins.exact(theta, 1, lambda flights: flights.number(Fraction(1, 4)), 40)
+    assert arrival.kind in (CONTACT, REACHED)
+    x_m = flights.contact(flights.number(theta))
+    t_m, tau = theta / FIG9.Omega, Fraction(mpmath.nstr(arrival.tau, 60))
+    x0, v0 = (Fraction(mpmath.nstr(value, 60)) for value in (x_m + arrival.dx, arrival.v))
+    x, v, a = flow_oracle(FIG9, DOMAIN[mapping], t_m - tau, x0, v0, tau, 60)[:3]
+    assert abs(x - x_m) < 1e-35
+    assert abs(v - flights.number(FIG9.belt(BELT[mapping]))) < 1e-35
+    assert abs(a) < 1e-35
+    assert max(arrival.x_error, arrival.v_error) < 1e-40
+    rough = origins.arrival(theta, far=0.25)
+    assert rough.kind == arrival.kind
+    assert float(rough.tau) == pytest.approx(float(arrival.tau), abs=1e-12)
+
+
+def test_first_root_of_products() -> None:
+    rng = random.Random(7)
+    for _ in range(300):
+        places = sorted(rng.uniform(0.02, 1.5) for _ in range(rng.randrange(1, 6)))
+        if any(b - a < 1e-3 for a, b in pairwise(places)):
+            continue
+        p = [1.0]
+        for root in places:
+            p = [(p[i] if i < len(p) else 0.0) - (p[i - 1] / root if i else 0.0) for i in range(len(p) + 1)]
+        touch, found = first_root(p, 1e-15, 2.0**-53)
+        assert not touch
+        assert (found is None) == (places[0] > 1)
+        assert found is None or abs(found - places[0]) < 1e-9
+
+
+def test_first_root_tells_touches_and_near_misses() -> None:
+    for depth in (1e-10, 0.0, -1e-10):  # (x - 0.6)^2 + depth
+        touch, found = first_root([0.36 + depth, -1.2, 1.0], 1e-15, 2.0**-53)
+        assert touch == (depth == 0.0)
+        assert (found is None) == (depth > 0.0)
+        if depth <= 0.0:
+            assert abs(found - (0.6 - sqrt(-depth))) < 1e-8
+
+
+def least_on(p: list[float], low: float, high: float) -> float:
+    """Return the least value of a polynomial on an interval, from all zeros of its slope."""
+    slope = np.polynomial.Polynomial(p).deriv()
+    inner = [float(z.real) for z in slope.roots() if abs(z.imag) < 1e-9 and low < z.real < high]
+    return min(float(np.polynomial.Polynomial(p)(each)) for each in (low, high, *inner))
+
+
+def drawn(rng: random.Random) -> list[float]:
+    """Return a polynomial that is positive at 0; about half of them come near to 0 and part again."""
+    if rng.random() < 0.5:
+        bottom, depth, degree = (
+            rng.uniform(0.05, 0.95),
+            rng.choice([-1, 1]) * 10 ** rng.uniform(-9, -1),
+            rng.randint(0, 3),
+        )
+        curve = np.polynomial.Polynomial([bottom**2 + depth, -2 * bottom, 1.0])
+        for _ in range(degree):
+            curve = curve * np.polynomial.Polynomial([1.0, rng.uniform(-0.4, 0.4)])
+        found = curve.coef.tolist()
+    else:
+        found = [rng.uniform(0.1, 1), *(rng.uniform(-2, 2) for _ in range(rng.randint(1, 7)))]
+    return found if found[0] > 0 else [abs(found[0]), *found[1:]]
+
+
+def test_what_is_said_holds_for_every_polynomial_within_the_noise() -> None:
+    """No root: all are positive. A root: all are positive before it and have one there. A touch: it is open."""
+    rng, said = random.Random(8), {"none": 0, "root": 0, "touch": 0}
+    for _ in range(700):
+        p, noise = drawn(rng), 10 ** rng.uniform(-12, -2)
+        if p[0] <= noise:
+            continue
+        touch, sigma = first_root(p, noise, 2.0**-53)
+        if sigma is None:
+            assert not touch
+            assert least_on(p, 0.0, 1.0) > noise * (1 - 1e-9)
+            said["none"] += 1
+            continue
+        assert 0 < sigma <= 1
+        value = float(np.polynomial.Polynomial(p)(sigma))
+        if touch:
+            assert abs(value) <= noise * (1 + 1e-6) + 1e-15
+            assert least_on(p, 0.0, sigma) >= -noise * (1 + 1e-6)
+            said["touch"] += 1
+            continue
+        assert abs(value) < 1e-12
+        assert least_on(p, 0.0, sigma * (1 - 1e-6)) > -1e-12  # it is the first one ...
+        assert least_on(p, 0.0, 1.0) < -noise  # ... and no polynomial within the noise is without
+        said["root"] += 1
+    assert min(said.values()) > 40
+
+
+@pytest.mark.parametrize("bottom", [0.25, 0.5, 0.75])
+@pytest.mark.parametrize(("part", "touches"), [(0.5, True), (1.0, True), (2.0, False), (-1.0, True), (-2.0, None)])
+def test_a_bottom_at_the_noise_is_a_touch(bottom: float, part: float, touches: bool | None) -> None:
+    """(s - bottom)^2 + part noise, in numbers that doubles hold: at the noise itself it is open, above it is clear."""
+    noise = 2.0**-20
+    touch, sigma = first_root([bottom**2 + part * noise, -2 * bottom, 1.0], noise, 2.0**-53)
+    if touches is None:
+        assert not touch
+        assert sigma == pytest.approx(bottom - (2 * noise) ** 0.5, rel=1e-9)
+    else:
+        assert touch is touches
+        assert (sigma == pytest.approx(bottom, abs=1e-7)) if touches else sigma is None
+
+
+SCENES = [load_scene(name).parameters for name in ("fig5", "fig8", "fig9", "fig10")]
+
+
+def systems(seed: int, count: int) -> list[Parameters]:
+    rng = random.Random(seed)
+    drawn = [
+        BASE.replace(
+            m=tenths(rng, 2, 30), c=tenths(rng, 0, 60), k=tenths(rng, 1, 60), Omega=tenths(rng, 3, 40),
+            B0=tenths(rng, -60, 60), A0=tenths(rng, -30, 30),
+        )
+        for _ in range(count)
+    ]  # fmt: skip
+    return [*SCENES, *drawn]
+
+
+def factors(units: Units) -> list[float]:
+    """Return the factors of an arrival's numbers: tau, dx, v, a, and the errors of v and x."""
+    return [float(units.time), float(units.length), units.speed, units.force, units.speed, float(units.length)]
+
+
+def scaled(arrival: Arrival, units: Units) -> Arrival:
+    numbers = (value * factor for value, factor in zip(arrival[2:], factors(units), strict=True))
+    return Arrival(arrival.kind, arrival.boundary, *numbers)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("units", UNITS, ids=str)
+def test_the_way_back_is_the_same(units: Units) -> None:
+    """To the last bit, with the bounds of its errors: to the first contact, and step by step to any time."""
+    rng, kinds = random.Random(3), set()
+    for p in systems(4, 5):
+        q = units.of(p)
+        for mapping in PLACES:
+            one, two = (Origins(each, mapping) for each in (p, q))
+            for _ in range(2):
+                theta, far = rng.uniform(0, 6.28), rng.choice([0.3, 3.0, 20.0]) * one.K.period
+                plain = one.arrival(theta, 1, far, careful=False)
+                kinds.add(plain.kind)
+                assert two.arrival(theta, 1, far * float(units.time), careful=False) == scaled(plain, units), (
+                    p,
+                    mapping,
+                    theta,
+                )
+    assert kinds >= {"contact", "reached"}
+
+
+@pytest.mark.parametrize("units", UNITS[:5:2], ids=str)
+def test_flights_with_many_digits_are_the_same(units: Units) -> None:
+    """The closed form, its errors, how many digits an arrival lacks, and what is polished."""
+    T, L, V, F = float(units.time), float(units.length), units.speed, units.force
+    rng = random.Random(5)
+    for p in systems(6, 4):
+        one, two = (Flights(each, "P3", 30) for each in (p, units.of(p)))
+        theta, tau = one.context.mpf(rng.uniform(0, 6)), one.context.mpf(rng.uniform(0.1, 3))
+        a, b = one.instant(theta, tau), two.instant(theta, tau * T)
+        sizes = [L, V, F, F / T, F / T**2, V, L, V, L]
+        right = [float(v * size) for v, size in zip(a, sizes, strict=True)]
+        assert [float(value) for value in b] == pytest.approx(right, rel=1e-12)
+        state, other = one.state(theta, tau), two.state(theta, tau * T)
+        errors = [T, L, V, F, F, V, L]
+        right = [float(v * s) for v, s in zip(state, errors, strict=True)]
+        assert [float(value) for value in BackwardState(*other)] == pytest.approx(right, rel=1e-12)
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("units", UNITS, ids=str)
+@pytest.mark.parametrize(("p", "mapping"), [(SCENES[2], "P2"), (SCENES[3], "P5")], ids=["fig9", "fig10"])
+def test_windows_curves_and_starts_are_the_same(units: Units, p: Parameters, mapping: str) -> None:
+    q, L = units.of(p), float(units.length)
+    one, two = grazing_window(p, mapping), grazing_window(q, mapping)
+    assert (one.intervals, one.case, one.theta_cr) == (two.intervals, two.case, two.theta_cr)
+    theta = np.linspace(*one.intervals[0][:2], 9)[1:-1]
+    assert two.contact(theta) == pytest.approx(one.contact(theta) * L, rel=1e-12)
+    assert Ways(two).slope(theta) == pytest.approx(Ways(one).slope(theta), rel=1e-12)
+    (a, *_), (b, *_) = (grazing_curve(each, mapping, 24).pieces for each in (p, q))
+    assert b.theta_m == pytest.approx(a.theta_m, rel=1e-12)
+    assert b.theta == pytest.approx(a.theta, rel=1e-9)
+    assert b.x == pytest.approx(a.x * L, rel=1e-9)
+    assert b.slope_x == pytest.approx(a.slope_x * L, rel=1e-6)
+    start, other = (grazing_start(each, mapping, float(theta[3])) for each in (p, q))
+    assert other.x == pytest.approx(start.x * L, rel=1e-12)
+    assert other.t == pytest.approx(start.t * float(units.time), rel=1e-12)

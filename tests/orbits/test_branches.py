@@ -1,0 +1,519 @@
+"""Branches of orbits: where and why they end, seen from both sides and judged by the oracle; nothing fails unseen."""
+
+from __future__ import annotations
+
+import json
+import random
+from copy import copy
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from branches import branch_of
+from oracle import simulate_oracle
+from paper_orbits import BOTH_BELTS
+from scipy.optimize import minimize_scalar
+
+from symosc import ParameterError, Parameters, load_scene, simulate
+from symosc.engine.flow import state_at
+from symosc.orbits import curve
+from symosc.orbits.branch import (
+    Branch,
+    BranchEnd,
+    BranchError,
+    BranchPoint,
+    continue_orbit,
+)
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.curve import Curve, look_behind
+from symosc.orbits.find import find_orbit
+from symosc.words import read_word
+
+FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
+
+
+@pytest.mark.slow
+def test_as_dict_holds_everything():
+    branch = branch_of(FIG9, "P32", "Omega", (3, 5))
+    data = json.loads(json.dumps(branch.as_dict()))
+    assert (data["word"], data["parameter"], data["periods"]) == ("P32", "Omega", 1)
+    assert Parameters(**data["parameters"]) == FIG9
+    np.testing.assert_array_equal(data["values"], branch.values)
+    np.testing.assert_array_equal(data["points"], branch.points)
+    np.testing.assert_array_equal(np.array(data["multipliers"]) @ [1, 1j], branch.multipliers)
+    assert data["stable"] == branch.stable.tolist()
+    for end, shown in zip(branch.ends, data["ends"], strict=True):
+        assert (shown["kind"], shown["value"], shown["message"]) == (end.kind, end.value, end.message)
+        assert shown["beyond"] == end.beyond
+        np.testing.assert_array_equal(shown["points"], end.points)
+        assert [c["value"] for c in shown["conditions"]] == [c.value for c in end.conditions]
+    assert data["ends"][0]["conditions"][0]["event"] == "birth of a stick"
+
+
+@pytest.mark.slow
+def test_branches_are_equal_by_what_they_say() -> None:
+    one = continue_orbit(FIG9, "P32", "Omega", (3.999, 4.0))
+    two, other = copy(one), copy(one)
+    other.values = one.values + 1e-9
+    assert one is not two
+    assert (one == two, hash(one) == hash(two)) == (True, True)
+    assert one != other
+    assert one != one.as_dict()
+    assert one != "P32"
+
+
+def hand_made(rng: np.random.Generator, value: float, n: int = 2) -> BranchPoint:
+    """Return a point with random switchings and multipliers."""
+    both = tuple(complex(*rng.uniform(-1.2, 1.2, 2)) for _ in range(2))
+    return BranchPoint(value, rng.uniform(-5, 5, (n, 2)), np.zeros(2 * n + 1), 0.0, 0.0, both, (), ())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("parameter", ["Omega", "c"])
+@pytest.mark.parametrize("c", ["0", "1/5"])
+def test_columns_of_a_branch_are_those_of_its_points(parameter: str, c: str) -> None:
+    """Times are phases over the drive's frequency there; stable is what damping proves, or both multipliers show."""
+    rng = np.random.default_rng(3)
+    orbit = replace(find_orbit(FIG9, "P32"), parameters=FIG9.replace(c=c))
+    values = sorted([0.0 if parameter == "c" else 0.5, *rng.uniform(0.5, 6, 7)])
+    path = [hand_made(rng, value) for value in values]
+    for i, size in ((2, 0.5), (3, 1 - 1e-7), (4, 1 - 1e-10), (5, 1.0)):  # on both sides of the border
+        path[i] = replace(path[i], multipliers=(0.1 + 0j, size * 1j) if i % 2 else (complex(size), -0.1 + 0j))
+    ends = tuple(BranchEnd("x", 0.0, "", (), ()) for _ in range(2))
+    branch = Branch(orbit, parameter, path, ends)  # type: ignore[arg-type]
+    assert branch.values.tolist() == values
+    for i, point in enumerate(path):
+        Omega = point.value if parameter == "Omega" else 4.0
+        assert branch.points[i] == pytest.approx(np.column_stack([point.points[:, 1] / Omega, point.points[:, 0]]))
+        inside = all(abs(each) < 1 - 1e-9 for each in point.multipliers)
+        assert branch.parameters(i) == orbit.parameters.replace(**{parameter: values[i]})
+        assert branch.stable[i] == (branch.parameters(i).c > 0 or inside)
+        assert branch.multipliers[i].tolist() == list(point.multipliers)
+    frame, data = branch.to_pandas(), branch.to_xarray()
+    points = [f"{letter}{i}" for i in (0, 1) for letter in "tx"]
+    assert list(frame.columns) == [parameter, *points, "multiplier0", "multiplier1", "stable"]
+    assert frame[parameter].tolist() == data[parameter].values.tolist() == values
+    assert np.array_equal(frame[points].to_numpy().reshape(-1, 2, 2), branch.points)
+    assert np.array_equal(frame[["multiplier0", "multiplier1"]].to_numpy(), branch.multipliers)
+    assert np.array_equal(np.stack([data["t"].values, data["x"].values], axis=-1), branch.points)
+    assert np.array_equal(data["multiplier_re"].values + 1j * data["multiplier_im"].values, branch.multipliers)
+    assert frame["stable"].tolist() == data["stable"].values.tolist() == branch.stable.tolist()
+    assert data["map"].values.tolist() == list(orbit.labels)
+    assert data.attrs == {"word": "P32", "periods": 1, "ends": ["x", "x"]}
+    assert branch.parameters(-1) == branch.parameters(7)
+    for i in (8, -9):
+        with pytest.raises(ParameterError, match=r"^i = "):
+            branch.parameters(i)
+
+
+# One bifurcation, met from its two sides by the branches of two words:
+# parameters, word, parameter, range, which end, kind there, part of the failed inequality, word behind.
+NEIGHBOURS = {
+    "stick": (
+        (FIG9, "P32", "Omega", (3, 4), 0, "birth of a stick", "F^(1) < 0 where P3 crosses v1", "P132"),
+        (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), 1, "vanishing of a stick", "P1 lasts", "P32"),
+    ),
+    "graze of v2": (
+        (FIG9, "P32", "Omega", (4, 6), 1, "grazing", "P3 stays in Omega2", "P7482"),
+        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, "5.15"), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
+    ),
+    "graze of v1": (
+        (FIG10, "P4645", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
+        (FIG10.replace(Omega="2.7"), "P481746", "Omega", (2, 3), 0, "grazing", "P7 meets v1 with F^(2) < 0", "P4546"),
+    ),
+    "slip": (
+        (FIG10, "P4645", "B0", (3, 15), 0, "vanishing of a slip", "F^(3) rises where P4 ends", "P45"),
+        (FIG10.replace(B0="4.5"), "P45", "B0", (4, 7), 1, "birth of a slip", "F^(2) > 0 > F^(3) during P4", "P4645"),
+    ),
+}
+
+
+@pytest.fixture(
+    scope="module",
+    params=[name if i < 2 else pytest.param(name, marks=pytest.mark.campaign) for i, name in enumerate(NEIGHBOURS)],
+)
+def two_sides(request):
+    """Return the two ends at one bifurcation, and how they were asked for."""
+    found = []
+    for row in NEIGHBOURS[request.param]:
+        branch = branch_of(*row[:4])
+        found.append((branch, branch.ends[row[4]], row))
+    return found
+
+
+@pytest.mark.slow
+def test_reason_and_next_word(two_sides):
+    for branch, end, (_, _, _, _, which, kind, inequality, beyond) in two_sides:
+        assert end.kind == kind
+        assert end.conditions[0].text.startswith(inequality)
+        assert end.conditions[0].event == kind
+        assert inequality in end.message
+        assert sorted(end.beyond) == sorted(beyond)
+        assert end.value == branch.values[0 if which == 0 else -1]
+        np.testing.assert_allclose(branch.points[0 if which == 0 else -1], end.points, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_both_sides_agree_on_the_place(two_sides):
+    first, second = (end.value for _, end, _ in two_sides)
+    assert abs(first - second) < 1e-10
+
+
+@pytest.mark.slow
+def test_oracle_sees_the_change_within_1e_10(two_sides):
+    """Simulated from the ODE, the structure changes between value - 1e-10 and value + 1e-10."""
+    (branch, end, row), (other, _, _) = two_sides
+    outward = 1 if row[4] else -1
+    for shift, labels in ((-outward, branch.labels), (outward, other.labels)):
+        value = Fraction(end.value) + Fraction(shift, 10**10)
+        p = row[0].replace(**{row[2]: value})
+        assert events_of_a_period(p, branch, -2 if row[4] else 1) == events_of(labels)
+
+
+MODES = {"P1": "belt1", "P2": "Omega1", "P4": "belt2", "P6": "Omega3"}  # the others: Omega2
+
+
+def events_of(labels) -> list[str]:
+    """Return what the mappings move through, sorted: the rotation of a word does not matter here."""
+    return sorted(MODES.get(label, "Omega2") for label in labels)
+
+
+def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
+    """Return the modes of the last of a few periods that the oracle simulates, begun on the orbit next to an end."""
+    period, orbit, cycles = 2 * np.pi / float(p.Omega), branch.orbit(at), 25
+    pieces, times = orbit.equations().pieces, [point.t for point in orbit.points]
+    ends = [*times[1:], times[0] + period]
+    i = max(range(len(pieces)), key=lambda i: (not pieces[i].sticks) * (ends[i] - times[i]))
+    t0 = (times[i] + ends[i]) / 2  # inside the longest flight
+    x0, v0 = (float(value) for value in orbit(t0))
+    run = simulate_oracle(p, t0, x0, v0, t0 + cycles * period, 35)
+    return sorted(event.source for event in run.events if event.t > t0 + (cycles - 1) * period)
+
+
+@pytest.mark.slow
+def test_points_of_a_branch_are_orbits():
+    branch = branch_of(FIG9, "P32", "Omega", (3, 5))
+    assert branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
+    assert branch.values[-1] == 5.0
+    assert branch.ends[1].kind == "end of the range"
+    assert branch.ends[1].beyond is None
+    assert (np.diff(branch.values) > 0).all()
+    assert branch.stable.all()
+    assert branch.points.shape == (len(branch.values), 2, 2)
+    assert branch.multipliers.shape == (len(branch.values), 2)
+    for i in range(1, len(branch.values), 7):
+        found = find_orbit(branch.parameters(i), "P32")  # from scratch
+        assert found.admissible
+        np.testing.assert_allclose(np.array(found.points), branch.points[i], atol=1e-11)
+        np.testing.assert_allclose(np.abs(found.multipliers), np.abs(branch.multipliers[i]), atol=1e-9)
+    assert branch.orbit(3, digits=25).residual < 1e-30
+
+
+@pytest.mark.slow
+def test_a_range_may_end_where_no_system_is_beyond():
+    """c = 0 is the least damping there is: the branch ends on it exactly."""
+    branch = continue_orbit(FIG9, "P32", "c", (0, "0.3"))
+    assert branch.values[0] == 0
+    assert branch.ends[0].kind == "end of the range"
+    assert abs(branch.multipliers[0]).max() < 1
+
+
+@pytest.mark.slow
+def test_a_branch_that_begins_at_the_end_of_its_range():
+    branch = continue_orbit(FIG9, "P32", "Omega", (4, "4.2"))
+    assert branch.values[0] == 4
+    assert branch.values[-1] == 4.2
+    assert (np.diff(branch.values) > 0).all()
+
+
+def test_max_points():
+    branch = continue_orbit(FIG9, "P32", "Omega", (3, 5), max_points=5)
+    assert [end.kind for end in branch.ends] == ["max_points"] * 2
+    assert len(branch.values) == 9
+
+
+def test_bad_input():
+    with pytest.raises(ParameterError, match="parameter"):
+        continue_orbit(FIG9, "P32", "omega", (3, 5))
+    for limits in ((5, 6), (4, 4), (5, 3)):
+        with pytest.raises(ParameterError, match="in between"):
+            continue_orbit(FIG9, "P32", "Omega", limits)
+    with pytest.raises(ParameterError, match="pair"):
+        continue_orbit(FIG9, "P32", "Omega", 5)
+    with pytest.raises(ParameterError, match="mu1"):
+        continue_orbit(FIG9, "P32", "mu1", (-1, 1))
+    with pytest.raises(BranchError, match="no first orbit") as caught:
+        continue_orbit(FIG9.replace(Omega=3), "P32", "Omega", (2, 4))
+    assert not caught.value.orbit.admissible
+
+
+def test_progress_tells_the_part_of_the_range_both_ways() -> None:
+    parts: list[float] = []
+    p = load_scene("fig9").parameters
+    branch = continue_orbit(p, "P32", "Omega", (3.9, 4.1), progress=lambda part, all: parts.append(part / all))
+    assert branch == continue_orbit(p, "P32", "Omega", (3.9, 4.1))
+    assert parts == sorted(parts)
+    assert 0 < parts[0] < 0.5 < parts[-1] == pytest.approx(1.0)
+
+
+# v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
+NARROW = Parameters(
+    m=1, c="1/5", k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2="14.3633605", mu1="1/10", mu2="1/10", FN=1
+)
+
+
+SHRINKS = Parameters(
+    m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
+    mu2="0.247", FN="5.058",
+)  # fmt: skip
+
+
+def drawn(rng: random.Random) -> tuple[Parameters, float]:
+    """Return parameters on whose branch in Omega P32 goes through a resonance, and the free frequency."""
+
+    def q(low: float, high: float) -> str:
+        return f"{rng.uniform(low, high):.3g}"
+
+    k = q(2, 8)
+    w0 = float(k) ** 0.5
+    p = Parameters(
+        m=1, c=q(0.3, 0.5), k=k, A0=q(-3, 3), B0=q(2, 6), Omega=f"{0.8 * w0:.3g}", v1=q(-0.2, 0.2), v2=1000,
+        mu1=q(0.03, 0.1), mu2="0.1", FN=1,
+    )  # fmt: skip
+    return p, w0
+
+
+def peak(p: Parameters, Omega: float) -> float:
+    """Return the greatest velocity of P32 at a frequency."""
+    orbit = find_orbit(p.replace(Omega=float(Omega)), "P32")
+    times = np.linspace(*[float(t) for t in (orbit.points[1].t, orbit.points[0].t + orbit.period)], 200)
+    best = times[np.argmax(orbit(times)[1])]
+    h = times[1] - times[0]
+    return -minimize_scalar(lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}).fun
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("p", "which", "value"),
+    [(NARROW, 1, 1.9993345), pytest.param(NARROW.replace(Omega="2.5"), 0, 2.0006555, marks=pytest.mark.campaign)],
+)
+def test_a_gap_narrower_than_the_steps_is_found(p, which, value):
+    """From below and from above."""
+    end = continue_orbit(p, "P32", "Omega", ("1.2", 4)).ends[which]
+    assert end.kind == "grazing"
+    assert end.value == pytest.approx(value, abs=2e-7)
+    assert end.beyond == "P7482"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))])
+@pytest.mark.parametrize("depth", [1e-8, pytest.param(1e-2, marks=pytest.mark.campaign)])
+def test_gaps_of_any_width_are_found(depth, seed):
+    """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
+    rng = random.Random(seed)
+    p, w0 = drawn(rng)
+    low, high = 0.75 * w0, 1.5 * w0
+    top = minimize_scalar(lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9})
+    q = p.replace(v2=float(-top.fun) - depth)
+    end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
+    assert end.kind == "grazing"
+    assert end.value < top.x
+    assert peak(p, end.value) == pytest.approx(float(q.v2), abs=1e-10)
+    assert all(abs(condition.value) < 1e-9 for condition in end.conditions)
+    assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("p", "word", "low", "high"),
+    [(FIG9, "P32", -100, 100), (FIG9, "P32", -(10**5), 10**5), (FIG10, "P4645", -500, 500)],
+)
+def test_a_shift_of_the_whole_orbit_takes_no_steps(p, word, low, high):
+    branch = continue_orbit(p, word, "A0", (low, high))
+    assert [end.kind for end in branch.ends] == ["end of the range"] * 2
+    assert (branch.values[0], branch.values[-1]) == (low, high)
+    assert len(branch.values) < 120
+    middle = branch.points[len(branch.values) // 2]
+    np.testing.assert_allclose(np.diff(branch.points[0, :, 1]), np.diff(middle[:, 1]), atol=1e-9 * abs(low))
+
+
+@pytest.mark.slow
+def test_a_range_ends_where_it_was_asked_to_end():
+    rng = random.Random(3)
+    for _ in range(4):
+        low, high = f"{rng.uniform(0.1, 6):.4g}", f"{rng.uniform(10.1, 13):.4g}"
+        branch = continue_orbit(FIG9, "P32", "FN", (low, high))
+        assert (branch.values[0], branch.values[-1]) == (float(low), float(high))
+
+
+def word_just_behind(branch: Branch, which: int, distance: float) -> str | None:
+    """Return the word of one period, as a simulation from the orbit at the end says; None if it does not settle."""
+    i, outward = (-1, 1) if which else (0, -1)
+    value = float(branch.values[i]) + outward * distance
+    p = branch.parameters(i).replace(**{branch.parameter: value})
+    orbit, T = branch.orbit(i), 2 * np.pi / float(p.Omega)
+    n = max(range(len(orbit.points)), key=lambda j: not orbit.equations().pieces[j - 1].sticks)
+    t0, x0 = orbit.points[n]
+    path = simulate(p, t0=t0, x0=x0, v0=p.belt(orbit.equations().pieces[n].start), t_end=t0 + 60.3 * T, max_events=2000)
+    if path.status != "t_end":
+        return None
+    words = []
+    for k in (56, 57, 58):
+        first, last = t0 + (k + 0.15) * T, t0 + (k + 1.15) * T
+        words.append([s.label for s in path.segments if first < float(s.t_end) <= last])
+    if words[0] != words[1] or words[1] != words[2] or None in words[0]:
+        return None
+    return "".join(sorted(label[1] for label in words[0]))
+
+
+def random_branch(rng: random.Random) -> Branch | None:
+    """Return a branch of what a random system does, over a random parameter."""
+
+    def q(low: float, high: float) -> str:
+        return f"{rng.uniform(low, high):.4g}"
+
+    p = Parameters(
+        m=q(0.5, 2), c=q(0.3, 2), k=q(1, 5), A0=q(-3, 3), B0=q(4, 12), Omega=q(0.7, 3), v1=q(-3, 0), v2=q(0.5, 4),
+        mu1=q(0.1, 0.6), mu2=q(0.1, 0.6), FN=q(2, 8),
+    )  # fmt: skip
+    path = simulate(p, t0=0, x0=0, v0=0, t_end=60 / float(p.Omega))
+    since = (60 - 2 * np.pi) / float(p.Omega)
+    labels = [s.label for s in path.segments if s.label and float(s.t_end) > since]
+    name = rng.choice(["Omega", "B0", "FN", "v2", "k", "mu1", "c"])
+    value = float(getattr(p, name))
+    try:
+        return continue_orbit(p, list(reversed(labels)), name, (0.6 * value, 1.6 * value))
+    except (ValueError, ConvergenceError):
+        return None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 13))])
+def test_what_is_just_behind_an_end(seed):
+    rng, judged = random.Random(100 + seed), 0
+    while judged < 1:
+        branch = random_branch(rng)
+        for which in (0, 1) if branch else ():
+            end = branch.ends[which]
+            if end.kind == "end of the range":
+                continue
+            assert all(abs(c.value) < 1e-8 * c.scale for c in end.conditions), end
+            found = word_just_behind(branch, which, 1e-7 * abs(branch.values).max())
+            if end.beyond is None or found is None:
+                continue
+            judged += 1
+            assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("p", "word", "name", "limits"),
+    [
+        (FIG9, "P32", "Omega", ("3.2", "4.2")),
+        pytest.param(SHRINKS, "P54", "m", ("0.05", 8), marks=pytest.mark.campaign),
+        pytest.param(FIG10, "P4645", "B0", (3, 15), marks=pytest.mark.campaign),
+        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.campaign),
+        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.campaign),
+    ],
+)
+def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):
+    branch = branch_of(p, word, name, limits)
+    for i in (0, -1):
+        orbit = branch.orbit(i)
+        assert orbit.admissible
+        away = np.array(orbit.points) - branch.points[i]
+        away[:, 0] -= np.round(away[0, 0] / orbit.period) * orbit.period
+        assert np.abs(away).max() < 2e-6
+        again = continue_orbit(branch.parameters(i), word, name, limits, branch.points[i])
+        assert [end.kind for end in again.ends] == [end.kind for end in branch.ends]
+        for first, second in zip(again.ends, branch.ends, strict=True):
+            assert first.value == pytest.approx(second.value, rel=1e-9)
+
+
+@pytest.mark.campaign
+def test_the_reason_of_an_end_is_0_there():
+    end = branch_of(SHRINKS, "P54", "m", ("0.05", 8)).ends[1]
+    assert end.kind == "vanishing of a stick"
+    assert end.conditions
+    # The stick lasts 0.3 sqrt(end - m): a few units of m's last place are 1e-8 of its duration.
+    assert all(abs(condition.value) < 2e-8 for condition in end.conditions)
+    assert end.beyond is None
+    assert "ends up in Omega2 and meets no belt" in end.message
+    p = SHRINKS.replace(m=end.value + 1e-6)
+    assert len(simulate(p, t0=0, x0=0, v0=0, t_end=60).events) == len(simulate(p, t0=0, x0=0, v0=0, t_end=600).events)
+
+
+def test_arguments_in_the_wrong_place_are_named():
+    with pytest.raises(ParameterError, match="must be Parameters"):
+        continue_orbit("fig9", "P32", "Omega", (3, 5))  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="pair"):
+        continue_orbit(FIG9, "P32", "Omega", "35")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="max_points"):
+        continue_orbit(FIG9, "P32", "Omega", (3, 5), max_points=0)
+
+
+@pytest.mark.parametrize(("scene", "word"), [("fig5", "P12"), ("fig10", "P4645")])
+def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> None:
+    """What both forces have gained since the stick's end, as a difference: over the time, and from the other force."""
+    p = load_scene(scene).parameters
+    orbit = find_orbit(p, word)
+    equations = ClosingEquations(p, read_word(word), 1)
+    points = [(point.x, float(p.Omega) * point.t) for point in orbit.points]
+    u, sticks = np.linspace(0, 1, 21), 0
+    for i, piece in enumerate(equations.pieces):
+        if not piece.sticks:
+            continue
+        sticks += 1
+        K, belt = equations.K, equations.belt(piece.start)
+        end = equations.ends(points)[i][1]
+        before = -(1 - u) * (end - points[i][1]) / K.Om
+        force = -piece.side * (belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end)))
+        ratio, other = curve.functions(equations, points, i, u)
+        assert other == pytest.approx(belt.J - force, rel=1e-12)
+        assert ratio[:-1] * -before[:-1] == pytest.approx(force[:-1], rel=1e-9, abs=1e-12)
+        assert ratio[-1] == pytest.approx(ratio[-2], rel=0.3)
+    assert sticks
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Parameters, word: str) -> None:
+    """Inside a flight the gap to each boundary over the time and the rest of it; at both ends the limit of that."""
+    orbit = find_orbit(p, word)
+    equations, points = orbit.equations(), orbit.phases()
+    u = np.array([0.0, 1e-5, 0.3, 0.77, 1 - 1e-5, 1.0])
+    flights = 0
+    for i, piece in enumerate(equations.pieces):
+        if piece.sticks:
+            continue
+        flights += 1
+        start = equations.start_of_flight(piece, tuple(points[i]))
+        tau = (equations.ends(points)[i][1] - points[i][1]) / equations.K.Om
+        found = curve.functions(equations, points, i, u)
+        belts = [belt for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)]
+        assert len(found) == len(belts)
+        for belt, values in zip(belts, found, strict=True):
+            roots = 0 if belt != piece.start else 2 if piece.after_stick else 1
+            end = belt == piece.end
+            for k in (1, 2, 3, 4):
+                v = float(start.v + state_at(u[k] * tau, start, equations.K).dv)
+                gap = (v - float(p.belt(belt))) * (1 if belt < piece.mode else -1)
+                divisor = (u[k] * tau) ** roots * ((1 - u[k]) if end else 1.0)
+                assert values[k] == pytest.approx(gap / divisor, rel=1e-5, abs=1e-5)
+            assert values[0] == pytest.approx(values[1], rel=1e-3, abs=1e-3)
+            assert values[5] == pytest.approx(values[4], rel=1e-3, abs=1e-3)
+    assert flights > 1
+
+
+FIG9 = load_scene("fig9").parameters
+
+
+def test_nothing_is_behind_the_last_system_that_there_is() -> None:
+    """Without friction there is nothing beyond: mu2 < 0 is no system."""
+    orbit = find_orbit(FIG9.replace(mu2=0), "P32")
+    along = Curve(orbit, "mu2", 0.0, 1.0)
+    first = along.first(-1.0)
+    assert first.value == 0
+    with pytest.raises(ParameterError):
+        along.equations(-1e-9)
+    assert look_behind(along, first, -1.0) == (None, "")
+    assert isinstance(along.equations(0.5), ClosingEquations)

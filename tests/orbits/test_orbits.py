@@ -1,0 +1,412 @@
+"""Periodic orbits: the paper's against 50 digits and the oracle, other words, equations, multipliers and states."""
+
+from __future__ import annotations
+
+import cmath
+import pickle
+import re
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from oracle import simulate_oracle
+from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
+
+from symosc import Parameters, load_scene
+from symosc.errors import ParameterError
+from symosc.mappings.equations import residual
+from symosc.orbits import find
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, OrbitPiece, newton
+from symosc.orbits.find import find_orbit
+from symosc.orbits.floquet import multipliers
+from symosc.words import WordError, read_word
+
+# Sticks on both belts; found by simulating random parameters.
+MANY_SLIPS = Parameters(
+    m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
+)
+
+
+CROSSING_BOTH = FIG9.replace(Omega="5.1")
+
+
+PAPER = [(FIG9, "P32", P32), (FIG10, "P4645", P4645)]
+
+
+@pytest.mark.parametrize(("p", "word", "points"), PAPER)
+def test_paper_orbits_in_double_precision(p, word, points):
+    orbit = find_orbit(p, word)
+    assert np.abs(np.array(orbit.points) - np.array(points, dtype=float)).max() < 1e-12
+    assert orbit.word == word
+    assert orbit.admissible
+    assert orbit.stable
+    assert orbit.failures == ()
+    assert orbit.residual < 1e-12
+    assert orbit.periods == 1
+    assert orbit.period == pytest.approx(2 * np.pi / float(p.Omega), rel=1e-15)
+
+
+@pytest.mark.parametrize(("p", "word", "points"), PAPER)
+def test_paper_orbits_with_digits(p, word, points):
+    orbit = find_orbit(p, word, digits=20)
+    with mpmath.workdps(40):
+        for (t, x), (t_known, x_known) in zip(orbit.points, points, strict=True):
+            assert abs(mpmath.mpf(t) - mpmath.mpf(t_known)) < 1e-18 * abs(mpmath.mpf(t_known))
+            assert abs(mpmath.mpf(x) - mpmath.mpf(x_known)) < 1e-18 * abs(mpmath.mpf(x_known))
+    assert orbit.residual < 1e-30
+
+
+def exact(value) -> Fraction:
+    """Return an mpmath number as the Fraction that it is."""
+    sign, mantissa, exponent, _ = value._mpf_
+    return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(
+    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (CROSSING_BOTH, "P7482")]
+)
+def test_oracle_returns_to_the_orbit_and_has_its_multipliers(p, word):
+    """The ODE alone, 50 digits: one period later the same state; the return map's differences have the multipliers."""
+    orbit = find_orbit(p, word, digits=45)
+    assert orbit.admissible
+    with mpmath.workdps(60):
+        # Start inside a flight, so that a push of the state stays a push of the state.
+        i = next(i for i, piece in enumerate(orbit.equations().pieces) if not piece.sticks)
+        (t, _), following = orbit.points[i], (*orbit.points[1:], (orbit.points[0][0] + orbit.period, None))[i][0]
+        middle = (float(t) + float(following)) / 2
+        t0 = exact(mpmath.mpf(middle))
+        before = orbit.equations().pieces[i - 1]
+        start = orbit.points[i - 1] if before.sticks else orbit.points[i]
+        begin, v = exact(start[0]), p.belt((before if before.sticks else orbit.equations().pieces[i]).start)
+        if before.sticks and i == 0:
+            t0 += exact(orbit.period)
+        here = simulate_oracle(p, begin, exact(start[1]), v, t0, 50)
+        x0, v0, h = exact(here.x), exact(here.v), Fraction(1, 10**18)
+        after = t0 + exact(orbit.period)
+        back = simulate_oracle(p, t0, x0, v0, after, 50)
+        assert abs(back.x - here.x) + abs(back.v - here.v) < 1e-30
+        assert len(back.events) == len(orbit.labels)
+        M = mpmath.matrix(2)
+        for column, (dx, dv) in enumerate(((h, 0), (0, h))):
+            plus = simulate_oracle(p, t0, x0 + dx, v0 + dv, after, 50)
+            minus = simulate_oracle(p, t0, x0 - dx, v0 - dv, after, 50)
+            M[0, column] = (plus.x - minus.x) / (2 * mpmath.mpf(h.numerator) / h.denominator)
+            M[1, column] = (plus.v - minus.v) / (2 * mpmath.mpf(h.numerator) / h.denominator)
+        trace, determinant = M[0, 0] + M[1, 1], M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
+    ours = [complex(value) for value in orbit.multipliers]
+    assert abs(sum(ours) - complex(trace)) < 1e-12
+    assert abs(ours[0] * ours[1] - complex(determinant)) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("p", "word", "sticks"), [(BOTH_BELTS, "P1748", {"P1", "P4"}), (MANY_SLIPS, "P174648", {"P1", "P4"})]
+)
+def test_words_with_sticks_on_both_belts(p, word, sticks):
+    orbit = find_orbit(p, word)
+    assert orbit.admissible
+    assert sticks <= set(orbit.labels)
+    assert orbit.multipliers[1] == 0
+    assert abs(orbit.multipliers[0]) < 1
+    assert orbit.residual < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (MANY_SLIPS, "P174648")]
+)
+def test_points_satisfy_the_maps(p, word):
+    orbit = find_orbit(p, word)
+    equations, points = orbit.equations(), orbit.phases()
+    ends, exits = equations.ends(points), read_word(word).exits()
+    for label, exit, start, end in zip(orbit.labels, exits, points, ends, strict=True):
+        assert max(map(abs, residual(p, label, tuple(start), tuple(end), exit))) < 1e-12
+
+
+def test_printed_starts_are_said_to_be_off_the_orbit():
+    orbit = find_orbit(FIG9, "P32")
+    near = orbit.approach("fig9")
+    assert near.dt == pytest.approx(0.1324 - orbit.points[0].t, abs=1e-14)
+    assert near.dx == pytest.approx(4.5447 - orbit.points[0].x, abs=1e-14)
+    assert abs(near.offset_v) > 4
+    assert near.periods == 6
+    near = find_orbit(FIG10, "P4645").approach("fig10")
+    assert abs(near.dt) < 0.02
+    assert abs(near.dx) < 0.02
+    assert near.periods == 2
+    for name, word in (("fig9-orbit", "P32"), ("fig10-orbit", "P4645")):
+        near = find_orbit(load_scene(name).parameters, word).approach(name)
+        assert near.periods == 0
+        assert abs(near.offset_x) + abs(near.offset_v) < 1e-12
+    with pytest.raises(ParameterError, match="the orbit's parameters"):
+        orbit.approach("fig10")
+
+
+def test_other_bad_input():
+    with pytest.raises(ParameterError, match="never follows the word"):
+        find_orbit(FIG9, "P4645", (0.18, 4.15))
+    with pytest.raises(WordError, match="P4 cannot follow P2"):
+        find_orbit(FIG9, "P42")
+    with pytest.raises(ParameterError, match="without a spring"):
+        find_orbit(FIG9.replace(k=0), "P32")
+    with pytest.raises(ParameterError, match="periods"):
+        find_orbit(FIG9, "P32", periods=0)
+    with pytest.raises(ParameterError, match="digits"):
+        find_orbit(FIG9, "P32", digits=2.5)
+    with pytest.raises(ParameterError, match="parameters"):
+        find_orbit(load_scene("fig9"), "P32")
+
+
+def test_no_convergence_carries_the_best_points():
+    with pytest.raises(ConvergenceError, match="the motion settles to P5464") as caught:
+        find_orbit(FIG10, "P32", [(0.2, 4.0), (1.0, -4.0)])
+    error = caught.value
+    assert len(error.best) == 2
+    assert np.isfinite(np.array(error.best, dtype=float)).all()
+    assert error.residual > 0
+    assert error.periods == 1
+    copy = pickle.loads(pickle.dumps(error))
+    assert (copy.word, copy.best, copy.residual) == (error.word, error.best, error.residual)
+
+
+def test_newton_converges_quadratically():
+    """A damped method must not be a slow one: from two digits to all of them in five steps."""
+    for p, word, points in PAPER:
+        equations = ClosingEquations(p, read_word(word), 1)
+        guess = np.array([(round(float(x), 2), float(p.Omega) * round(float(t), 2)) for t, x in points])
+        solution = newton(equations, guess)
+        assert solution.converged
+        assert solution.steps <= 6
+
+
+def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
+    """A word that repeats with its points, moved on by the parts of the whole period; else it is one orbit."""
+    rng = np.random.default_rng(6)
+    for times in (1, 2, 3, 6):
+        for pieces in (2, 4):
+            word = "P" + ("32" if pieces == 2 else "3232") * times
+            part = np.column_stack([rng.uniform(-3, 3, pieces), np.sort(rng.uniform(0, 2 * np.pi, pieces))])
+            points = np.vstack([part + np.array([0, 2 * np.pi * i]) for i in range(times)])
+            equations = ClosingEquations(FIG9, read_word(word), times)
+            assert find.repetitions(equations, points) == times
+            if times > 1:
+                row = int(rng.integers(len(points)))
+                for column in (0, 1):
+                    moved = points.copy()
+                    moved[row, column] += 1e-5
+                    assert find.repetitions(equations, moved) == 1
+                other = ClosingEquations(FIG9, read_word(word), times + 1)
+                assert find.repetitions(other, points) == 1
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
+def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
+    """Also where its second point is in the next one already."""
+    times = [t for t, _ in find_orbit(p, word).points]
+    T = 2 * np.pi / float(p.Omega)
+    assert 0 <= times[0] < T
+    assert times == sorted(times)
+    assert times[-1] < times[0] + T
+
+
+@pytest.mark.parametrize("digits", [None, 20])
+@pytest.mark.parametrize("word", ["P32", "P3232"])
+def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None) -> None:
+    """Their sum and their product are the trace and the determinant of the flow's derivative over the orbit."""
+    orbit = find_orbit(FIG9, word, periods=len(word) // 2, digits=digits)
+    one, other = (complex(value) for value in orbit.multipliers)
+    flow = find.monodromy(orbit.equations(), orbit.phases())
+    assert one + other == pytest.approx(float(flow.trace), rel=1e-9)
+    assert one * other == pytest.approx(float(flow.determinant), rel=1e-9)
+    assert abs(one) < 1
+    assert abs(other) < 1
+
+
+P4645_MULTIPLIER = 1.9589682640e-4
+
+
+def test_multipliers_of_the_paper_orbits():
+    for digits in (None, 20):
+        first, second = find_orbit(FIG9, "P32", digits=digits).multipliers
+        assert abs(complex(first) - P32_MULTIPLIER) < 1e-14
+        assert abs(complex(second) - P32_MULTIPLIER.conjugate()) < 1e-14
+        first, second = find_orbit(FIG10, "P4645", digits=digits).multipliers
+        assert abs(complex(first) - P4645_MULTIPLIER) < 1e-14
+        assert second == 0
+
+
+@pytest.mark.slow
+def test_determinant_shrinks_by_damping_and_friction():
+    """det M = exp(-(c/m) T) prod F(target)/F(source) < 1: no multipliers leave the unit circle as a pair."""
+    rng = np.random.default_rng(7)
+    for _ in range(5):
+        p = FIG9.replace(Omega=round(rng.uniform(3.4, 4.9), 3), c=round(rng.uniform(0.05, 0.4), 3))
+        orbit = find_orbit(p, "P32")
+        determinant = (orbit.multipliers[0] * orbit.multipliers[1]).real
+        ratio = np.exp(-float(p.c / p.m) * orbit.period)
+        for (t, x), (source, target) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
+            force = [
+                float((p.A(alpha) - p.c * p.v1) / p.m)
+                + float(p.B0 / p.m) * np.cos(float(p.Omega) * t)
+                - float(p.k / p.m) * x
+                for alpha in (source, target)
+            ]
+            ratio *= force[1] / force[0]
+        assert determinant == pytest.approx(ratio, rel=1e-9)
+        assert 0 < determinant < 1
+        assert max(abs(value) for value in orbit.multipliers) < 1
+
+
+def test_multipliers_are_the_eigenvalues() -> None:
+    """Of random matrices, also of such with a tiny determinant: both to all digits, the larger one first."""
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        if rng.random() < 0.3:
+            size, angle = rng.uniform(0, 1.1), rng.uniform(0, np.pi)
+            trace, determinant, large = 2 * size * np.cos(angle), size * size, size
+            first, second = multipliers(trace, determinant, cmath.sqrt)
+            assert (first * second).real == pytest.approx(determinant)
+            assert abs(first) == pytest.approx(large)
+            assert second == pytest.approx(np.conj(first)) or abs(np.sin(angle)) < 1e-6
+            continue
+        large = rng.choice([-1, 1]) * rng.uniform(0, 1.1)
+        small = rng.choice([-1, 1]) * abs(large) * rng.choice([0.0, 1e-30, 1e-9, 0.5, 0.999])
+        first, second = multipliers(large + small, large * small, cmath.sqrt)
+        assert complex(first) == pytest.approx(large, rel=1e-12)
+        assert complex(second) == pytest.approx(small, rel=1e-12, abs=0)
+    assert multipliers(0.0, 0.0, cmath.sqrt) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (MANY_SLIPS, "P174648")]
+)
+def test_jacobian_matches_differences_of_its_residuals(p, word):
+    orbit = find_orbit(p, word, digits=15)
+    points = [(x, t * orbit.period.context.mpf(p.Omega.numerator) / p.Omega.denominator) for t, x in orbit.points]
+    exact_ = ClosingEquations(p, read_word(word), 1, 40)
+    context = exact_.arithmetic.context
+    # Off the orbit, where the residuals do not vanish.
+    points = [
+        (context.mpf(x) + context.mpf("0.01") * i, context.mpf(theta) + context.mpf("0.01"))
+        for i, (x, theta) in enumerate(points)
+    ]
+    ours = ClosingEquations(p, read_word(word), 1).matrix([(float(x), float(theta)) for x, theta in points])
+    h = context.mpf("1e-15")
+    for column in range(2 * len(points)):
+        sides = []
+        for sign in (1, -1):
+            moved = [list(point) for point in points]
+            moved[column // 2][column % 2] += sign * h
+            sides.append(exact_.residuals(moved))
+        differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
+        assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
+def test_the_largest_residual_is_that_of_all_maps(p: Parameters, word: str) -> None:
+    """Of eq. (54), as `symosc.residual` has it, in x and v of every map, off the orbit."""
+    rng = np.random.default_rng(4)
+    equations = ClosingEquations(p, read_word(word), 1)
+    on_it = find_orbit(p, word).phases()
+    for _ in range(5):
+        points = on_it + rng.uniform(-0.02, 0.02, (len(word) - 1, 2))
+        ends = [*points[1:], points[0] + [0.0, 2 * np.pi]]
+        each = [
+            residual(p, label, tuple(start), tuple(end), exit_of(piece))
+            for label, piece, start, end in zip(equations.word.labels, equations.pieces, points, ends, strict=True)
+        ]
+        assert equations.largest_residual(points) == pytest.approx(np.abs(each).max(), rel=1e-9)
+
+
+def exit_of(piece: OrbitPiece) -> str | None:
+    return None if not piece.sticks else "below" if piece.side < 0 else "above"
+
+
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+def test_states_of_the_orbit(p, word):
+    """The orbit as a function of time: continuous at switchings, periodic, on the belts where it must be."""
+    orbit = find_orbit(p, word)
+    T = orbit.period
+    times = np.linspace(-T, 2 * T, 100)
+    assert np.abs(orbit(times) - orbit(times + 3 * T)).max() < 1e-11
+    assert orbit(0.3).shape == (2,)
+    for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
+        for state in (orbit(t - 1e-12), orbit(t + 1e-12)):
+            assert state == pytest.approx([x, float(p.belt(piece.start))], abs=1e-8)
+
+
+@pytest.mark.slow
+def test_more_than_one_period():
+    """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.orbits.floquet)."""
+    orbit = find_orbit(FIG9, "P3232", periods=2)
+    assert orbit.admissible
+    assert orbit.periods == 2
+    assert "runs 2 times" in orbit.message
+    assert orbit.period == pytest.approx(2 * find_orbit(FIG9, "P32").period, rel=1e-15)
+    for value in orbit.multipliers:
+        assert min(abs(value - P32_MULTIPLIER**2), abs(value - P32_MULTIPLIER.conjugate() ** 2)) < 1e-14
+    root = find_orbit(FIG9, "P32", periods=3)  # closes after three periods, but passes its belt on the way
+    assert root.residual < 1e-11
+    assert root.periods == 3
+    assert not root.admissible
+    assert any("stays in Omega1" in condition.text for condition in root.failures)
+
+
+@pytest.mark.slow
+def test_as_dict_is_plain():
+    import json
+
+    data = json.loads(json.dumps(find_orbit(FIG10, "P4645", digits=20).as_dict()))
+    assert data["points"][0]["t"].startswith("0.44364498555745564947")
+    assert data["stable"] is True
+    data = json.loads(json.dumps(find_orbit(FIG9.replace(Omega=3), "P32").as_dict()))
+    assert data["admissible"] is False
+    assert data["failures"][0]["event"] == "birth of a stick"
+
+
+def test_the_formula_of_an_orbit_has_all_its_numbers() -> None:
+    """Points, real and complex multipliers, with the signs of their parts, and powers of ten."""
+    rng = np.random.default_rng(7)
+    orbit = find_orbit(FIG9, "P32")
+    for _ in range(30):
+        re, im = (float(rng.choice([-1, 1]) * 10 ** rng.uniform(-7, 2)) for _ in range(2))
+        im = im if rng.random() < 0.7 else 0.0
+        text = replace(orbit, multipliers=(complex(re, im), complex(re, -im)))._repr_latex_()
+        assert text.startswith(rf"${orbit.equations().word.latex()},\quad \begin{{array}}{{lll}}")
+        for label, (t, x) in zip(orbit.labels, orbit.points, strict=True):
+            assert rf"P_{label[1:]}: & {t:.12g} & {x:.12g}" in text
+        shown = text.split(r"\lambda = ")[1].rstrip("$").split(r",\; ")
+        numbers = [re_read(each) for each in shown]
+        assert numbers == pytest.approx([complex(re, im), complex(re, -im)], rel=1e-5)
+        assert all((r"\mathrm{i}" in each) == (im != 0) for each in shown)
+
+
+def re_read(text: str) -> complex:
+    """Return the number that a formula shows."""
+    plain = re.sub(r" \\cdot 10\^\{(-?\d+)\}", r"e\1", text).replace(r"\,\mathrm{i}", "j").replace(" ", "")
+    assert re.fullmatch(r"-?[\d.]+(e-?\d+)?([+-][\d.]+(e-?\d+)?j)?", plain), text
+    return complex(plain)
+
+
+def test_guesses():
+    rough = [(0.2, 4.0), (1.0, -4.0)]
+    for guess in (rough, np.array(rough), (0.18, 4.15), (0.9, 4.15), find_orbit(FIG9, "P32")):
+        assert find_orbit(FIG9, "P32", guess).points[0].t == pytest.approx(float(P32[0][0]), abs=1e-13)
+    moved = [(t + 5 * np.pi, x) for t, x in rough]  # the first point is brought into the first period
+    assert find_orbit(FIG9, "P32", moved).points[1].t == pytest.approx(float(P32[1][0]), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("guess", "says"),
+    [
+        ([(0.2, 4.0)] * 3, r"must be 2 pairs \(t, x\)"),
+        ([1, 2, 3], "must be 2 pairs"),
+        ("nonsense", "must be 2 pairs"),
+        ([(0.2, 4.0), (float("nan"), 1)], "must be 2 pairs"),
+        ([(1.0, 4.0), (0.2, -4.0)], "times must increase"),
+    ],
+)
+def test_guesses_of_the_wrong_form(guess, says):
+    with pytest.raises(ParameterError, match=says):
+        find_orbit(FIG9, "P32", guess)

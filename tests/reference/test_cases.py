@@ -1,0 +1,428 @@
+"""The set of cases: its content, the published closed forms, the hard cases, events and condition numbers of a case."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+from math import inf, pi
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from oracle import flow_oracle, simulate_oracle
+
+from symosc import ParameterError, Parameters, ReferenceCase, Scene, load_scene, reference_cases, simulate
+from symosc.certificates.certificate import Certificate
+from symosc.certificates.verify_orbits import verify
+from symosc.exact import show
+from symosc.mappings.theorem7_cases import place
+from symosc.reference.case import COMPUTED, PROVEN, conditions, shifted
+from symosc.reference.cases import (
+    CASE_GROUPS,
+    DAMPED,
+    GRAZES,
+    GROUPS,
+    LATE_PERIODS,
+    LONG_RUNS,
+    PAPER_SCENES,
+    PEAKS,
+    RESTS,
+    SET_VERSION,
+    TOUCHES,
+    HardCase,
+    amplitude,
+    chosen,
+    hard_cases,
+    last_period,
+    start_before_a_dip,
+    start_before_a_peak,
+    wall,
+)
+from symosc.reference.compare import relative_error
+from symosc.reference.folder import exact_text
+
+# -- sets --------------------------------------------------------------------------------------------------------------
+
+
+CASES = {case.name: case for case in reference_cases()}
+LONG_ONES = [case for case in CASES.values() if case.group == LONG_RUNS]
+
+
+def test_what_the_set_has() -> None:
+    assert len(CASES) == len(reference_cases()) >= 120
+    assert list(dict.fromkeys(case.group for case in CASES.values())) == list(CASE_GROUPS)
+    assert (
+        sum(case.group in {each.group for each in hard_cases()} for case in CASES.values()) == len(hard_cases()) == 73
+    )
+    for case in CASES.values():
+        assert re.fullmatch(r"[A-Za-z0-9]+(-[A-Za-z0-9]+)*", case.name)
+        assert case.hard
+        assert case.source
+        assert "," not in case.group
+
+
+#: The set of each version; a change needs a new version, and its sum here.
+SUMS = {1: "4077d4da02f059cf8fc3e1f13f4a7bfa9234b1b57ddf56a9bef3b65bab9739fa"}
+
+
+def test_a_changed_set_has_a_new_version() -> None:
+    lines = []
+    for case in CASES.values():
+        start = (exact_text(getattr(case, name)) for name in ("t0", "x0", "v0", "t_end"))
+        numbers = [*case.parameters.as_dict().values(), *start]
+        lines.append(" ".join([case.name, *numbers, str(case.scene.start_error), str(case.periods)]))
+    found = hashlib.sha256("\n".join(lines).encode()).hexdigest()
+    assert found == SUMS.get(SET_VERSION), f"the sum of version {SET_VERSION} is {found}"
+
+
+def test_a_group_is_chosen_by_name() -> None:
+    assert [case.name for case in chosen("easy")] == ["easy-fig9", "easy-fig10"]
+    assert len(chosen(None)) == len(CASES)
+    with pytest.raises(ParameterError, match="group = 'hard': is none; there are: paper, easy"):
+        chosen("hard")
+
+
+@pytest.mark.quick(8)
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.group != LONG_RUNS])
+def test_cases_are_proven_or_say_why_not(name: str) -> None:
+    case = CASES[name]
+    assert case.proven == (not case.open)
+    assert isinstance(case.certificate, Certificate)
+    assert case.status == (PROVEN if case.proven else COMPUTED)
+    if case.proven:
+        known = [(*event[2:3], *event[4:6], event.t, event.x) for event in case.events]
+        assert known == [tuple(event) for event in case.certificate.events]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", LONG_ONES, ids=lambda case: case.name)
+def test_long_runs_are_long_and_proven(case: ReferenceCase) -> None:
+    assert case.proven == (not case.open)
+    assert len(case.events) >= 200
+
+
+def value(text: str) -> mpmath.mpf:
+    """Return the value of a closed form's expression."""
+    names = {name: getattr(mpmath, name) for name in ("pi", "sqrt", "log", "sin", "cos", "tan", "sinh", "cosh")}
+    exact = re.sub(r"(?<![\w.])(\d+\.?\d*(?:e-?\d+)?)", r"mpf('\1')", text)
+    return eval(exact, {"__builtins__": {}}, names | {"mpf": mpmath.mpf})
+
+
+CLOSED = [name for name, case in CASES.items() if case.closed_form and case.group != LONG_RUNS]
+
+
+@pytest.mark.quick(10)
+@pytest.mark.parametrize("name", CLOSED)
+def test_closed_forms_are_what_happens(name: str) -> None:
+    assert_closed(CASES[name])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [case for case in LONG_ONES if case.closed_form], ids=lambda case: case.name)
+def test_closed_forms_hold_after_hundreds_of_events(case: ReferenceCase) -> None:
+    assert_closed(case)
+
+
+def assert_closed(case: ReferenceCase) -> None:
+    with mpmath.workdps(60):
+        for form in case.closed_form:
+            read = re.fullmatch(r"([tx])\[(\d+)\] = (.+)", form)
+            assert read is not None
+            number = case.events[int(read[2])].middle["tx".index(read[1])]
+            exact = value(read[3])
+            error = abs(mpmath.mpf(number.numerator) / number.denominator - exact) / max(1, abs(exact))
+            assert error < mpmath.mpf("1e-38") * (1 if case.group != GRAZES else 10), form
+
+
+def test_there_are_closed_forms_of_each_kind() -> None:
+    assert len([case for case in CASES.values() if case.closed_form]) >= 50
+    for kind in ("den-hartog", "resonance-growth", "free-decay", "continuum", "creeping", "limit-speed", "graze"):
+        assert any(case.name.startswith(kind) and case.closed_form for case in CASES.values()), kind
+
+
+def test_den_hartogs_amplitudes_are_the_published_ones() -> None:
+    """The values that are in print."""
+    printed = {("0", "0.4", "1.5"): "0.6531972647421811", ("0.1", "0.25", "0.6"): "1.487067086810845"}
+    printed["0.2", "0.4", "1.5"] = "0.5488324917917096"
+    with mpmath.workdps(30):
+        for numbers, expected in printed.items():
+            assert abs(value(amplitude(*numbers)) - mpmath.mpf(expected)) < 1e-15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("Omega", ["1-5", "0-8"])
+def test_the_border_of_motions_without_stops_is_where_den_hartog_has_it(Omega: str) -> None:
+    """The border is F = 0.64657909 at r = 1.5, 0.81740639 at r = 0.8."""
+    border = {"1-5": Fraction("0.64657909"), "0-8": Fraction("0.81740639")}[Omega]
+    below, above = CASES[f"border-{Omega}-below"], CASES[f"border-{Omega}-above"]
+    assert below.parameters.mu1 < border < above.parameters.mu1
+    assert {event.kind for event in below.events[-6:]} == {"cross"}
+    assert {event.kind for event in above.events[-6:]} == {"stick", "slip"}
+
+
+def test_the_continuum_ends_where_csernak_has_it() -> None:
+    for case in CASES.values():
+        if case.name.startswith("continuum"):
+            F, Omega = case.parameters.mu1, case.parameters.Omega
+            stays = {event.kind for event in case.events} == {"cross"}
+            middle = case.x0 - 1 / (1 - Omega**2)
+            assert stays == (abs(middle) < Omega**2 / (1 - Omega**2) - F), case.name
+    assert wall("0.1", "1/2").mu1 == Fraction(1, 10)
+
+
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("mapping", TOUCHES)
+@pytest.mark.parametrize("regime", DAMPED)
+def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: object) -> None:
+    case = CASES[f"graze-{regime.replace(' ', '-')}-{mapping}"]
+    p, touch = case.parameters, case.events[0]
+    discriminant, detuned = p.c**2 - 4 * p.m * p.k, p.k - p.m * p.Omega**2
+    regimes = {
+        "underdamped": p.c > 0 > discriminant,
+        "critically damped": discriminant == 0,
+        "overdamped": discriminant > 0 and p.k > Fraction(1, 100),
+        "undamped": p.c == 0 and detuned != 0,
+        "undamped resonance": p.c == 0 == detuned,
+        "near resonance": 0 < p.c < Fraction(1, 1000) and detuned == 0,
+        "weak spring": 0 < p.k < Fraction(1, 100),
+    }
+    assert regimes[regime]
+    where = place(mapping)
+    assert (touch.kind, touch.boundary, touch.source) == ("graze", where.boundary, f"Omega{where.domain}")
+    case.certificate.to_json(f"{tmp_path}/it.json")
+    assert verify(f"{tmp_path}/it.json")[0] == 0
+
+
+def test_rests_stay_and_what_is_beyond_the_edge_slips() -> None:
+    for case in CASES.values():
+        if case.group == RESTS and case.name.startswith("rest-"):
+            assert bool(case.events) == (case.name == "rest-edge-slips")
+
+
+def test_the_papers_scenes_are_all_there() -> None:
+    assert len(chosen(PAPER_SCENES)) == 11
+
+
+def test_the_page_about_the_set_counts_right() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "cases.md").read_text(encoding="utf-8")
+    unproven = sum(bool(case.open) for case in CASES.values())
+    assert f"There are {len(CASES)}, in version {SET_VERSION} of the set. Of {len(CASES) - unproven} the list" in text
+    assert f"The other {unproven} are computed" in text
+    counts = {row[0]: int(row[1]) for row in re.findall(r"^\| ([^|]+) \| (\d+) \|", text, re.MULTILINE)}
+    assert sum(counts.values()) == len(CASES)
+    hard = {case.group for case in hard_cases()}
+    for group in set(CASE_GROUPS) - hard:
+        assert counts[group] == len(chosen(group))
+    assert counts[f"hard cases, {len(hard)} groups"] == len(hard_cases())
+
+
+# -- hard cases --------------------------------------------------------------------------------------------------------
+
+
+HARD = {(case.group, case.name): case for case in hard_cases()}
+
+ONE_OF_EACH = {case.group: case for case in hard_cases() if case.quick}
+
+
+def test_every_group_has_cases_and_a_quick_one() -> None:
+    assert {case.group for case in hard_cases()} == set(GROUPS) == set(ONE_OF_EACH)
+    assert len(HARD) == len(hard_cases())
+    for case in hard_cases():
+        if not case.periods:  # nobody loses digits in reading them
+            assert max(len(show(getattr(case.scene, name)).strip("-0.")) for name in ("t0", "x0", "v0")) <= 18, (
+                case.name
+            )
+
+
+@pytest.mark.quick(10)
+@pytest.mark.parametrize(("base", "mapping", "t_m", "t0", "exponent"), [(*row[:4], e) for row in PEAKS for e in row[5]])
+@pytest.mark.parametrize("side", [1, -1])
+def test_peaks_are_as_far_from_the_belt_as_said(
+    base: str, mapping: str, t_m: str, t0: str, exponent: int, side: int
+) -> None:
+    """By the exponential of the ODE's matrix: v there, and where the acceleration is 0."""
+    p, where = load_scene(base).parameters, place(mapping)
+    height = Fraction(side, 10**exponent)
+    start = start_before_a_peak(p, mapping, height, t_m, t0)
+    with mpmath.workdps(50):
+        _, v, a = flow_oracle(p, where.domain, *start, Fraction(t_m) - Fraction(t0))
+        beyond = (v - mpmath.mpf(p.belt(where.boundary).numerator)) * (1 if where.domain == where.boundary else -1)
+        assert abs(beyond - mpmath.mpf(height.numerator) / height.denominator) < 4e-16
+        assert abs(a) < 1e-14
+
+
+def test_a_peak_without_a_flight_before_it_is_refused() -> None:
+    p = load_scene("fig10").parameters
+    with pytest.raises(ValueError, match=r"no flight from t = 0.5 peaks at t = 1: .*belt 1"):
+        start_before_a_peak(p, "P5", Fraction(1, 10**8), "1", "0.5")
+
+
+@pytest.mark.parametrize("height", ["-1e-6", "1e-12"])
+def test_dips_are_as_deep_as_said(height: str) -> None:
+    p = load_scene("fig5").parameters  # m = c = k = v1 = 1, B0 = 10, Omega = 1
+    t0, x0, _ = start_before_a_dip(p, height, "2.5")
+    with mpmath.workdps(40):
+        least = mpmath.pi + mpmath.asin(mpmath.mpf(1) / 10)  # where d/dt (10 cos(t) - t) = 0 and rises
+        x = mpmath.mpf(x0) + least - mpmath.mpf(t0)
+        force = mpmath.mpf(p.A(1).numerator) / p.A(1).denominator + 10 * mpmath.cos(least) - x - 1
+        assert abs(force - mpmath.mpf(height)) < 1e-15
+
+
+# The oracle's power series takes seconds to minutes for these rates; the next stiffest cases are with it.
+TOO_STIFF = {"m = 1e-5", "m = 1e-8"}
+
+FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.name not in TOO_STIFF]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
+def test_references_agree_with_the_oracle(case: HardCase) -> None:
+    scene, most = case.scene, 6
+    reference = case.reference()[:most]
+    end = min(scene.t_end, Fraction(str(reference[-1].t)) + 1) if reference else scene.t_end
+    run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, end, 45, max_events=most)
+    assert len(run.events) >= len(reference)
+    for event, expected in zip(reference, run.events, strict=False):
+        assert (event.kind, event.boundary, event.source, event.target) == expected[1:5]
+        assert max(relative_error(event.t, expected.t), relative_error(event.x, expected.x)) < 1e-34
+
+
+def test_long_runs_end_with_the_orbit() -> None:
+    """After few periods the motion is the orbit to many digits: the same events as in any later period."""
+    case = HARD["1e5 periods", "fig10-orbit"]
+    period = 2 * mpmath.pi / mpmath.mpf("1.75")
+    end = case.scene.t0 + Fraction(str(20.05 * period))
+    early = replace(case.scene, t_end=end)
+    expected = simulate(early, digits=20).events
+    assert len(expected) == 20 * 4
+    for event, other in zip(case.reference(early, 30), expected[-4:], strict=True):
+        assert (event.kind, event.boundary) == (other.kind, other.boundary)
+        assert max(relative_error(event.t, other.t), relative_error(event.x, other.x)) < 1e-19
+    turns = (case.scene.t_end - case.scene.t0) / Fraction(str(period))
+    assert LATE_PERIODS < turns < LATE_PERIODS + 0.1
+    last = case.reference()[-1]
+    assert 0 < case.scene.t_end - Fraction(float(last.t)) < Fraction(1)
+
+
+# -- case --------------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_not_proven_is_between_decimals_too() -> None:
+    case = CASES["continuum-1-2"]
+    assert case.status == COMPUTED
+    for i, event in enumerate(case.events):
+        t_low, t_high, x_low, x_high = map(Fraction, (*event.t, *event.x))
+        assert 0 <= t_high - t_low < Fraction(1, 10**38) * t_high
+        t, x = case.events[i].middle
+        assert t_low <= t <= t_high
+        assert x == (x_low + x_high) / 2
+        exact = Fraction(1, 10) + (1 if i % 2 else -1) * Fraction(4, 3)
+        assert x_low <= exact <= x_high
+        assert abs(float(t) - 2 * pi * (i + 1)) < 1e-13
+
+
+@pytest.mark.parametrize("name", ["paper-fig6", "free-decay-2"])
+def test_conditions_are_those_of_the_scene(name: str) -> None:
+    assert CASES[name].conditions == tuple(conditions(CASES[name].scene))
+    assert CASES[name].condition == max(CASES[name].conditions)
+
+
+@pytest.mark.parametrize("name", ["graze-overdamped-P5", "graze-weak-spring-P2"])
+def test_a_graze_has_no_condition_and_what_follows_it_has(name: str) -> None:
+    """A start that is rounded to a double grazes no more; the events after it move by so much."""
+    case = CASES[name]
+    first, *others = case.conditions
+    assert first == inf
+    assert 0 < max(others) == case.condition < 100
+    start = {each: float(getattr(case, each)) for each in ("t0", "x0", "v0")}
+    found = [event for event in simulate(case.parameters, **start, t_end=case.t_end).events if event.kind != "graze"]
+    near = [event for event in found if abs(event.t - float(case.events[0].middle[0])) > 1e-4]
+    for event, known, condition in zip(near, case.events[1:], others, strict=True):
+        assert (event.kind, event.boundary) == (known.kind, known.boundary)
+        t, x = (float(each) for each in known.middle)
+        error = max(abs(event.t - t) / max(1, t), abs(event.x - x) / max(1, abs(x)))
+        assert error < 100 * condition * 1e-16
+
+
+def test_a_very_long_run_has_the_events_of_its_last_period() -> None:
+    pytest.importorskip("flint")
+    case = CASES["1e5-periods-fig10-orbit"]
+    assert (len(case.events), case.count) == (4, 400_000)
+    assert case.proven
+    assert case.certificate.kind == "settled"
+    period = 2 * pi / float(case.parameters.Omega)
+    assert all(case.t_end - Fraction(period) < event.middle[0] < case.t_end for event in case.events)
+    for known, event in zip(case.events, last_period(case.scene, 50), strict=True):
+        for (low, high), value in zip((known.t, known.x), (event.t, event.x), strict=True):
+            assert Fraction(low) <= Fraction(value.context.nstr(value, 48)) <= Fraction(high)
+
+
+def test_words_and_what_is_shown() -> None:
+    case: ReferenceCase = CASES["paper-fig6"]
+    assert [event.word for event in case.events] == ["P4", "P7", "P1"]
+    assert repr(case) == "<ReferenceCase paper-fig6: 3 events, proven>"
+
+
+@pytest.mark.slow
+def test_cases_are_there_without_the_extra_that_proves_them() -> None:
+    """The chapter on published results takes closed forms from here."""
+    code = "import sys; sys.modules['flint'] = None; import symosc.reference.cases, symosc.derive.published"
+    assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode == 0
+
+
+# -- condition ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_condition_of_a_constant_acceleration() -> None:
+    """With A = A0 + (mu1 + mu2) FN, v = v0 + A t/m meets v1 after m (v1 - v0)/A, at x0 + m (v1^2 - v0^2)/(2 A)."""
+    p = Parameters(m=3, c=0, k=0, A0=1, B0=0, Omega=1, v1=5, v2=9, mu1="0.3", mu2="0.2", FN=2)
+    scene = Scene("constant", p, Fraction(7), Fraction(11), Fraction(-1), Fraction(30))
+    m, A, v1, v0, x0, t0 = 3, 2, 5, -1, 11, 7
+    passed, way = m * (v1 - v0) / A, m * (v1**2 - v0**2) / (2 * A)
+    shares = (1, 0.6, 0.4, 1)  # A0, mu1 FN, mu2 FN, FN itself, as parts of A
+    by_force = sum(shares) / A
+    t = (t0 + passed * (1 + by_force) + m * (v1 + abs(v0)) / A) / (t0 + passed)
+    x = (x0 + way * (1 + by_force) + m * (v1**2 + v0**2) / A) / (x0 + way)
+    assert conditions(scene)[0] == pytest.approx(max(t, x), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_near_a_graze_the_condition_grows_with_the_root_of_the_distance() -> None:
+    worst = [max(conditions(HARD["peak beyond a belt", f"by 1e-{n} (P2, fig7-corrected)"].scene)) for n in (7, 11)]
+    assert worst[1] / worst[0] == pytest.approx(100, rel=0.01)
+
+
+def test_a_start_on_a_belt_moves_with_it() -> None:
+    scene, step = load_scene("fig9"), Fraction(1, 8)
+    assert shifted(scene, "v0", step) == scene
+    moved = shifted(scene, "v1", step)
+    assert moved.v0 == moved.parameters.v1 == Fraction(9, 8)
+    assert shifted(scene, "v2", step).v0 == 1
+    assert shifted(scene, "x0", step).x0 == scene.x0 * 9 / 8
+    assert shifted(scene, "m", step).parameters == scene.parameters.replace(m="0.1125")
+
+
+def test_numbers_that_are_zero_do_not_count() -> None:
+    assert shifted(load_scene("fig5"), "t0", Fraction(1, 8)) == load_scene("fig5")
+
+
+def test_events_that_any_change_turns_into_others_have_no_condition() -> None:
+    scene = load_scene("fig5")
+    first, second, third = simulate(scene, digits=130, max_events=3).events
+
+    def touching(neighbour: Scene, digits: int) -> Any:
+        k = neighbour.parameters.k
+        graze = replace(second, kind="graze" if k == scene.parameters.k else "stick")
+        return [replace(first, t=first.t + digits_of(k - scene.parameters.k, first)), graze, third]
+
+    def digits_of(value: Fraction, event: Any) -> Any:
+        return event.t.context.mpf(value.numerator) / value.denominator
+
+    found = conditions(scene, touching)
+    assert found[0] == pytest.approx(float(1 / max(1, first.t)))
+    assert found[1:] == [inf, inf]

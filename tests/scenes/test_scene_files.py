@@ -1,0 +1,336 @@
+"""Scene files: what is wrong is said with its line and table; expressions and units are read; what is written reads."""
+
+from __future__ import annotations
+
+import random
+import re
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import pytest
+from bad_values import refused
+from effort import at_most
+
+from symosc import MissingExtraError, Scene, SymoscError, load_scene, scene_names, simulate
+from symosc.exact import read_exact
+from symosc.scenes import as_toml, quantities
+from symosc.scenes.files import line_of
+from symosc.scenes.quantities import (
+    KNOWN_DIGITS,
+    QUANTITIES,
+    UNITS,
+    half_unit,
+    is_quantity,
+    read_expression,
+    read_quantity,
+    unit_of,
+)
+
+TEXT = as_toml(load_scene("fig9"), explained=True) + "\n"
+PI = Fraction("3.1415926535897932384626433832795028841971693993751")
+
+
+def scene(tmp_path: Path, **numbers: str) -> Scene:
+    text = TEXT
+    for name, value in numbers.items():
+        text = re.sub(rf"^{name} = .*", f"{name} = {value}", text, flags=re.M)
+    file = tmp_path / "mine.toml"
+    file.write_text(text, encoding="utf-8")
+    return load_scene(file)
+
+
+def line(name: str) -> int:
+    return 1 + TEXT.splitlines().index(next(each for each in TEXT.splitlines() if each.startswith(f"{name} = ")))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_commented_scene_is_the_scene(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "copy.toml"
+    for explained in (True, False):
+        file.write_text(as_toml(load_scene(name), explained), encoding="utf-8")
+        assert load_scene(file) == load_scene(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("m", "-1", "must be > 0"),
+        ("k", '"x"', "give a number"),
+        ("mu1", "true", "must be a number"),
+        ("v1", "30", "less than v2 = 25"),
+        ("t0", "[1]", "give an int"),
+        ("t_end", '"pi - pi"', "40 digits"),
+        ("x0", '"1/0"', "denominator must not be 0"),
+        ("structure", '"P99"', "P99"),
+        ("name", "5", "name must be text"),
+    ],
+)
+def test_what_is_wrong_has_its_line_and_table(name: str, value: str, allowed: str, tmp_path: Path) -> None:
+    with pytest.raises(SymoscError) as caught:
+        scene(tmp_path, **{name: value})
+    message = str(caught.value)
+    assert f"line {line(name)}" in message
+    assert allowed in message
+    assert "\n" not in message
+    if name in ("m", "k", "mu1", "v1"):
+        assert f"line {line(name)}, [parameters]" in message
+
+
+def test_keys_that_are_wrong(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    cases = {
+        "Omega = ": (
+            "omega = ",
+            f"line {line('Omega')}, [parameters]: parameters.omega is unknown; did you mean Omega?",
+        ),
+        "x0 = ": ("# x0 = ", f"start.x0 is missing; [start] begins in line {1 + TEXT.splitlines().index('[start]')}"),
+        "[start]": ("[starts]", "starts is unknown; did you mean start?"),
+    }
+    for old, (new, message) in cases.items():
+        file.write_text(TEXT.replace(f"\n{old}", f"\n{new}"), encoding="utf-8")
+        with pytest.raises(SymoscError, match=re.escape(message)):
+            load_scene(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a." * 20_000 + "a = 1", "line 1: has more than 200 dots"),
+        ("[start]\n['" + "'.'".join("a" * 500) + "']", "line 2: has more than 200 dots"),
+        ("#" * 200_000, "has more than 100000 characters"),
+        ("x = " + "[" * 50_000, "nested too deeply"),
+        ("t_end = 1e" + "9" * 30, "is not valid TOML"),
+        ("k" * 90_000 + " = 1", "is unknown"),
+    ],
+    ids=lambda text: text[:12],
+)
+def test_hostile_files_are_refused_in_a_line_before_they_cost_much(text: str, message: str, tmp_path: Path) -> None:
+    """The first one took twelve seconds and 1.5 GB."""
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    with pytest.raises(SymoscError) as caught:
+        load_scene(file)
+    assert message in str(caught.value)
+    assert len(str(caught.value)) < 400 + len(str(file))
+
+
+def test_a_file_without_an_end_is_refused(tmp_path: Path) -> None:
+    if not Path("/dev/zero").exists():
+        pytest.skip("no /dev/zero")
+    (tmp_path / "mine.toml").symlink_to("/dev/zero")
+    with pytest.raises(SymoscError, match="has more than 100000 characters"):
+        load_scene(tmp_path / "mine.toml")
+
+
+def test_expressions_are_noted_and_their_starts_have_an_error(tmp_path: Path) -> None:
+    found = scene(tmp_path, x0='"pi/6"', Omega='"2*pi"', t0='"1/3 + 1/3"')
+    assert found.t0 == Fraction(2, 3)
+    assert abs(found.x0 - PI / 6) < Fraction(1, 10**39)
+    assert abs(found.parameters.Omega - 2 * PI) < Fraction(1, 10**38)
+    assert found.start_error == (0, half_unit(found.x0), 0)
+    assert [note.partition(":")[0] for note in found.notes] == ["x0 = pi/6", "Omega = 2*pi"] or len(found.notes) == 2
+    assert "40 digits, 0.5235987755982988730771" in " ".join(found.notes)
+    assert scene(tmp_path, x0='"pi/6"').notes != load_scene("fig9").notes == ()
+    assert scene(tmp_path, x0="0.5").start_error is None
+    plain = simulate(found.parameters, t0="2/3", x0=float(PI / 6), v0=1, t_end=3)
+    assert simulate(found, t_end=3).word == plain.word
+
+
+def test_a_start_on_a_belt_stays_on_it(tmp_path: Path) -> None:
+    found = scene(tmp_path, v1='"pi"', v0='"pi"', FN="500")
+    assert found.v0 == found.parameters.v1
+    assert found.start_error == (0, 0, 0)
+    assert simulate(found, t_end=1).segments[0].mode == "belt1"
+
+
+# --- lines ---
+
+FORMS = '''# m = 1
+name = """
+m = 2
+[parameters]
+"""
+t_end = 5
+inline = {m = 1, deep = {k = 2}}
+list = [
+  1,
+  2,
+]
+[parameters]
+m = 3
+"k" = 4
+dotted.key = 5
+'''
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        (("name",), 5),
+        (("t_end",), 6),
+        (("inline", "deep", "k"), 7),
+        (("list",), 11),
+        (("parameters",), 12),
+        (("parameters", "m"), 13),
+        (("parameters", "k"), 14),
+        (("parameters", "dotted", "key"), 15),
+        (("m",), None),
+        (("t_end", "x"), None),
+    ],
+)
+def test_lines_of_all_forms(path: tuple[str, ...], line: int | None) -> None:
+    assert line_of(FORMS, path) == line
+    assert line_of(FORMS.replace("\n", "\r\n"), path) == line
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_lines_of_random_files(seed: int) -> None:
+    rng, lines, places = random.Random(seed), [], {}
+    for table in rng.sample(["a", "b", "c"], 3):
+        lines += [*rng.choices(["", "# a = 1", "   "], k=rng.randint(0, 3)), f"[{table}]"]
+        for key in rng.sample("mckxyz", 4):
+            lines += rng.choices(["", "# k = 1"], k=rng.randint(0, 2))
+            lines.append(f"{key} = {rng.choice(['1', '[1,' + chr(10) + '2]', '{q = 1}'])}")
+            places[table, key] = len("\n".join(lines).split("\n"))
+    for path, line in places.items():
+        assert line_of("\n".join(lines), path) == line
+    assert line_of("b = 1\n" + "# much\n" * 5000 + "a = 1", ("a",)) is None
+
+
+# --- expressions ---
+
+
+def written(rng: random.Random, depth: int) -> str:
+    """Return a random expression that is defined."""
+    if depth == 0:
+        return rng.choice(["pi", "π", str(rng.randint(1, 99)), f"{rng.randint(0, 9)}.{rng.randint(1, 999)}", "2e-3"])
+    kind, one = rng.randrange(7), written(rng, depth - 1)
+    if kind < 4:
+        return f"({one} {'+-*/'[kind]} ({written(rng, depth - 1)} + 7/3))"
+    return [f"sqrt(({one})^2)", f"cos({one})", f"-({one})**{rng.randint(1, 3)}"][kind - 4]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_digits_are_those_of_mpmath(seed: int) -> None:
+    rng = random.Random(seed)
+    text = written(rng, rng.randint(1, 3))
+    value, exact = read_expression("x0", text)
+    names = {"pi": mpmath.pi, "π": mpmath.pi, "sqrt": mpmath.sqrt, "cos": mpmath.cos}
+    with mpmath.workdps(120):
+        # Numbers become mpmath's, so that none is rounded to a double.
+        source = "".join(f"mpf('{part}')" if part[0] in "0123456789" else part for part in pieces(text))
+        right = eval(source.replace("^", "**"), names | {"mpf": mpmath.mpf})
+        error = abs(mpmath.mpf(value.numerator) / value.denominator - right)
+        assert error <= abs(right) * mpmath.mpf(10) ** (1 - KNOWN_DIGITS) / 2, text
+    if not exact:
+        assert value == read_exact("x0", str(value))
+        assert len(str(value.numerator).rstrip("0")) <= KNOWN_DIGITS + 20
+
+
+def pieces(text: str) -> list[str]:
+    """Return an expression cut at its numbers; the exponents of powers stay whole numbers of Python."""
+    found = re.findall(r"(?:\*\*|\^)\d+|\d+\.?\d*(?:e-?\d+)?|[^\d]+?(?=\d|$)|\D", text)
+    return [part for part in found if part]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("1/3 + 1/6", "1/2"), ("0.1*3", "3/10"), ("2^-3", "1/8"), ("-(2 - 5)", "3"), ("(1/2)**100 * 2^100", "1")],
+)
+def test_fractions_stay_exact(text: str, value: str) -> None:
+    assert read_expression("x0", text) == (Fraction(value), True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", "pi pi", "2 pi", "pi(2)", "e", "x", "open(1)", "pi.real", "[pi]", "pi if 1 else 2", "sqrt(2, 3)", "sqrt()",
+        "sqrt(-1)", "1/0", "1/(pi - pi)", "pi - pi", "sin(pi)", "pi^pi", "2^0.5", "2^101", "9^99^99", "1_000", "pi\n;1",
+        "1 // 2", "7 % 2", "sqrt(x=1)", "exp(1e9)", "pi**100**100", "ｐｉ", "２*pi", "0x10*pi", "1j*pi", "'pi'",
+        "pi" * 101,
+        "(" * 190 + "pi", "((((((10^100)^100)^100)^100)^100)^100)", "sin((((pi^100)^100)^100)^100)", "0^-1",
+        "1e99999*pi",
+    ],
+)  # fmt: skip
+def test_what_is_refused_is_refused_at_once(text: str) -> None:
+    with at_most(10_000):
+        refused(lambda: read_expression("x0", text), "x0")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_half_a_unit_of_the_last_digit(seed: int) -> None:
+    rng = random.Random(seed)
+    digits = rng.randint(10**39, 10**40 - 1)
+    value = Fraction(digits) * Fraction(10) ** rng.randint(-60, 20)
+    unit = value / digits
+    assert unit / 2 <= half_unit(value) <= 10 * unit
+    assert half_unit(-value) == half_unit(value)
+
+
+# --- units ---
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("m", "500 g", "1/2"),
+        ("m", "1/3 kg", "1/3"),
+        ("c", "3 N*s/m", "3"),
+        ("c", "3 N s / m", "3"),
+        ("k", "2.5e-1 kN/m", "250"),
+        ("FN", "1 lbf", "8896443230521/2000000000000"),
+        ("v1", "-36 km/hour", "-10"),
+        ("v1", "5 mm s^-1", "1/200"),
+        ("t0", "2 min", "120"),
+        ("mu1", "30 %", "3/10"),
+        ("Omega", "4 rad/s", "4"),
+    ],
+)
+def test_units_are_converted_exactly(name: str, text: str, value: str) -> None:
+    pytest.importorskip("pint")
+    assert is_quantity(text)
+    assert read_quantity(name, text) == (Fraction(value), True)
+
+
+@pytest.mark.parametrize(("text", "turns"), [("60 rpm", 1), ("2 turn/s", 2), ("90 deg/s", Fraction(1, 4))])
+def test_turns_are_known_as_well_as_pi(text: str, turns: Fraction) -> None:
+    pytest.importorskip("pint")
+    value, exact = read_quantity("Omega", text)
+    assert not exact
+    assert abs(value - 2 * PI * turns) < Fraction(1, 10**45)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_every_quantity_has_its_unit_and_no_other(name: str) -> None:
+    pytest.importorskip("pint")
+    right, others = unit_of(name), set(UNITS.values()) - {"1", unit_of(name)}
+    for unit in others:
+        message = refused(lambda unit=unit: read_quantity(name, f"3 {unit}"), name)  # type: ignore[misc]
+        assert (right if right != "1" else "without a unit") in message
+    if right != "1":
+        assert read_quantity(name, f"3 {right}") == (3, True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["2 Hz", "2 kHz", "3 foo", "3 kg**9", "3 degC", "3 rad/s/", "1 __import__", "3 pi", "1 " + "m" * 60, "3 m^999999"],
+)
+def test_units_that_are_refused(text: str) -> None:
+    pytest.importorskip("pint")
+    message = refused(lambda: read_quantity("Omega", text), "Omega")
+    assert ("turn/s" in message) == ("Hz" in text)
+
+
+def test_without_pint_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    quantities._registry.cache_clear()
+    monkeypatch.setitem(sys.modules, "pint", None)
+    with pytest.raises(MissingExtraError, match=r"symosc\[units\]"):
+        read_quantity("m", "3 kg")
+
+
+def test_units_and_expressions_agree(tmp_path: Path) -> None:
+    pytest.importorskip("pint")
+    assert scene(tmp_path, Omega='"60 rpm"').parameters == scene(tmp_path, Omega='"2*pi"').parameters
+    assert scene(tmp_path, m='"100 g"', x0='"454.47 cm"') == scene(tmp_path)

@@ -1,0 +1,362 @@
+"""Inverse answers for one parameter and two, for phases and intervals, against windows and the exact flow."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+from fractions import Fraction
+from itertools import combinations
+from typing import Any
+
+import pytest
+import sympy as sp
+from bad_values import refused
+from samples import sample_of
+from sympy import Interval, Rational, oo, pi
+
+from symosc import (
+    Parameters,
+    grazing_window,
+    load_scene,
+    theorem7,
+    values_containing,
+    values_empty,
+    values_everything,
+)
+from symosc.errors import ParameterError
+from symosc.grazing.check import YES, Ways
+from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
+from symosc.symbolic.inverse import QUERY_LETTERS, THETA, Answer
+
+MAPS = ("P2", "P3", "P5", "P6")
+
+
+FIG9 = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
+
+
+def belt(mapping: str) -> str:
+    return "v1" if mapping in ("P2", "P3") else "v2"
+
+
+def drawn(rng: random.Random) -> Parameters:
+    def number(low: int, high: int) -> Fraction:
+        return Fraction(rng.randint(low, high), rng.randint(1, 6))
+
+    v1 = rng.choice([Fraction(0), number(-20, 10)])
+    v2 = rng.choice([Fraction(0), v1 + 1]) if v1 < 0 else v1 + number(1, 20)
+    B0, k = (
+        rng.choice([Fraction(0), number(-20, 20), number(-20, 20)]),
+        rng.choice([Fraction(0), number(0, 9), number(1, 9)]),
+    )
+    return FIG9.replace(v1=v1, v2=v2, B0=B0, k=k, Omega=number(1, 20))
+
+
+def samples(found: Any, p: Parameters, name: str, rng: random.Random) -> list[Fraction]:
+    """Return allowed values of a parameter: the ends of the answer, what is next to them, zero, and random ones."""
+    ends = [Fraction(int(end.p), int(end.q)) for end in found.boundary if end.is_Rational] if found else []
+    tried = [end + step for end in ends for step in (0, Fraction(1, 10**12), Fraction(-1, 10**12))]
+    tried += [Fraction(0), Fraction(1, 3), Fraction(-2)] + [Fraction(rng.randint(-60, 60), 7) for _ in range(5)]
+    return [value for value in tried if allowed(p, name, value)]
+
+
+def allowed(p: Parameters, name: str, value: Fraction) -> bool:
+    try:
+        p.replace(**{name: value})
+    except ParameterError:
+        return False
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("order", ["full", "paper"])
+@sample_of(3, 20)
+def test_answers_agree_with_the_windows(mapping: str, order: str, count: int) -> None:
+    rng = random.Random(mapping + order)
+    ends_that_belong = 0
+    for _ in range(count):
+        p = drawn(rng)
+        for name in ("Omega", "B0", "k", belt(mapping)):
+            theta = pi * Rational(rng.choice([0, 1, 3, 5, 6, 7, 9, 9, 3, 11]), 6)
+            containing = values_containing(p, mapping, name, theta, order)
+            empty, everything = values_empty(p, mapping, name), values_everything(p, mapping, name, order)
+            for found, holds in (
+                (containing, lambda window, theta=theta: window.contains(theta)),
+                (empty, lambda window: window.kind == EMPTY),
+                (everything, lambda window: window.kind == EVERYTHING),
+            ):
+                for value in samples(found, p, name, rng):
+                    window = grazing_window(p.replace(**{name: value}), mapping, order)
+                    assert (Rational(value) in found) == holds(window), (p, name, value, theta, found)
+                    ends_that_belong += Rational(value) in found and Rational(value) in found.boundary
+    assert ends_that_belong > count
+
+
+def test_phases_that_are_no_multiple_of_pi() -> None:
+    assert values_containing(FIG9, "P2", "k", pi + sp.asin(Rational(1, 3))) == Interval.open(12, oo)
+    assert values_containing(FIG9, "P2", "k", 4) == Interval.open(-36 * sp.sin(4), oo)
+    assert values_containing(FIG9, "P2", "k", 4.0) == Interval.open(-36 * sp.sin(4), oo)
+    assert values_containing(FIG9, "P2", "k", 1) == Interval(0, oo)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("name", ["Omega", "B0", "k", "v_lambda"])
+@pytest.mark.parametrize("order", ["full", "paper"])
+@sample_of(3, 20)
+def test_answers_with_letters(mapping: str, name: str, order: str, count: int) -> None:
+    """With numbers put in exactly one condition holds, and its set is the answer for numbers."""
+    rng = random.Random(mapping + name)
+    questions: list[Any] = [
+        lambda p, theta: values_containing(p, mapping, name, theta, order),
+        lambda p, theta: values_empty(p, mapping, name),
+        lambda p, theta: values_everything(p, mapping, name, order),
+    ]
+    lettered = [question(None, None) for question in questions]
+    for answers in lettered:
+        assert all(isinstance(answer, Answer) for answer in answers)
+    for _ in range(count):
+        p = drawn(rng)
+        theta = pi * Rational(rng.choice([0, 1, 3, 7, 9, 9, 11]), 6)
+        values = {QUERY_LETTERS[each]: Rational(getattr(p, each)) for each in ("k", "B0", "Omega", "v1", "v2")}
+        values |= {QUERY_LETTERS["v"]: Rational(getattr(p, belt(mapping))), THETA: theta}
+        for question, answers in zip(questions, lettered, strict=True):
+            held = [answer for answer in answers if answer.condition.subs(values) == sp.true]
+            assert len(held) == 1
+            assert held[0].values.subs(values) == question(p, theta)
+
+
+def test_bad_names_and_phases() -> None:
+    for mapping in ("P1", "P7", ""):
+        with pytest.raises(ParameterError, match="P2, P3, P5, P6"):
+            values_empty(FIG9, mapping, "k")
+    for name in ("v2", "c", "A0", "abc", ""):
+        with pytest.raises(ParameterError, match="depends on Omega, B0, k and v1"):
+            values_everything(FIG9, "P2", name)
+    with pytest.raises(ParameterError, match="depends on Omega, B0, k and v2"):
+        values_everything(None, "P6", "v1")
+    for theta in ("abc", None, sp.Symbol("theta"), float("nan"), sp.I):
+        with pytest.raises(ParameterError, match="theta"):
+            values_containing(FIG9, "P2", "k", theta)
+    with pytest.raises(ParameterError, match="order"):
+        values_containing(FIG9, "P2", "k", 1, "second")
+
+
+def parameters(rng: random.Random) -> Parameters:
+    v1 = Fraction(rng.randint(-20, 10), rng.randint(1, 4))
+    numbers = {"B0": rng.choice([0, rng.randint(-9, 9), rng.randint(-9, 9)]), "k": rng.choice([0, *range(1, 6)])}
+    return FIG9.replace(v1=v1, v2=v1 + rng.randint(1, 9), Omega=Fraction(rng.randint(1, 9), 2), **numbers)
+
+
+def intervals(rng: random.Random) -> tuple[Any, list[Fraction], list[Fraction]]:
+    """Return an interval of phases, multiples of pi that lie in it, and those that are near its open ends."""
+    low = Fraction(rng.randint(-12, 24), 12)
+    length = Fraction(rng.randint(1, 24), 12)
+    open_ends = rng.random() < 0.4, rng.random() < 0.4
+    ends = [Rational(end.numerator, end.denominator) * pi for end in (low, low + length)]
+    given = Interval(*ends, *open_ends) if any(open_ends) or rng.random() < 0.3 else tuple(ends)
+    inside = [low + length * Fraction(i, 12) for i in range(1, 12)]
+    quarters = [Fraction(i, 2) for i in range(-4, 12)]
+    inside += [phase for phase in quarters if low < phase < low + length]
+    inside += [end for end, is_open in zip((low, low + length), open_ends, strict=True) if not is_open]
+    near = [length * Fraction(1, 10**digits) for digits in (3, 7, 14, 30)]
+    return given, inside, [low + step for step in near] + [low + length - step for step in near]
+
+
+def text(multiple: Fraction) -> str:
+    return f"{multiple.numerator}*pi/{multiple.denominator}"
+
+
+def tried(found: Any, rng: random.Random) -> list[Fraction]:
+    """Return the ends of an answer that are fractions, what is next to the others, and random values."""
+    values = [Fraction(rng.randint(-40, 40), 7) for _ in range(3)] + [Fraction(0)]
+    for end in found.boundary if found else ():
+        if end.is_Rational:
+            values.append(Fraction(int(end.p), int(end.q)))
+        near = Fraction(str(end.evalf(25)))
+        values += [near + step for step in (Fraction(1, 10**12), Fraction(-1, 10**12))]
+    return values
+
+
+def changed(p: Parameters, **values: Any) -> Parameters | None:
+    try:
+        return p.replace(**values)
+    except ParameterError:
+        return None
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("order", ["full", "paper"])
+def test_intervals_of_phases(mapping: str, order: str) -> None:
+    """A value is in the answer iff every phase of the interval is in the window, ends and tops of the sine included."""
+    rng, yes, no = random.Random(mapping + order), 0, 0
+    for _ in range(14):
+        p, name = parameters(rng), rng.choice(["Omega", "B0", "k", belt(mapping)])
+        given, inside, near = intervals(rng)
+        found = values_containing(p, mapping, name, given, order)
+        for value in tried(found, rng):
+            there = changed(p, **{name: value})
+            if there is None:
+                assert value not in found
+                continue
+            window = grazing_window(there, mapping, order)
+            everywhere = all(window.contains(text(phase)) for phase in inside + near)
+            assert (value in found) == everywhere, (p, mapping, name, given, value)
+            yes, no = yes + everywhere, no + (not everywhere)
+    assert min(yes, no) > 8
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("mapping", MAPS)
+@pytest.mark.parametrize("order", ["full", "paper"])
+def test_regions_of_two_parameters(mapping: str, order: str) -> None:
+    rng, yes, no = random.Random(f"region {mapping} {order}"), 0, 0
+    pairs = list(combinations(("Omega", "B0", "k", belt(mapping)), 2))
+    for names in pairs:
+        p = parameters(rng)
+        theta = Fraction(rng.choice([0, 1, 3, 5, 7, 9, 9, 3]), 6)
+        given, inside, near = intervals(rng)
+        questions = [
+            (values_containing(p, mapping, names, text(theta), order), lambda w, t=theta: w.contains(text(t))),
+            (
+                values_containing(p, mapping, names, given, order),
+                lambda w, some=(*inside, *near): all(w.contains(text(t)) for t in some),
+            ),
+            (values_empty(p, mapping, names), lambda w: w.kind == EMPTY),
+            (values_everything(p, mapping, names, order), lambda w: w.kind == EVERYTHING),
+        ]
+        for _ in range(6):
+            values = {name: Fraction(rng.randint(-6, 6), rng.choice([1, 2])) for name in names}
+            if rng.random() < 0.5:  # on the border of equality
+                values["B0" if "B0" in names else names[0]] = Fraction(rng.choice([-1, 0, 1, 2, 3]))
+            there = changed(p, **values)
+            if there is None:
+                refused(lambda: questions[0][0].contains(**values), next(iter(_refusing(p, values))))  # noqa: B023
+                continue
+            window = grazing_window(there, mapping, order)
+            for found, holds in questions:
+                assert found.contains(**values) == holds(window), (p, mapping, names, values, found)
+                yes, no = yes + holds(window), no + (not holds(window))
+    assert min(yes, no) > 4
+
+
+def _refusing(p: Parameters, values: dict[str, Any]) -> list[str]:
+    with pytest.raises(ParameterError) as caught:
+        p.replace(**values)
+    return [caught.value.name]
+
+
+def test_points_on_the_border_of_a_region() -> None:
+    full = values_containing(FIG9, "P2", ("Omega", "k"), "3*pi/2")
+    paper = values_containing(FIG9, "P2", ("Omega", "k"), "3*pi/2", "paper")
+    for Omega in (1, 2, Fraction(7, 3)):
+        on = {"Omega": Omega, "k": 9 * Fraction(Omega)}
+        assert (full.contains(**on), paper.contains(**on)) == (True, False)
+        assert not full.contains(Omega=Omega, k=on["k"] - Fraction(1, 10**40))
+        assert paper.contains(Omega=Omega, k=on["k"] + Fraction(1, 10**40))
+    assert full.condition == (sp.Symbol("k", nonnegative=True) >= 9 * sp.Symbol("Omega", positive=True))
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("mapping", MAPS)
+def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
+    """The flow with 130 digits turns back, just inside an answer, and does not just outside."""
+    rng, seen = random.Random(f"flow {mapping}"), {True: 0, False: 0}
+    while min(seen.values()) < 6:
+        p, name = parameters(rng), rng.choice(["Omega", "B0", "k", belt(mapping)])
+        theta = Fraction(rng.randint(0, 11), 6)
+        found = values_containing(p, mapping, name, text(theta))
+        for value in tried(found, rng):
+            there = changed(p, **{name: value})
+            if there is None or there.k == 0 or there.k * there.belt(1 if belt(mapping) == "v1" else 2) == 0:
+                continue
+            ways = Ways(grazing_window(there, mapping))
+            verdict = ways.fine_flow(ways.fine.context.pi * theta.numerator / theta.denominator)
+            if verdict:
+                assert (verdict == YES) == (value in found), (there, mapping, name, theta)
+                seen[verdict == YES] += 1
+
+
+def test_values_work_like_the_set_that_they_are() -> None:
+    found = values_containing(FIG9, "P2", "Omega", 7 * pi / 6)
+    assert found == Interval.open(0, Rational(2, 3))
+    assert Interval.open(0, Rational(2, 3)) == found
+    assert hash(found) == hash(found.values)
+    assert sp.Intersection(found, Interval(0, 1)) == found
+    assert found.is_subset(Interval(0, oo))
+    assert ("2/3" in found, 0.5 in found, Rational(1, 3) in found) == (False, True, True)
+    assert not values_containing(FIG9, "P3", "k", 0)
+    assert repr(found) == "Interval.open(0, 2/3)"
+
+
+def test_known_answers_over_intervals() -> None:
+    assert values_containing(FIG9, "P2", "Omega", (0, "pi")) == Interval.open(0, oo)
+    assert values_containing(FIG9, "P2", "k", ("pi", "3*pi/2")) == Interval(36, oo)
+    assert values_containing(FIG9, "P2", "k", ("pi", "3*pi/2"), "paper") == Interval.open(36, oo)
+    assert values_containing(FIG9, "P2", "k", Interval.open(pi, 3 * pi / 2), "paper") == Interval(36, oo)
+    assert values_containing(FIG9, "P2", "k", Interval.open(pi, 7 * pi / 6)) == Interval(18, oo)
+    assert values_containing(FIG9, "P2", "k", (pi, 7 * pi / 6)) == Interval.open(18, oo)
+    assert values_containing(FIG9, "P2", "k", ("-pi/6", "pi/6")) == Interval.open(18, oo)  # through 0
+    assert values_containing(FIG9, "P2", "B0", (0, "2*pi")) == values_everything(FIG9, "P2", "B0")
+
+
+@pytest.mark.parametrize(
+    "theta",
+    [(1, 1), (2, 1), (1,), (1, 2, 3), (0, 7), ("a", 1), (None, 1), [], (sp.Symbol("x"), 1), Interval(0, oo)],
+)
+def test_what_is_no_interval(theta: Any) -> None:
+    refused(lambda: values_containing(FIG9, "P2", "Omega", theta), "theta")
+
+
+def test_bad_questions() -> None:
+    refused(lambda: values_containing(None, "P2", "Omega", (1, 2)), "theta")
+    refused(lambda: values_containing(None, "P2", ("Omega", "k"), 1), "p")
+    for names in (("Omega", "Omega"), ("Omega",) * 3, (), ("Omega", "v2"), ("v1", "v_lambda"), ("Omega", 5)):
+        refused(lambda names=names: values_containing(FIG9, "P2", names, 1), "name")  # type: ignore[misc]
+    region = values_empty(FIG9, "P2", ("Omega", "k"))
+    for values in ({}, {"Omega": 1}, {"Omega": 1, "B0": 1}, {"Omega": 1, "k": 1, "B0": 1}):
+        refused(lambda values=values: region.contains(**values), "values")  # type: ignore[misc]
+    refused(lambda: region.contains(Omega=0, k=1), "Omega")
+    refused(lambda: region.contains(Omega=1, k="x"), "k")
+
+
+def assert_good_latex(text: str) -> None:
+    assert text.count(r"\left") == text.count(r"\right") + text.count(r"\leftarrow")
+    assert "asin" not in text
+    assert "operatorname" not in text
+    assert "$" not in text
+    assert text.count("{") == text.count("}")
+
+
+def test_answers_in_print() -> None:
+    one = values_containing(FIG9, "P2", "Omega", "7*pi/6")
+    assert one.latex() == (
+        r"P_{2} \text{ grazes at }\theta = \frac{7 \pi}{6}:\quad \Omega \in \left(0, \frac{2}{3}\right)"
+    )
+    assert one.text() == "P2 grazes at theta = 7*pi/6 for Omega in (0, 2/3)"
+    every = values_containing(FIG9, "P2", "k", ("pi", "3*pi/2"))
+    assert every.text() == "P2 grazes at every theta in [pi, 3*pi/2] for k in [36, oo)"
+    assert values_containing(FIG9, "P3", "k", 0).text() == "P3 grazes at theta = 0 for no k"
+    region = values_containing(FIG9, "P2", ("Omega", "k"), "7*pi/6")
+    assert region.latex() == (
+        r"P_{2} \text{ grazes at }\theta = \frac{7 \pi}{6}:\quad "
+        r"\left\{(\Omega, k) : \Omega > 0,\ k \geq 0,\ k > \frac{9 \Omega}{2}\right\}"
+    )
+    letters = values_empty(None, "P3", "B0")
+    assert letters.latex().splitlines()[0] == r"\begin{array}{ll}"
+    assert r"\left[- \frac{k v_{\lambda}}{\Omega}, \frac{k v_{\lambda}}{\Omega}\right]" in letters.latex()
+    shown = [one, every, region, letters, *letters, values_everything(FIG9, "P6", ("B0", "v2"), "paper")]
+    shown += [values_containing(FIG9, "P5", names, (1, 2)) for names in (("B0", "k"), ("Omega", "v2"))]
+    for answer in shown:
+        assert_good_latex(answer.latex())
+
+
+def test_answers_can_be_sent_and_copied() -> None:
+    shown = [values_containing(FIG9, "P2", name, "7*pi/6") for name in ("Omega", ("Omega", "k"), ("B0", "v1"))]
+    shown += [values_empty(None, "P2", "Omega"), theorem7("P2"), values_containing(FIG9, "P2", "k", (1, 2))]
+    for answer in shown:
+        for twin in (pickle.loads(pickle.dumps(answer)), copy.deepcopy(answer)):
+            assert type(twin) is type(answer)
+            assert twin.latex() == answer.latex()
